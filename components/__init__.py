@@ -1,0 +1,1 @@
+"""Physical components: equations only, no knowledge of FMI, files, scenes or plots."""

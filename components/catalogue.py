@@ -1,0 +1,21 @@
+"""The list of all components: a name here puts a component under the contract tests, the FMU builder and the command line."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from .core.component import Component
+from .core.errors import BadInput, nearest
+
+CATALOGUE = {
+    "Pantograph": "railway.pantograph",
+    "Catenary": "railway.catenary",
+    "LumpedCatenary": "railway.lumped",
+}
+
+
+def component_class(name: str, where: str = "component") -> type[Component]:
+    """The class behind a catalogue name; raises `BadInput` with the near names."""
+    if name not in CATALOGUE:
+        raise BadInput(where, f"component {name!r}", "a component of the catalogue", nearest(name, CATALOGUE))
+    return getattr(import_module("." + CATALOGUE[name], __package__), name)

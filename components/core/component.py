@@ -1,0 +1,267 @@
+"""The contract every component keeps.
+
+A component declares its variables and effects on the class. An instance is made with the effects that are on, then
+`initialize(t)`, then any number of `step(t, h)`; `refresh()` recomputes the outputs after an input was set between steps;
+`save()` and `restore()` may surround a repeated step. After `StepFailed` only `restore` is allowed.
+
+A component written for this contract gives `_settle` or the defaults below, and three hooks: `_initialize`, `_step`, `_outputs`.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from .errors import BadInput, StepFailed, nearest
+from .kernels import DONE, REASONS
+from .variables import Causality, Variable
+
+
+def _declared(cls: type) -> tuple[Variable, ...]:
+    return tuple(v for v in vars(cls).values() if isinstance(v, Variable))
+
+
+def _values_type(owner: type, fields: Iterable[str]) -> type:
+    """A NamedTuple for kernels. Reachable under its own name, because Numba's disk cache refers to it by name."""
+    values = namedtuple("Values", tuple(fields))  # type: ignore[misc]
+    values.__module__, values.__qualname__ = owner.__module__, f"{owner.__qualname__}.Values"
+    return values
+
+
+class Effect:
+    """An optional part of a component's physics. Off means absent: no state, no variable, no call.
+
+    A subclass declares its own variables. Kernels get `Values` (the parameters, plus `u` and `y`, the positions of the
+    effect's first input and output) or None.
+    """
+
+    requires: ClassVar[tuple[str, ...]] = ()
+    excludes: ClassVar[tuple[str, ...]] = ()
+    variables: ClassVar[tuple[Variable, ...]] = ()
+    Values: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        cls.variables = _declared(cls)
+        cls.Values = _values_type(cls, ["u", "y"] + [v.name for v in cls.variables if v.causality is Causality.PARAMETER])
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A published set of parameters: where it was read, and what standing its numbers have."""
+
+    parameters: Mapping[str, float]
+    source: str
+    standing: str  # "verbatim", "recalled", "inferred" or "computed"
+    effects: tuple[str, ...] = ()
+
+
+class Component:
+    """Base of all components; see the module's docstring for the order of calls."""
+
+    title: ClassVar[str] = ""
+    system: ClassVar[str] = ""
+    needs_scipy: ClassVar[bool] = False
+    presets: ClassVar[Mapping[str, Preset]] = {}
+    counters: ClassVar[tuple[str, ...]] = ("steps", "derivative_calls")
+    default_step: ClassVar[float] = 1e-3  # s, macro step of the FMU's default experiment
+    default_stop: ClassVar[float] = 1.0  # s
+
+    own_variables: ClassVar[tuple[Variable, ...]] = ()
+    effects: ClassVar[Mapping[str, type[Effect]]] = {}
+    variables: ClassVar[Mapping[str, Variable]] = {}  # every scalar, of effects too, by full name
+    Values: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        cls.own_variables = _declared(cls)
+        cls.effects = {n: e for n, e in vars(cls).items() if isinstance(e, type) and issubclass(e, Effect)}
+        cls.variables = {s.name: s for v in cls.own_variables for s in v.scalars}
+        for name, effect in cls.effects.items():
+            cls.variables |= {s.name: s for v in effect.variables for s in _prefixed(v, name).scalars}
+        cls.Values = _values_type(cls, [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER])
+
+    @classmethod
+    def input_indices(cls, *names: str) -> tuple[int, ...]:
+        """Positions of own inputs in the kernels' `u`."""
+        return tuple(_names(cls.own_variables, Causality.INPUT).index(n) for n in names)
+
+    @classmethod
+    def output_indices(cls, *names: str) -> tuple[int, ...]:
+        """Positions of own outputs in the kernels' `y`."""
+        return tuple(_names(cls.own_variables, Causality.OUTPUT).index(n) for n in names)
+
+    def __init__(self, effects: Iterable[str] = (), parameters: Mapping[str, Any] | None = None, *, preset: str = "", name: str = ""):
+        cls = type(self)
+        self.name = name or cls.__name__
+        settled: dict[str, Any] = {}
+        if preset:
+            if preset not in cls.presets:
+                raise BadInput(self.name, f"preset {preset!r}", "a preset of " + cls.__name__, nearest(preset, cls.presets))
+            settled |= cls.presets[preset].parameters
+            effects = (*cls.presets[preset].effects, *effects)
+        self.on = self._checked_effects(tuple(effects))
+        active = {n: v for n, v in cls.variables.items() if self.is_active(n)}
+        self.parameters = {n: v.start for n, v in active.items() if v.causality is Causality.PARAMETER}
+        self.inputs = tuple(n for n, v in active.items() if v.causality is Causality.INPUT)
+        self.outputs = tuple(n for n, v in active.items() if v.causality is Causality.OUTPUT)
+        self._input_index = {n: i for i, n in enumerate(self.inputs)}
+        self._output_index = {n: i for i, n in enumerate(self.outputs)}
+        self.u = np.zeros((3, len(self.inputs)))  # value now, slope, half of the second derivative over the coming step
+        self.u[0] = [active[n].start for n in self.inputs]
+        self.y = np.zeros(len(self.outputs))
+        self.x = np.zeros(0)
+        self.t = 0.0
+        self.counts = np.zeros(len(self.counters), dtype=np.int64)
+        for key, value in {**settled, **(parameters or {})}.items():
+            self.set(key, value)
+
+    def _checked_effects(self, effects: tuple[str, ...]) -> tuple[str, ...]:
+        known = type(self).effects
+        for effect in effects:
+            if effect not in known:
+                raise BadInput(self.name, f"effect {effect!r}", f"an effect of {type(self).__name__}", nearest(effect, known))
+        for effect in effects:
+            for other in known[effect].requires:
+                if other not in effects:
+                    raise BadInput(self.name, f"effect {effect!r} without {other!r}", f"both of them; {effect!r} needs {other!r}")
+            for other in known[effect].excludes:
+                if other in effects:
+                    raise BadInput(self.name, f"effects {effect!r} and {other!r} together", "one of them; they exclude each other")
+        return tuple(n for n in known if n in effects)
+
+    def is_active(self, variable: str) -> bool:
+        """Whether the variable exists in this instance, that is, belongs to no effect that is off."""
+        effect, dot, _ = variable.partition(".")
+        return not dot or effect in self.on
+
+    # -- values ------------------------------------------------------------------------------------------------------
+    def _unknown(self, name: str) -> BadInput:
+        if name in type(self).variables:
+            effect = name.partition(".")[0]
+            return BadInput(self.name, f"variable {name!r}", "a variable of what is on", f"Switch on the effect {effect!r} to have it.")
+        names = [*self.parameters, *self.inputs, *self.outputs]
+        return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", nearest(name, names))
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a parameter (before `initialize`) or the present value of an input."""
+        if name in self._input_index:
+            self.u[:, self._input_index[name]] = (float(value), 0.0, 0.0)
+        elif name in self.parameters:
+            self.parameters[name] = type(self).variables[name].checked(value, self.name)
+        else:
+            raise self._unknown(name)
+
+    def get(self, name: str) -> Any:
+        """The value of a parameter, an input or an output."""
+        if name in self._output_index:
+            return float(self.y[self._output_index[name]])
+        if name in self._input_index:
+            return float(self.u[0, self._input_index[name]])
+        if name in self.parameters:
+            return self.parameters[name]
+        raise self._unknown(name)
+
+    __getitem__, __setitem__ = get, set
+
+    def input_positions(self, names: Iterable[str]) -> np.ndarray:
+        """Columns of `u` for input names, (n,)."""
+        return np.array([self._input_index[n] for n in names], dtype=np.intp)
+
+    def output_positions(self, names: Iterable[str]) -> np.ndarray:
+        """Elements of `y` for output names, (n,)."""
+        return np.array([self._output_index[n] for n in names], dtype=np.intp)
+
+    def _settled(self) -> tuple[Any, ...]:
+        """(parameters, effect, effect, ...) for the kernels: a NamedTuple, then one NamedTuple or None an effect."""
+        cls = type(self)
+        values = [cls.Values(*(self._value(v) for v in cls.own_variables if v.causality is Causality.PARAMETER))]
+        for name, effect in cls.effects.items():
+            if name not in self.on:
+                values.append(None)
+                continue
+            fields = [self._value(_prefixed(v, name)) for v in effect.variables if v.causality is Causality.PARAMETER]
+            u = next((i for i, n in enumerate(self.inputs) if n.startswith(name + ".")), -1)
+            y = next((i for i, n in enumerate(self.outputs) if n.startswith(name + ".")), -1)
+            values.append(effect.Values(u, y, *fields))
+        return tuple(values)
+
+    def _value(self, variable: Variable) -> Any:
+        if variable.size:
+            return np.array([self.parameters[s.name] for s in variable.scalars])
+        value = self.parameters[variable.name]
+        return variable.choices.index(value) if variable.choices else value
+
+    # -- the run -----------------------------------------------------------------------------------------------------
+    def initialize(self, t: float) -> None:
+        """Settle parameters, find the initial state for the present inputs, compute the outputs. May be repeated."""
+        self.t = float(t)
+        self.u[1:] = 0.0
+        self.counts[:] = 0
+        self._check(self._initialize(self.t))
+        self.refresh()
+
+    def step(self, t: float, h: float) -> None:
+        """Advance from t to t + h; inputs follow u[0] + u[1] s + u[2] s², and keep their end value afterwards."""
+        self._check(self._step(float(t), float(h)))
+        self.u[0] += h * (self.u[1] + h * self.u[2])
+        self.u[1:] = 0.0
+        self.t = t + h
+
+    def refresh(self) -> None:
+        """Outputs from the present state and inputs."""
+        self._outputs(self.t)
+
+    def _check(self, status: int) -> None:
+        if status != DONE:
+            raise StepFailed(self.name, self.t, *REASONS[status])
+
+    def save(self) -> bytes:
+        """Everything a repeated step depends on; `restore` gives back every bit."""
+        return np.concatenate(([self.t], self.u.ravel(), self.y, self.x)).tobytes()
+
+    def restore(self, state: bytes) -> None:
+        """Take back a state of `save`, of this instance or of one with the same effects and parameters."""
+        values = np.frombuffer(state)
+        if values.size != 1 + self.u.size + self.y.size + self.x.size:
+            raise BadInput(self.name, f"a state of {values.size} numbers", f"{1 + self.u.size + self.y.size + self.x.size} numbers")
+        self.t = float(values[0])
+        ends = np.cumsum([1, self.u.size, self.y.size])
+        self.u[:] = values[ends[0] : ends[1]].reshape(self.u.shape)
+        self.y[:] = values[ends[1] : ends[2]]
+        self.x[:] = values[ends[2] :]
+
+    @property
+    def work(self) -> dict[str, int]:
+        """The counters by name, since `initialize`."""
+        return dict(zip(self.counters, self.counts.tolist(), strict=True))
+
+    # -- what a component gives --------------------------------------------------------------------------------------
+    def _initialize(self, t: float) -> int:
+        raise NotImplementedError
+
+    def _step(self, t: float, h: float) -> int:
+        """Advance the state and leave the outputs of the end of the step in `y`."""
+        raise NotImplementedError
+
+    def _outputs(self, t: float) -> None:
+        raise NotImplementedError
+
+    def energy(self) -> float:
+        """Mechanical energy of the present state, J."""
+        raise NotImplementedError
+
+    def stable_step(self) -> float:
+        """Largest internal step that is stable without the interface, s."""
+        raise NotImplementedError
+
+
+def _names(variables: Iterable[Variable], causality: Causality) -> list[str]:
+    return [s.name for v in variables if v.causality is causality for s in v.scalars]
+
+
+def _prefixed(variable: Variable, effect: str) -> Variable:
+    feedthrough = tuple(f"{effect}.{n[1:]}" if n.startswith(".") else n for n in variable.feedthrough)
+    return replace(variable, name=f"{effect}.{variable.name}", feedthrough=feedthrough)

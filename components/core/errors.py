@@ -1,0 +1,28 @@
+"""The two ways things go wrong: the user's input, and a step that cannot be completed."""
+
+
+class BadInput(ValueError):
+    """Something the user gave cannot be used; the message says where, what came, what was expected, what to do."""
+
+    def __init__(self, where: str, came: str, expected: str, remedy: str = ""):
+        self.where, self.came, self.expected, self.remedy = where, came, expected, remedy
+        super().__init__(f"{where}: {came}; expected {expected}" + (f". {remedy}" if remedy else ""))
+
+
+class StepFailed(RuntimeError):
+    """A unit could not complete a step: who, when, why, and what may help."""
+
+    def __init__(self, unit: str, time: float, reason: str, remedy: str = ""):
+        self.unit, self.time, self.reason, self.remedy = unit, time, reason, remedy
+        super().__init__(f"{unit} failed at t = {time:.9g} s: {reason}" + (f". {remedy}" if remedy else ""))
+
+
+def nearest(name: str, names) -> str:
+    """The part of a message that helps with a misspelt name: the near ones, or all of a short list."""
+    from difflib import get_close_matches
+
+    names = list(names)
+    near = get_close_matches(name, names, n=3, cutoff=0.5)
+    if near:
+        return "did you mean " + " or ".join(repr(n) for n in near) + "?"
+    return "there is " + (", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none")

@@ -1,0 +1,96 @@
+"""Explicit integrators as templates: a component binds one to its own `derivatives` and `outputs`.
+
+The kernels a component supplies:
+
+    derivatives(t, x, u, dx, p, *effects)       x: (n,) state; u: (m,) inputs at t; dx: (n,) result
+    outputs(t, x, u, y, p, *effects)            y: (k,) result
+
+and what it gets back, `advance(t, h, n, x, u, y, work, counts, p, *effects) -> status`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .component import Component
+from .kernels import DONE, NOT_FINITE
+
+
+def derivatives(t, x, u, dx, p, *effects):
+    """Placeholder that `bind` replaces."""
+    raise NotImplementedError
+
+
+def outputs(t, x, u, y, p, *effects):
+    """Placeholder that `bind` replaces."""
+    raise NotImplementedError
+
+
+def rk4(t, h, n, x, u, y, work, counts, p, *effects):
+    """The classic fourth-order Runge-Kutta method: n equal steps from t to t + h, then the outputs.
+
+    u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (6, max(len(x), m)).  counts: steps, derivative calls.
+    """
+    nx, nu = x.size, u.shape[1]
+    k1, k2, k3, k4, xs = work[0, :nx], work[1, :nx], work[2, :nx], work[3, :nx], work[4, :nx]
+    us = work[5, :nu]
+    d = h / n
+    for i in range(n):
+        s = i * d
+        for j in range(nu):
+            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        derivatives(t + s, x, us, k1, p, *effects)
+        s += 0.5 * d
+        for j in range(nu):
+            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        for j in range(nx):
+            xs[j] = x[j] + 0.5 * d * k1[j]
+        derivatives(t + s, xs, us, k2, p, *effects)
+        for j in range(nx):
+            xs[j] = x[j] + 0.5 * d * k2[j]
+        derivatives(t + s, xs, us, k3, p, *effects)
+        s = (i + 1) * d
+        for j in range(nu):
+            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        for j in range(nx):
+            xs[j] = x[j] + d * k3[j]
+        derivatives(t + s, xs, us, k4, p, *effects)
+        for j in range(nx):
+            x[j] += d / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+    counts[0] += n
+    counts[1] += 4 * n
+    outputs(t + h, x, us, y, p, *effects)
+    for j in range(nx):
+        if not math.isfinite(x[j]):
+            return NOT_FINITE
+    return DONE
+
+
+class OdeComponent(Component):
+    """A component that is an ordinary differential equation, advanced by a bound template.
+
+    A subclass gives `advance` and `output_kernel` (kernels), `initial_state()`, and has a parameter `substep` in s.
+    """
+
+    advance = None
+    output_kernel = None
+
+    def initial_state(self) -> np.ndarray:
+        """State at the start for the present inputs and `self.settled`, shape (n,)."""
+        raise NotImplementedError
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
+        self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))
+        self._substep = float(self.parameters["substep"])
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+    def _outputs(self, t: float) -> None:
+        type(self).output_kernel(t, self.x, self.u[0], self.y, *self.settled)

@@ -1,0 +1,67 @@
+"""Compiled kernels: one source that Numba compiles where it is installed and plain Python runs where it is not.
+
+A kernel allocates nothing and raises nothing. It gets state, inputs, outputs, parameters (a NamedTuple), effects
+(a NamedTuple each, or None) and workspace, and returns one of the status integers below. Numba prunes the branch
+`if effect is not None` at compile time, so an effect that is off is not in the machine code.
+"""
+
+from __future__ import annotations
+
+import types
+from pathlib import Path
+
+try:
+    from numba import njit
+except ImportError:  # an FMU's host may lack Numba: slower, the same equations
+    njit = None
+
+COMPILED = njit is not None
+
+DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE = range(4)
+REASONS = {
+    NOT_FINITE: ("the state is not finite", "Reduce the macro step, or the component's substep"),
+    NOT_CONVERGED: ("the iteration inside the step did not converge", "Reduce the component's substep"),
+    OUT_OF_RANGE: ("an input left the range of the model", "Check the inputs, or shorten the run"),
+}
+
+
+def _sources_stamp() -> tuple[tuple[str, int, int], ...]:
+    """(path, time, size) of every source file beside this package; a part of each cached kernel's key."""
+    root = Path(__file__).resolve().parent.parent
+    files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts)
+    return tuple((str(p.relative_to(root)), (s := p.stat()).st_mtime_ns, s.st_size) for p in files)
+
+
+_STAMP = _sources_stamp()
+
+
+def kernel(function):
+    """Compile `function` on first use and keep the machine code on disk.
+
+    Numba looks only at the file that holds a function to decide whether its cached code is fresh. Kernels call
+    kernels of other files, so an edit there would go unnoticed: the stamp covers the whole package instead.
+    """
+    if njit is None:
+        return function
+    dispatcher = njit(cache=True, error_model="numpy")(function)
+    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if cache_file is not None:
+        cache_file._source_stamp = _STAMP
+    return dispatcher
+
+
+def bind(template, module: str, **names):
+    """A kernel made from `template` with some of its global names replaced, cached under `module`'s name.
+
+    Numba never finds a cached kernel that takes another kernel as an argument; one that calls it as a global it does.
+    """
+    qualname = f"{template.__name__}_{module.replace('.', '_')}"
+    bound = types.FunctionType(template.__code__, {**template.__globals__, **names}, qualname)
+    bound.__qualname__, bound.__module__, bound.__doc__ = qualname, template.__module__, template.__doc__
+    return kernel(bound)
+
+
+def compiled_from_cache(*kernels) -> tuple[int, int]:
+    """(hits, misses) of the on-disk cache, summed over `kernels`; (0, 0) without Numba."""
+    stats = [k.stats for k in kernels if hasattr(k, "stats")]
+    return sum(s.cache_hits.total() for s in stats), sum(s.cache_misses.total() for s in stats)

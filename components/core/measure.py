@@ -1,0 +1,77 @@
+"""Units of measure: what a unit string means in SI base units, and how to get from one to another.
+
+A unit is written the way FMI tools write it: factors joined by ".", divided by "/" (each "/" divides only the
+factor behind it), with integer exponents ("N.s/m", "kg.m2", "1/s", "m/s2").
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from .errors import BadInput, nearest
+
+BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """SI value = factor * value + offset, with the exponents of `BASES`."""
+
+    factor: float
+    offset: float
+    exponents: tuple[int, ...]
+
+
+def _unit(factor: float = 1.0, offset: float = 0.0, **powers: int) -> Unit:
+    return Unit(factor, offset, tuple(powers.get(base, 0) for base in BASES))
+
+
+PI = 3.141592653589793
+SYMBOLS = {
+    "1": _unit(), "kg": _unit(kg=1), "m": _unit(m=1), "s": _unit(s=1), "A": _unit(A=1), "K": _unit(K=1),
+    "mol": _unit(mol=1), "cd": _unit(cd=1), "rad": _unit(rad=1),
+    "Hz": _unit(s=-1), "N": _unit(kg=1, m=1, s=-2), "Pa": _unit(kg=1, m=-1, s=-2), "J": _unit(kg=1, m=2, s=-2),
+    "W": _unit(kg=1, m=2, s=-3), "V": _unit(kg=1, m=2, s=-3, A=-1), "Ohm": _unit(kg=1, m=2, s=-3, A=-2),
+    "H": _unit(kg=1, m=2, s=-2, A=-2), "F": _unit(kg=-1, m=-2, s=4, A=2), "C": _unit(s=1, A=1),
+    "g": _unit(1e-3, kg=1), "t": _unit(1e3, kg=1),
+    "mm": _unit(1e-3, m=1), "um": _unit(1e-6, m=1), "cm": _unit(1e-2, m=1), "km": _unit(1e3, m=1), "l": _unit(1e-3, m=3),
+    "ms": _unit(1e-3, s=1), "us": _unit(1e-6, s=1), "min": _unit(60.0, s=1), "h": _unit(3600.0, s=1),
+    "kN": _unit(1e3, kg=1, m=1, s=-2), "mN": _unit(1e-3, kg=1, m=1, s=-2),
+    "kPa": _unit(1e3, kg=1, m=-1, s=-2), "MPa": _unit(1e6, kg=1, m=-1, s=-2), "GPa": _unit(1e9, kg=1, m=-1, s=-2),
+    "bar": _unit(1e5, kg=1, m=-1, s=-2), "kJ": _unit(1e3, kg=1, m=2, s=-2),
+    "kW": _unit(1e3, kg=1, m=2, s=-3), "mW": _unit(1e-3, kg=1, m=2, s=-3),
+    "kHz": _unit(1e3, s=-1), "deg": _unit(PI / 180.0, rad=1), "rpm": _unit(2.0 * PI / 60.0, rad=1, s=-1),
+    "%": _unit(1e-2), "degC": _unit(1.0, 273.15, K=1),
+}
+_FACTOR = re.compile(r"([./]?)([A-Za-z%]+|1)(-?\d+)?")
+
+
+def parse(text: str, where: str = "unit") -> Unit:
+    """The meaning of a unit string; raises `BadInput` for an unknown symbol or form."""
+    factor, exponents, position = 1.0, [0] * len(BASES), 0
+    if text in SYMBOLS:
+        return SYMBOLS[text]
+    for match in _FACTOR.finditer(text):
+        if match.start() != position or (position == 0) != (match[1] == ""):
+            break
+        symbol = SYMBOLS.get(match[2])
+        if symbol is None:
+            raise BadInput(where, f"unit {text!r}", "known symbols", f"For {match[2]!r} {nearest(match[2], SYMBOLS)}")
+        power = int(match[3] or 1) * (-1 if match[1] == "/" else 1)
+        factor *= symbol.factor**power
+        exponents = [e + power * s for e, s in zip(exponents, symbol.exponents, strict=True)]
+        position = match.end()
+    if position != len(text) or not text:
+        raise BadInput(where, f"unit {text!r}", 'factors joined by "." and "/", such as "N.s/m" or "kg.m2"')
+    return Unit(factor, 0.0, tuple(exponents))
+
+
+def conversion(source: str, target: str, where: str = "unit") -> tuple[float, float]:
+    """(factor, offset) with target value = factor * source value + offset; raises `BadInput` if they do not fit."""
+    if source == target:
+        return 1.0, 0.0
+    a, b = parse(source, where), parse(target, where)
+    if a.exponents != b.exponents:
+        raise BadInput(where, f"{source!r} cannot become {target!r}", "units of the same quantity")
+    return a.factor / b.factor, (a.offset - b.offset) / b.factor

@@ -1,0 +1,94 @@
+"""Declared variables: one line on the class gives name, start, unit, description and limits.
+
+The component's interface, the FMU's model description, the checks of a scene and the tests all derive from that line.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass, replace
+
+from .errors import BadInput
+from .measure import parse
+
+
+class Causality(enum.Enum):
+    PARAMETER = "parameter"
+    INPUT = "input"
+    OUTPUT = "output"
+
+
+class Kind(enum.Enum):
+    REAL = "real"
+    INTEGER = "integer"
+    CHOICE = "choice"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One declared variable; `name` carries the effect it belongs to ("bump_stops.stiffness")."""
+
+    causality: Causality
+    kind: Kind
+    start: float | int | str
+    unit: str
+    text: str
+    low: float = -math.inf
+    high: float = math.inf
+    nominal: float = 1.0
+    size: int = 0  # 0: a scalar; n: an array that appears as name[1] ... name[n]
+    choices: tuple[str, ...] = ()
+    feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+        parse(self.unit, f"{owner.__name__}.{name}")
+
+    @property
+    def scalars(self) -> tuple[Variable, ...]:
+        """The variable itself, or the elements of an array as variables of their own (counted from 1)."""
+        if not self.size:
+            return (self,)
+        starts = self.start if isinstance(self.start, tuple) else (self.start,) * self.size
+        return tuple(replace(self, name=f"{self.name}[{i + 1}]", start=s, size=0) for i, s in enumerate(starts))
+
+    def checked(self, value, where: str):
+        """`value` in this variable's type and within its limits, or `BadInput`."""
+        came = f"{self.name} = {value!r}"
+        if self.kind is Kind.CHOICE:
+            if value not in self.choices:
+                raise BadInput(where, came, "one of " + ", ".join(self.choices))
+            return value
+        if isinstance(value, bool | str) or (self.kind is Kind.INTEGER and value != int(value)):
+            raise BadInput(where, came, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
+        if not self.low <= value <= self.high or not math.isfinite(value):
+            unit = "" if self.unit == "1" else f" {self.unit}"
+            raise BadInput(where, came, f"a value in [{self.low:g}, {self.high:g}]{unit}", self.text.capitalize() + ".")
+        return int(value) if self.kind is Kind.INTEGER else float(value)
+
+
+def parameter(start: float, unit: str, text: str, **limits) -> Variable:
+    """A real parameter, fixed before the run."""
+    return Variable(Causality.PARAMETER, Kind.REAL, start, unit, text, **limits)
+
+
+def integer(start: int, text: str, **limits) -> Variable:
+    """A whole number, fixed before the run."""
+    return Variable(Causality.PARAMETER, Kind.INTEGER, start, "1", text, **limits)
+
+
+def choice(start: str, choices: tuple[str, ...], text: str) -> Variable:
+    """One of a few names, fixed before the run."""
+    return Variable(Causality.PARAMETER, Kind.CHOICE, start, "1", text, choices=choices)
+
+
+def input_(start: float, unit: str, text: str, **more) -> Variable:
+    """A continuous input; within a step it follows a polynomial of degree 0 to 2 in time."""
+    return Variable(Causality.INPUT, Kind.REAL, start, unit, text, **more)
+
+
+def output(unit: str, text: str, **more) -> Variable:
+    """A continuous output."""
+    return Variable(Causality.OUTPUT, Kind.REAL, 0.0, unit, text, **more)

@@ -1,0 +1,1 @@
+"""Pantograph and catenary."""
