@@ -1,0 +1,1 @@
+"""What is computed from recorded signals and from sets of runs."""
