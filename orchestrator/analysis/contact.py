@@ -57,7 +57,7 @@ class ContactRecord:
     uplifts: tuple[np.ndarray, ...] = field(default=())
 
     def statistics(self, span: tuple[float, float], low_pass: Filter | None = None) -> ContactStatistics:
-        """Statistics over span[0] <= position < span[1]; filters see the whole record, so that the window has no edges of its own.
+        """Statistics over span[0] <= position < span[1]; filters see the whole record, so the window adds no edges.
 
         The uplift of a support is its maximum over the whole record: a support at the window's edge rises before and after.
         """

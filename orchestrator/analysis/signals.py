@@ -53,7 +53,7 @@ class Filter:
             sections = dsp.butter(self.order, self.cutoff, self.kind, fs=rate, output="sos")
             return dsp.sosfilt(sections, x, zi=dsp.sosfilt_zi(sections) * x[0])[0]
         n = self.order // 2
-        # The bilinear transform warps frequencies by tan; the shift of the cut-off is done on the warped axis, to be exact at any rate.
+        # The bilinear transform warps frequencies by tan; shifting the cut-off on the warped axis is exact at any rate.
         warped = np.tan(np.pi * self.cutoff / rate) * EDGE ** (-1.0 / n if self.kind == "lowpass" else 1.0 / n)
         sections = dsp.butter(n, rate / np.pi * np.arctan(warped), self.kind, fs=rate, output="sos")
         return dsp.sosfiltfilt(sections, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
@@ -96,8 +96,15 @@ def fraction_below(x: np.ndarray, level: float = 0.0) -> float:
     return 100.0 * float(np.count_nonzero(x <= level)) / x.size
 
 
+def fraction_in_gaps(x: np.ndarray, rate: float, longer_than: float, level: float = 0.0) -> float:
+    """Share of the samples with x <= level in uninterrupted stretches longer than `longer_than` seconds, in percent."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], x <= level, [0]))))
+    lengths = edges[1::2] - edges[::2]
+    return 100.0 * float(lengths[lengths > longer_than * rate * (1.0 + 1e-9)].sum()) / x.size
+
+
 def band(x: np.ndarray, rate: float, low: float, high: float, like: Filter) -> np.ndarray:
-    """The part of x between `low` and `high` Hz, (n,), by Butterworth filters of the order and phase of `like`; low 0 keeps the mean."""
+    """The part of x between `low` and `high` Hz, (n,), by filters of the order and phase of `like`; low 0 keeps the mean."""
     kept = Filter(high, like.order, like.zero_phase).apply(x, rate)
     return kept if low == 0.0 else Filter(low, like.order, like.zero_phase, "highpass").apply(kept, rate)
 

@@ -5,7 +5,7 @@ import pytest
 
 from components.core.errors import BadInput
 from orchestrator.analysis.contact import ContactRecord
-from orchestrator.analysis.signals import Filter, amplitude_spectrum, band, fraction_below, uniform, window
+from orchestrator.analysis.signals import Filter, amplitude_spectrum, band, fraction_below, fraction_in_gaps, uniform, window
 
 RATE = 1000.0
 TIME = np.arange(20_000) / RATE
@@ -48,8 +48,9 @@ def test_zero_phase_does_not_shift_and_causal_delays_by_the_phase_of_butterworth
 
 
 def test_constant_passes_unchanged_from_the_first_sample():
+    level = np.full(2000, 120.0)
     for zero_phase in (True, False):
-        assert Filter(20.0, 6, zero_phase).apply(np.full(2000, 120.0), RATE) == pytest.approx(np.full(2000, 120.0), abs=1e-9)  # rounding
+        assert Filter(20.0, 6, zero_phase).apply(level, RATE) == pytest.approx(level, abs=1e-9)  # rounding
 
 
 def test_two_tones_fall_into_their_bands():
@@ -74,6 +75,13 @@ def test_spectrum_reads_the_amplitude(samples):
 def test_fraction_below_of_a_known_duty():
     x = np.where(np.arange(1000) % 10 < 3, 0.0, 50.0)
     assert fraction_below(x) == pytest.approx(30.0, abs=1e-12)
+
+
+def test_short_gaps_are_not_counted():
+    x = np.full(1000, 50.0)
+    x[:5], x[100:106], x[500:503], x[980:] = 0.0, 0.0, -1.0, 0.0
+    assert fraction_in_gaps(x, RATE, 0.005) == pytest.approx(2.6, abs=1e-12)  # 6 and 20 ms; 5 ms is not longer than 5 ms
+    assert fraction_in_gaps(np.full(10, 50.0), RATE, 0.005) == 0.0
 
 
 def test_window_is_half_open_and_must_lie_in_the_run():
