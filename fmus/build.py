@@ -1,0 +1,150 @@
+"""Components of the catalogue to FMU files; the same source gives the same file, byte for byte."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import os
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+import components
+from components.catalogue import CATALOGUE, component_class
+from components.core.errors import BadInput
+
+from . import loader
+from .description import documentation, model_description
+
+COMPONENTS = Path(components.__file__).parent
+HERE = Path(__file__).parent
+PYTHONFMU = Path(find_spec("pythonfmu").origin).parent  # type: ignore[union-attr, arg-type]
+BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
+
+SCRIPT = '''
+
+if "{name}" in globals():
+    {name} = globals()["{name}"]  # pythonfmu executes the script again at every instantiation
+else:
+    import importlib
+
+    _bundle = load_package(os.path.join(os.path.dirname(os.path.abspath(__file__)), "{bundle}"))
+    _slave = importlib.import_module(_bundle + ".slave")
+    _module = importlib.import_module(_bundle + ".components.{module}")
+
+    class {name}(_slave.ComponentSlave):
+        component_class = _module.{name}
+
+        def __init__(self, **kwargs):
+            super().__init__(**kwargs)
+
+leave_path("{script}.py")
+keep(globals())
+'''
+
+
+def build(name: str, directory: Path) -> Path:
+    """Write the FMU of the component `name` to directory/<name>.fmu and return its path.
+
+    Raises `BadInput` for a name that is not in the catalogue.
+    """
+    return _write(_members(name)[1], Path(directory) / f"{name}.fmu")
+
+
+def built(name: str) -> Path:
+    """The FMU of the component `name`, kept in the user's cache by digest and built if it is missing.
+
+    Raises `BadInput` for a name that is not in the catalogue.
+    """
+    digest, members = _members(name)
+    path = Path(loader.cache_root()) / "fmus" / digest[:16] / f"{name}.fmu"
+    return path if path.is_file() else _write(members, path)
+
+
+def sources(module: str) -> dict[str, bytes]:
+    """The files a component's module needs, its import closure within `components`: relative path -> content.
+
+    Imports are read from the source, those inside functions too; nothing is executed.
+    """
+    found: dict[str, bytes] = {}
+    todo = [tuple(module.split("."))]
+    while todo:
+        parts = todo.pop()
+        for k in range(len(parts) + 1):  # importing a.b.c imports a and a.b, too
+            path = COMPONENTS.joinpath(*parts[:k])
+            file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+            key = file.relative_to(COMPONENTS).as_posix()
+            if key in found or not file.is_file():
+                continue
+            found[key] = file.read_bytes()
+            package = parts[:k] if path.is_dir() else parts[: k - 1]
+            todo += _imports(ast.parse(found[key]), package, key)
+    return found
+
+
+def _imports(tree: ast.AST, package: tuple[str, ...], where: str) -> list[tuple[str, ...]]:
+    """Modules of `components` that a source file may import, as paths from the top; some may turn out to be no modules."""
+    result = []
+    for node in ast.walk(tree):
+        absolute = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom) and node.level == 0:
+            absolute = [node.module or ""]
+        if any(n.split(".")[0] == "components" for n in absolute):
+            raise BadInput(f"components/{where}", f"an absolute import of {absolute[0]!r}", "a relative import",
+                           "A bundle is imported under another name.")
+        if isinstance(node, ast.ImportFrom) and node.level > 0:
+            base = (*package[: len(package) - node.level + 1], *(node.module or "").split("."))
+            base = tuple(p for p in base if p)
+            result += [base, *((*base, a.name) for a in node.names)]
+    return result
+
+
+def _members(name: str) -> tuple[str, dict[str, bytes]]:
+    """(digest, path in the FMU -> content) of a component of the catalogue."""
+    component = component_class(name, "build")
+    return fmu_members(name, component, CATALOGUE[name], sources(CATALOGUE[name]))
+
+
+def fmu_members(name: str, component: type, module: str, files: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
+    """(digest, path in the FMU -> content) of a component class that lives in `module` of the source `files`."""
+    bundle = {f"components/{path}": content for path, content in files.items()}
+    bundle |= {file: (HERE / file).read_bytes() for file in ("slave.py", "interface.py")}
+    bundle["__init__.py"] = b""
+    head = (HERE / "loader.py").read_text(encoding="utf-8")
+    short = _digest({**bundle, "name": name.encode(), "script": (head + SCRIPT).encode()})[:16]
+    script = f"{name}_{short}"
+    tail = SCRIPT.format(name=name, bundle=f"bundle_{short}", module=module, script=script)
+    members = {f"resources/bundle_{short}/{path}": content for path, content in bundle.items()}
+    members |= {f"resources/pythonfmu/{file.name}": file.read_bytes() for file in PYTHONFMU.glob("*.py")}
+    members |= {f"resources/{script}.py": (head + tail).encode(), "resources/slavemodule.txt": script.encode()}
+    for platform, library in BINARIES.items():
+        content = (PYTHONFMU / "resources" / "binaries" / platform / library).read_bytes()
+        members[f"binaries/{platform}/{name}{Path(library).suffix}"] = content
+    members["documentation/index.html"] = documentation(name, component)
+    members["modelDescription.xml"] = model_description(name, component, "")
+    digest = _digest(members)
+    guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    members["modelDescription.xml"] = model_description(name, component, guid)
+    return digest, members
+
+
+def _digest(members: dict[str, bytes]) -> str:
+    total = hashlib.sha256()
+    for path in sorted(members):
+        total.update(f"{path}\0{len(members[path])}\0".encode() + members[path])
+    return total.hexdigest()
+
+
+def _write(members: dict[str, bytes], path: Path) -> Path:
+    """A zip file with sorted members and fixed dates; in place only when it is complete."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
+        with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as file:
+            for member in sorted(members):
+                info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
+                info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+                file.writestr(info, members[member])
+    os.chmod(part.name, 0o644)
+    os.replace(part.name, path)
+    return path

@@ -1,0 +1,121 @@
+"""The texts of an FMU that are written at build time: modelDescription.xml and documentation/index.html.
+
+Source: FMI for Model Exchange and Co-Simulation 2.0.4, sections 2.2 and 4.3.
+"""
+
+from __future__ import annotations
+
+import html
+import inspect
+import math
+from importlib.metadata import version
+from xml.etree import ElementTree as ET
+
+from components.core.component import Component
+from components.core.measure import BASES, parse
+
+from .interface import Scalar, interface
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "Something was refused; the run goes on.",
+    "logStatusDiscard": "A step was discarded.",
+    "logStatusError": "A value cannot be used, or the unit has failed.",
+    "logAll": "All messages.",
+}
+
+
+def model_description(name: str, component: type[Component], guid: str) -> bytes:
+    """modelDescription.xml of the FMU `name`."""
+    release = version("cosimo")
+    root = ET.Element("fmiModelDescription", {
+        "fmiVersion": "2.0", "modelName": name, "guid": guid, "description": component.title, "version": release,
+        "license": "MIT", "generationTool": f"cosimo {release} with PythonFMU {version('pythonfmu')}",
+        "variableNamingConvention": "structured",
+    })
+    ET.SubElement(root, "CoSimulation", {
+        "modelIdentifier": name, "needsExecutionTool": "true", "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "false", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "false",
+    })
+    scalars = interface(component)
+    _units(root, scalars)
+    categories = ET.SubElement(root, "LogCategories")
+    for category, text in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", {"name": category, "description": text})
+    ET.SubElement(root, "DefaultExperiment", {
+        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step)})
+    variables = ET.SubElement(root, "ModelVariables")
+    for reference, scalar in enumerate(scalars):
+        _variable(variables, reference, scalar)
+    _structure(root, scalars)
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def _units(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    for name in sorted({s.unit for s in scalars if s.type == "Real"}):
+        unit = parse(name)
+        base = {b: str(e) for b, e in zip(BASES, unit.exponents, strict=True) if e}
+        if unit.factor != 1.0:
+            base["factor"] = repr(unit.factor)
+        if unit.offset:
+            base["offset"] = repr(unit.offset)
+        ET.SubElement(ET.SubElement(definitions, "Unit", {"name": name}), "BaseUnit", base)
+
+
+def _variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
+    attributes = {"name": scalar.name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
+    if scalar.causality == "parameter":
+        attributes |= {"variability": "fixed", "initial": "exact"}
+    elif scalar.causality == "output":
+        attributes |= {"variability": "continuous", "initial": "calculated"}
+    else:
+        attributes |= {"variability": "continuous"}
+    value: dict[str, str] = {}
+    if scalar.type == "Real":
+        value["unit"] = scalar.unit
+    if scalar.type in ("Real", "Integer"):
+        value |= {key: repr(limit) for key, limit in (("min", scalar.low), ("max", scalar.high)) if math.isfinite(limit)}
+    if scalar.nominal != 1.0:
+        value["nominal"] = repr(scalar.nominal)
+    if scalar.causality != "output":
+        value["start"] = str(scalar.start).lower() if scalar.type == "Boolean" else str(scalar.start)
+    ET.SubElement(ET.SubElement(parent, "ScalarVariable", attributes), scalar.type, value)
+
+
+def _structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
+    """Outputs with the inputs they depend on within an instant; at the start they may depend on everything."""
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = [(i, s) for i, s in enumerate(scalars, 1) if s.causality == "output"]
+    if not outputs:
+        return
+    inputs = {s.name: i for i, s in enumerate(scalars, 1) if s.causality == "input"}
+    unknowns, initial = ET.SubElement(structure, "Outputs"), ET.SubElement(structure, "InitialUnknowns")
+    for index, scalar in outputs:
+        known = [i for n, i in inputs.items() if n in scalar.feedthrough or n.partition("[")[0] in scalar.feedthrough]
+        ET.SubElement(unknowns, "Unknown", {"index": str(index), "dependencies": " ".join(map(str, known))})
+        ET.SubElement(initial, "Unknown", {"index": str(index)})
+
+
+def documentation(name: str, component: type[Component]) -> bytes:
+    """documentation/index.html: the equations as they stand in the source, and the variables."""
+    rows = "\n".join(
+        "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in (s.name, s.causality, _shown(s), s.unit, s.text)) + "</tr>"
+        for s in interface(component) if s.order == 0
+    )
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{name}</title></head><body>
+<h1>{name}: {html.escape(component.title)}</h1>
+<pre>{html.escape(inspect.getdoc(component) or "")}</pre>
+<p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true. For each input <code>v</code> the inputs
+<code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold during the next step and are 0 again after it.</p>
+<table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
+{rows}
+</table></body></html>
+""".encode()
+
+
+def _shown(scalar: Scalar) -> str:
+    return "" if scalar.causality == "output" else str(scalar.start)

@@ -1,0 +1,75 @@
+"""How an FMU finds its own code: the head of every generated slave script, and the place of the caches.
+
+All FMUs made with pythonfmu share one interpreter, and a host may have its own copy of a package. So an FMU's code is one
+package with a name of its own, bundle_<digest>, imported without `sys.path`, from a folder that stays the same, because
+Numba keeps its machine code by the path of the source.
+"""
+
+import ctypes
+import filecmp
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+
+
+def cache_root():
+    """The user's cache directory of cosimo; the environment variable COSIMO_CACHE moves it."""
+    home = os.path.expanduser("~")
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or os.path.join(home, "AppData", "Local")
+    elif sys.platform == "darwin":
+        base = os.path.join(home, "Library", "Caches")
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
+    return os.environ.get("COSIMO_CACHE") or os.path.join(base, "cosimo")
+
+
+def same_sources(one, other):
+    """Whether every source file below `one` is below `other`, too, byte for byte."""
+    for folder, _, files in os.walk(one):
+        for file in files:
+            copy = os.path.join(other, os.path.relpath(folder, one), file)
+            if file.endswith(".py") and not (os.path.isfile(copy) and filecmp.cmp(os.path.join(folder, file), copy, shallow=False)):
+                return False
+    return True
+
+
+def stable_copy(source):
+    """A copy of the folder `source` in the cache, made if it is missing or damaged; `source` itself where that fails."""
+    target = os.path.join(cache_root(), "bundles", os.path.basename(source))
+    try:
+        if not same_sources(source, target):
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=os.path.dirname(target), ignore_cleanup_errors=True) as fresh:
+                shutil.copytree(source, os.path.join(fresh, "new"), ignore=shutil.ignore_patterns("__pycache__"))
+                if os.path.exists(target):
+                    os.replace(target, os.path.join(fresh, "damaged"))
+                os.replace(os.path.join(fresh, "new"), target)
+    except OSError:  # not writable, or another process was quicker
+        pass
+    return target if same_sources(source, target) else source
+
+
+def load_package(folder):
+    """Import the folder as a top-level package of its own name; at once if that has been done."""
+    name = os.path.basename(folder)
+    if name not in sys.modules:
+        copy = stable_copy(folder)
+        spec = importlib.util.spec_from_file_location(name, os.path.join(copy, "__init__.py"), submodule_search_locations=[copy])
+        module = sys.modules[name] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    return name
+
+
+def leave_path(script):
+    """Take back the entry of `sys.path` that pythonfmu makes at every instantiation; returns it, or nothing."""
+    if sys.path and os.path.isfile(os.path.join(sys.path[0], script)):
+        return sys.path.pop(0)
+    return ""
+
+
+def keep(namespace):
+    """Give the namespace of the script one more reference: pythonfmu 0.7 releases one it does not own, each time."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(namespace))

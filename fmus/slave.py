@@ -1,0 +1,319 @@
+"""The one pythonfmu slave: FMI calls on one side, a component on the other.
+
+Part of every FMU's bundle; the component class is handed in by the generated script.
+
+What pythonfmu 0.7 makes of a slave's answers decides the form of this file: an exception becomes fmi2Fatal and
+releases objects pythonfmu does not own, False from `do_step` becomes fmi2Discard, and no other call can report a
+failure. So nothing raises: what goes wrong is logged and remembered, and the next step is discarded. Only a step that
+fails in the same way twice in a row ends in fmi2Fatal, because masters exist that repeat a discarded step for ever.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+from functools import lru_cache
+from math import inf, isfinite, nan
+from typing import Any, ClassVar
+
+from pythonfmu.enums import Fmi2Status
+from pythonfmu.fmi2slave import Fmi2Slave
+
+from .interface import Scalar, interface
+
+MISSING = {"Real": nan, "Integer": 0, "Boolean": False, "String": ""}
+LENGTHS = 2  # a saved state starts with the lengths of its two JSON parts, 8 bytes each
+
+
+class ComponentSlave(Fmi2Slave):
+    """FMI co-simulation slave of `component_class`."""
+
+    component_class: ClassVar[Any]
+
+    def __init__(self, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.component: Any = None  # made when the initial values are needed, remade when a parameter changes before the run
+        self.running = False  # initialisation mode was left
+        self.start_time = 0.0
+        self._scalars, self._references = _tables(self.component_class)
+        self._values = [s.start for s in self._scalars]  # of all that is not in the component's arrays
+        self._dirty = True  # the outputs do not belong to the present inputs
+        self._failure = ""
+        self._refused: dict[str, str] = {}  # parameter -> why its value was refused
+        self._discarded: tuple[Any, ...] = ()
+        self._config = b""
+        self._bind()
+
+    # -- where a value lives: value reference -> (container, index) ----------------------------------------------------
+    def _bind(self) -> None:
+        """Point the value references at the component's arrays, and the rest at `_values`."""
+        self._reads: dict[str, dict[int, tuple[Any, int]]] = {t: {} for t in MISSING}
+        self._writes: dict[int, tuple[Any, int]] = {}
+        for reference, scalar in enumerate(self._scalars):
+            self._reads[scalar.type][reference] = (self._values, reference)
+            if scalar.causality == "input":
+                self._writes[reference] = (self._values, reference)
+        if self.component is not None:
+            reads, writes = self._reads["Real"], self._writes
+            self._u, self._y = self.component.u.reshape(-1), self.component.y
+            u, y = memoryview(self._u), memoryview(self._y)  # a read from a memoryview is a float, and three times faster
+            containers = (u, u, _Halved(u))
+            for reference, order, position in self._active_inputs():
+                reads[reference] = writes[reference] = (containers[order], position)
+            for k, name in enumerate(self.component.outputs):
+                reads[self._references[name]] = (y, k)
+        self._real_reads = self._reads["Real"]
+
+    def _active_inputs(self) -> list[tuple[int, int, int]]:
+        """(value reference, order of the derivative, position in the component's flat `u`) of the inputs that are on."""
+        names, n = self.component.inputs, len(self.component.inputs)
+        forms = ("{}", "der({})", "der({},2)")
+        return [(self._references[form.format(name)], k, k * n + i) for k, form in enumerate(forms) for i, name in enumerate(names)]
+
+    def _make(self) -> None:
+        values = {s.name: v for s, v in zip(self._scalars, self._values, strict=True)}
+        on = [n for n in self.component_class.effects if values[f"effects.{n}"]]
+        given = [s.name for s in self._scalars if s.causality == "parameter" and s.type != "Boolean"]
+        parameters = {n: values[n] for n in given if "." not in n or n.partition(".")[0] in on}
+        self._set_outputs(0.0)
+        self.component = self.component_class(on, parameters, name=self.instance_name)
+        self._bind()
+        for reference, _, _ in self._active_inputs():
+            container, position = self._writes[reference]
+            container[position] = self._values[reference]
+        self._config = json.dumps(self._values).encode()
+
+    def _release(self) -> None:
+        """Drop the component, keep the inputs it had."""
+        if self.component is not None:
+            for reference, _, _ in self._active_inputs():
+                container, position = self._real_reads[reference]
+                self._values[reference] = container[position]
+            self.component = None
+            self._bind()
+
+    # -- values --------------------------------------------------------------------------------------------------------
+    def get_real(self, vrs: list[int]) -> list[float]:
+        if self._dirty:
+            self._freshen()
+        reads = self._real_reads
+        try:
+            return [container[i] for container, i in [reads[v] for v in vrs]]
+        except KeyError:
+            return self._get("Real", vrs)
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        writes = self._writes
+        self._dirty = True
+        try:
+            for v, value in zip(vrs, values):  # noqa: B905 - pythonfmu gives lists of one length, and strict costs time
+                container, i = writes[v]
+                container[i] = value
+        except KeyError:
+            self._set("Real", vrs, values)
+
+    def _get(self, type_: str, vrs: list[int]) -> list[Any]:
+        reads = self._reads[type_]
+        for v in vrs:
+            if v not in reads:
+                self._say(f"value reference {v} is no {type_} variable", Fmi2Status.error)
+        return [container[i] for container, i in [reads.get(v, ((MISSING[type_],), 0)) for v in vrs]]
+
+    def _set(self, type_: str, vrs: list[int], values: list[Any]) -> None:
+        for v, value in zip(vrs, values, strict=True):
+            known = v in self._reads[type_]
+            if known and self._scalars[v].causality == "parameter":
+                self._set_parameter(v, value)
+            elif known and v in self._writes:
+                container, i = self._writes[v]
+                container[i] = value
+            else:
+                self._say(f"value reference {v} is no {type_} variable that can be set", Fmi2Status.error)
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        return self._get("Integer", vrs)
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        return self._get("Boolean", vrs)
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        return self._get("String", vrs)
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        self._set("Integer", vrs, values)
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        self._set("Boolean", vrs, values)
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        self._set("String", vrs, values)
+
+    def _set_parameter(self, reference: int, value: Any) -> None:
+        """Take a parameter or an effect before the run; a value that cannot be used is refused and stops the run."""
+        name = self._scalars[reference].name
+        if self.running:
+            self._say(f"{name} = {value!r} refused: parameters are fixed after initialisation", Fmi2Status.warning)
+            return
+        try:
+            variable = self.component_class.variables.get(name)
+            checked = bool(value) if variable is None else variable.checked(value, self.instance_name)
+        except Exception as error:
+            self._refused[name] = str(error)
+            self._say(str(error), Fmi2Status.error)
+            return
+        self._refused.pop(name, None)
+        if checked != self._values[reference]:
+            self._release()
+            self._values[reference] = checked
+        self._dirty = True
+
+    # -- the run -------------------------------------------------------------------------------------------------------
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+        self.start_time = start_time
+        self._dirty = True
+
+    def exit_initialization_mode(self) -> None:
+        if self._dirty:
+            self._freshen()
+        self.running = True
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        try:
+            if not self.running:
+                self.exit_initialization_mode()
+            # a sum of squares is the fastest test of many numbers; `_obstacle` looks closer when it is not finite
+            if self._failure or self._refused or not 0.0 < step_size < inf or not isfinite(self._u.dot(self._u)):
+                reason = self._obstacle(step_size)
+                if reason:
+                    return self._discard(current_time, step_size, reason)
+            self.component.step(current_time, step_size)
+            if not isfinite(self._y.dot(self._y)) and self._bad(self._y, self.component.outputs):
+                self._fail("output " + self._bad(self._y, self.component.outputs))
+                return self._discard(current_time, step_size, self._failure)
+            self._dirty = False
+            return True
+        except BaseException as error:
+            self._fail(str(error) or type(error).__name__)
+        return self._discard(current_time, step_size, self._failure)
+
+    def _freshen(self) -> None:
+        """Outputs that belong to the present inputs; before the run also the initial state."""
+        self._dirty = False
+        try:
+            if not self.running:
+                self._failure = ""
+                self._initialize()
+            elif not self._failure:
+                self.component.refresh()
+            if self.component is not None and not isfinite(self._y.dot(self._y)):
+                bad = self._bad(self._u, self.component.inputs) or self._bad(self._y, self.component.outputs)
+                if bad and not self.running:
+                    self._fail(bad)
+                elif bad:
+                    self._say(f"t = {self.component.t:.9g}: {bad}", Fmi2Status.warning)
+        except BaseException as error:
+            self._fail(str(error) or type(error).__name__)
+
+    def _initialize(self) -> None:
+        if self.component is None:
+            self._make()
+        derivatives = self.component.u[1:].copy()  # set for the first step, perhaps
+        self.component.initialize(self.start_time)
+        self.component.u[1:] = derivatives
+
+    # -- what goes wrong -----------------------------------------------------------------------------------------------
+    def _say(self, message: str, status: Fmi2Status) -> None:
+        self.log(f"{self.instance_name}: {message}".replace("%", "%%"), status)  # FMI loggers take a format
+
+    def _fail(self, message: str) -> None:
+        self._failure = message
+        self._say(message, Fmi2Status.error)
+        if self.component is None:
+            self._set_outputs(nan)
+
+    def _set_outputs(self, value: float) -> None:
+        """What outputs read while no component stands behind them."""
+        for reference, scalar in enumerate(self._scalars):
+            if scalar.causality == "output":
+                self._values[reference] = value
+
+    @staticmethod
+    def _bad(values: Any, names: tuple[str, ...]) -> str:
+        """The first number that is not finite, with its name."""
+        labels = [*names, *(f"der({n})" for n in names), *(f"der({n},2)" for n in names)]
+        return next((f"{n} = {v}" for n, v in zip(labels, values.tolist(), strict=False) if not isfinite(v)), "")
+
+    def _obstacle(self, step_size: float) -> str:
+        """Why the next step cannot be made, or nothing."""
+        if not 0.0 < step_size < inf:
+            return f"step size {step_size}; expected more than 0"
+        if self._failure:
+            return f"no step after a failure ({self._failure}); restore a state, or reset"
+        if self._refused:
+            return "; ".join(self._refused.values())
+        bad = self._bad(self._u, self.component.inputs)
+        return bad and "input " + bad
+
+    def _discard(self, time: float, step_size: float, reason: str) -> bool:
+        self._say(f"step from t = {time:.9g} s discarded: {reason}", Fmi2Status.discard)
+        before, self._discarded = self._discarded, (time, step_size)
+        if before != self._discarded:
+            return False
+        # pythonfmu gives up these three references on an exception, and again when the instance is freed
+        for owned in (self, type(self), self.log_queue):
+            ctypes.pythonapi.Py_IncRef(ctypes.py_object(owned))
+        raise RuntimeError(f"{self.instance_name}: {reason}")
+
+    # -- state ---------------------------------------------------------------------------------------------------------
+    def _get_fmu_state(self) -> bytes:
+        if self.component is None:
+            self._config = json.dumps(self._values).encode()
+        status = json.dumps([self._failure, self._refused, self.running, self.start_time, self._dirty]).encode()
+        data = b"" if self.component is None else self.component.save()
+        return b"".join((len(self._config).to_bytes(8, "little"), len(status).to_bytes(8, "little"), self._config, status, data))
+
+    def _set_fmu_state(self, state: bytes) -> None:
+        try:
+            n, m = (int.from_bytes(state[8 * k : 8 * k + 8], "little") for k in range(LENGTHS))
+            head = 8 * LENGTHS
+            config, status, data = state[head : head + n], json.loads(state[head + n : head + n + m]), state[head + n + m :]
+            if config != self._config or (self.component is None) != (not data):
+                self.component = None
+                self._values[:] = json.loads(config)
+                self._bind()
+                if data:
+                    self._make()
+                    self.component.initialize(status[3])
+            if data:
+                self.component.restore(data)
+            self._failure, self._refused, self.running, self.start_time, self._dirty = status
+            self._discarded = ()
+        except Exception as error:
+            self._fail(f"state cannot be restored: {error}")
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        return state
+
+
+class _Halved:
+    """Second derivatives of the inputs; the component's `u` holds half of them."""
+
+    def __init__(self, u: memoryview):
+        self.u = u
+
+    def __getitem__(self, position: int) -> float:
+        return 2.0 * self.u[position]
+
+    def __setitem__(self, position: int, value: float) -> None:
+        self.u[position] = 0.5 * value
+
+
+@lru_cache(maxsize=None)
+def _tables(component: type) -> tuple[tuple[Scalar, ...], dict[str, int]]:
+    scalars = interface(component)
+    return scalars, {s.name: i for i, s in enumerate(scalars)}
