@@ -50,7 +50,7 @@ def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
-    """"failed" if a row that was read or computed is outside; else "recalled" if any range is only recalled or inferred; else "passed".
+    """ "failed" if a row that was read or computed is outside; else "recalled" if any range is not firm; else "passed".
 
     Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure. No row, no pass.
     """
@@ -76,6 +76,7 @@ class Findings:
     runs: Mapping[str, Result] = field(default_factory=dict)  # label -> result
     charts: tuple[Chart | Grid, ...] = ()
     notes: tuple[str, ...] = ()
+    settings: str = ""  # how the measured numbers were made (window, filter); stands under every table
     complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
 
 

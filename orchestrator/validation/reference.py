@@ -46,7 +46,7 @@ class TableRow:
         if self.low is not None and self.high is not None and self.low > self.high:
             raise BadInput(where, f"low {self.low:g} above high {self.high:g}", "low <= high")
         if (self.standing == "recalled") != (self.confidence in CONFIDENCES):
-            raise BadInput(where, f"confidence {self.confidence!r}", "one of " + ", ".join(CONFIDENCES) + " for recalled rows only")
+            raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
         if not self.source.strip():
             raise BadInput(where, "no source", "where the range was read")
 
@@ -65,7 +65,7 @@ class Table:
         rows = tuple(r for r in self.rows if r.condition == condition)
         if not rows:
             known = {r.condition for r in self.rows}
-            raise BadInput(f"table {self.name}", f"condition {condition!r}", "one of the table", nearest(condition, sorted(known)))
+            raise BadInput(f"table {self.name}", f" {condition!r}", "a condition of it", nearest(condition, sorted(known)))
         return rows
 
 

@@ -1,0 +1,105 @@
+"""What every report has, whatever the system: tables against references, time series, settings of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .chart import Grid
+from .page import Cells, Facts, Figure, RangeRow, Ranges
+from .style import CYCLE, axis, drawn, layout, number, thin_out
+
+if TYPE_CHECKING:
+    from ..results import Result
+    from ..validation.case import Row
+
+SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
+
+
+def range_table(title: str, rows: Sequence[Row], settings: str = "") -> Ranges:
+    """Rows of a case as a table with bars."""
+    return Ranges(title, [_range_row(r) for r in rows], settings)
+
+
+def _range_row(row: Row) -> RangeRow:
+    r = row.reference
+    low, high = r.low, r.high
+    place = None
+    if np.isfinite(row.measured):
+        if low is not None and high is not None:
+            place = (row.measured - low) / (high - low) if high > low else 0.5 + np.sign(row.measured - low)
+        else:  # open: in the middle at the end of the range, and as far inside as the margin is of the end's size
+            end = low if low is not None else high
+            assert end is not None
+            share = row.margin / max(abs(end), abs(row.measured), 1e-12)
+            place = share if low is not None else 1.0 - share
+    unit = "" if r.unit == "1" else r.unit
+    ends = [number(e).replace("–", "") if e is not None else "" for e in (low, high)]
+    text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
+    if low == high and low is not None:
+        text = ends[0]
+    return RangeRow(
+        r.quantity, unit, number(row.measured, low, high), text, f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–",
+        None if place is None else float(place), low is None, high is None, row.inside, r.standing,
+        r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""), r.source)
+
+
+def grid_table(grid: Grid) -> Cells:
+    """A study's table; columns of numbers flush right."""
+    right = frozenset(i for i in range(len(grid.header)) if all(not isinstance(row[i], str) for row in grid.rows))
+    rows = [[c if isinstance(c, str) else number(float(c)) for c in row] for row in grid.rows]
+    return Cells(grid.title, grid.header, rows, grid.text, right)
+
+
+def time_series(result: Result) -> list[Figure]:
+    """Recorded signals over time, one panel per unit of measure and unit of the scene, in the order of recording."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    names = [n for n in result.columns if n != "time"]
+    for name in names[:SHOWN_SIGNALS]:
+        groups.setdefault((name.partition(".")[0], result.measures.get(name, "")), []).append(name)
+    if not groups:
+        return []
+    n = len(groups)
+    height = 150 * n + 90
+    gap = 24 / (height - 90)
+    tall = (1 - gap * (n - 1)) / n
+    data: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
+    thinned = False
+    for i, ((_, unit), members) in enumerate(groups.items()):
+        k = "" if i == 0 else str(i + 1)
+        top = 1 - i * (tall + gap)
+        axes["yaxis" + k] = axis(unit if unit not in ("", "1") else "–", domain=[max(0.0, top - tall), top], showgrid=True,
+                                 gridcolor="#eef1f4", anchor="x")
+        for j, name in enumerate(members):
+            t, y, cut = thin_out(result.time, np.asarray(result.columns[name], dtype=float))
+            thinned |= cut
+            data.append({"type": "scatter", "mode": "lines", "x": drawn(t, 6), "y": drawn(y), "name": name, "yaxis": "y" + k,
+                         "line": {"width": 1.4, "color": CYCLE[j % len(CYCLE)]}, "legend": "legend" + k})
+        axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
+    rest = len(names) - SHOWN_SIGNALS
+    caption = " ".join(filter(None, [
+        f"{rest} more signals are in result.csv." if rest > 0 else "",
+        "Drawn with fewer points than recorded; extremes are kept." if thinned else ""]))
+    return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin={"l": 66, "r": 200, "t": 20, "b": 48}, **axes)},
+                   caption)]
+
+
+def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
+    """Nested settings as rows of dotted name and text."""
+    if isinstance(value, Mapping):
+        return [row for key, v in value.items() for row in flattened(v, f"{prefix}.{key}" if prefix else str(key))]
+    if isinstance(value, list | tuple):
+        if any(isinstance(v, Mapping) for v in value):
+            return [row for i, v in enumerate(value, 1) for row in flattened(v, f"{prefix}[{i}]")]
+        return [(prefix, ", ".join(str(v) for v in value) or "none")]
+    return [(prefix, f"{value:.6g}" if isinstance(value, float) else str(value))]
+
+
+def run_facts(result: Result) -> list[Facts]:
+    """The run's settings, effects, counters and versions, as run.json holds them."""
+    titles = {"effects": "Effects on and off", "settings": "Settings", "units": "Units", "counters": "Work done", "timing": "Time taken",
+              "versions": "Versions", "scene": "Scene as run"}
+    return [Facts(title, flattened(result.info[key]), folded=True) for key, title in titles.items() if result.info.get(key)]

@@ -1,0 +1,89 @@
+"""Colours, number formats and the layout all figures share. Colours: Okabe and Ito, distinct for colour-blind readers and in print."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+INK = "#1c2733"
+MUTED = "#5c6b7a"
+RULE = "#d5dce3"
+BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION = "#0072b2", "#e69f00", "#009e73", "#aa4499", "#56b4e9", "#d55e00"
+CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK)
+RAW = "#a9bccd"
+FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
+DRAWN_POINTS = 20_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
+
+
+def tint(colour: str, alpha: float) -> str:
+    """A colour "#rrggbb" as rgba text."""
+    r, g, b = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return f"rgba({r},{g},{b},{alpha:g})"
+
+
+def axis(title: str = "", **more: Any) -> dict[str, Any]:
+    """A calm axis: outside ticks, no grid unless asked for."""
+    base = {
+        "title": {"text": title, "standoff": 8, "font": {"size": 13}}, "ticks": "outside", "ticklen": 4, "tickcolor": RULE,
+        "linecolor": MUTED, "linewidth": 1, "showline": True, "showgrid": False, "zeroline": False, "tickfont": {"size": 12},
+        "automargin": True}
+    return base | more
+
+
+def layout(height: int, **more: Any) -> dict[str, Any]:
+    """The layout every figure starts from."""
+    base = {
+        "height": height, "font": {"family": FONT, "size": 13, "color": INK}, "paper_bgcolor": "white", "plot_bgcolor": "white",
+        "margin": {"l": 66, "r": 20, "t": 34, "b": 48}, "hovermode": "closest", "colorway": list(CYCLE),
+        "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)"},
+        "hoverlabel": {"font": {"size": 12, "family": FONT}}}
+    return base | more
+
+
+def vertical(x: float, xaxis: str = "x", yref: str = "paper", colour: str = RULE, dash: str = "solid") -> dict[str, Any]:
+    """A thin vertical line over the full height, behind the data."""
+    return {
+        "type": "line", "x0": x, "x1": x, "xref": xaxis, "y0": 0, "y1": 1, "yref": yref, "layer": "below",
+        "line": {"color": colour, "width": 1, "dash": dash}}
+
+
+def horizontal_band(low: float, high: float, colour: str, xref: str = "paper", yref: str = "y", alpha: float = 0.13) -> dict[str, Any]:
+    """A shaded range of y over the full width, behind the data."""
+    return {
+        "type": "rect", "x0": 0, "x1": 1, "xref": xref, "y0": low, "y1": high, "yref": yref, "layer": "below",
+        "fillcolor": tint(colour, alpha), "line": {"width": 0}}
+
+
+def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
+    """A small text in a figure, in the figure's own coordinates unless told otherwise."""
+    base = {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "font": {"size": 11, "color": MUTED}}
+    return base | more
+
+
+def thin_out(x: np.ndarray, y: np.ndarray, points: int = DRAWN_POINTS) -> tuple[np.ndarray, np.ndarray, bool]:
+    """(x, y, thinned): for drawing only, at most about `points` samples, keeping the extremes of every bin."""
+    if x.size <= points:
+        return x, y, False
+    bins = np.array_split(np.arange(x.size), points // 2)
+    keep = np.unique([k for b in bins for k in (b[0] + int(np.argmin(y[b])), b[0] + int(np.argmax(y[b])))])
+    return x[keep], y[keep], True
+
+
+def drawn(values: Any, digits: int = 5) -> list[Any]:
+    """Numbers for a figure's JSON: `digits` significant ones, None for what is not finite."""
+    return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in np.asarray(values, dtype=float).ravel()]
+
+
+def number(value: float, low: float | None = None, high: float | None = None) -> str:
+    """A measured number as text, with about one digit more than its range is wide."""
+    if not math.isfinite(value):
+        return "–"
+    width = 0.0 if low is None or high is None else high - low
+    if width > 0.0:
+        decimals = max(0 if width > 100 else 1, 2 - math.ceil(math.log10(width)))
+        text = f"{value:.{decimals}f}"
+    else:
+        text = f"{value:.4g}" if value else "0"
+    return text.replace("-", "−")
