@@ -139,12 +139,11 @@ def _digest(members: dict[str, bytes]) -> str:
 def _write(members: dict[str, bytes], path: Path) -> Path:
     """A zip file with sorted members and fixed dates; in place only when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part:
-        with zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as file:
-            for member in sorted(members):
-                info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
-                info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
-                file.writestr(info, members[member])
+    with NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part, zipfile.ZipFile(part, "w") as file:
+        for member in sorted(members):
+            info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+            file.writestr(info, members[member])
     os.chmod(part.name, 0o644)
     os.replace(part.name, path)
     return path

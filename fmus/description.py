@@ -9,9 +9,9 @@ import html
 import inspect
 import math
 from importlib.metadata import version
+from typing import Any
 from xml.etree import ElementTree as ET
 
-from components.core.component import Component
 from components.core.measure import BASES, parse
 
 from .interface import Scalar, interface
@@ -24,7 +24,7 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(name: str, component: type[Component], guid: str) -> bytes:
+def model_description(name: str, component: Any, guid: str) -> bytes:
     """modelDescription.xml of the FMU `name`."""
     release = version("cosimo")
     root = ET.Element("fmiModelDescription", {
@@ -66,7 +66,8 @@ def _units(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
 
 
 def _variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
-    attributes = {"name": scalar.name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
+    attributes = {"name": scalar.name, "valueReference": str(reference), "description": scalar.text}
+    attributes["causality"] = scalar.causality
     if scalar.causality == "parameter":
         attributes |= {"variability": "fixed", "initial": "exact"}
     elif scalar.causality == "output":
@@ -99,7 +100,7 @@ def _structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
         ET.SubElement(initial, "Unknown", {"index": str(index)})
 
 
-def documentation(name: str, component: type[Component]) -> bytes:
+def documentation(name: str, component: Any) -> bytes:
     """documentation/index.html: the equations as they stand in the source, and the variables."""
     rows = "\n".join(
         "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in (s.name, s.causality, _shown(s), s.unit, s.text)) + "</tr>"
@@ -110,7 +111,7 @@ def documentation(name: str, component: type[Component]) -> bytes:
 <h1>{name}: {html.escape(component.title)}</h1>
 <pre>{html.escape(inspect.getdoc(component) or "")}</pre>
 <p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true. For each input <code>v</code> the inputs
-<code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold during the next step and are 0 again after it.</p>
+<code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold for the next step, then they are 0 again.</p>
 <table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
 {rows}
 </table></body></html>

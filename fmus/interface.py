@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 TYPES = {"real": "Real", "integer": "Integer", "choice": "String"}
@@ -30,8 +30,8 @@ class Scalar:
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
 
 
-@lru_cache(maxsize=None)
-def interface(component: type) -> tuple[Scalar, ...]:
+@cache
+def interface(component: Any) -> tuple[Scalar, ...]:
     """All variables of a component class: effects, parameters, inputs, their first and second derivatives, outputs."""
     declared = component.variables.values()
     by_causality = {c: [_declared(v) for v in declared if v.causality.value == c] for c in ("parameter", "input", "output")}
@@ -60,5 +60,5 @@ def _effect(name: str, effect: Any) -> Scalar:
 
 def _derivative(variable: Scalar, order: int) -> Scalar:
     name = f"der({variable.name})" if order == 1 else f"der({variable.name},{order})"
-    text = f"{'first' if order == 1 else 'second'} time derivative of {variable.name} at the start of the next step; 0 again after it"
+    text = f"{'first' if order == 1 else 'second'} time derivative of {variable.name} for the next step; 0 again after it"
     return Scalar(name, "Real", "input", 0.0, variable.unit + "/s" * order, text, order=order)

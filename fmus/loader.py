@@ -29,9 +29,9 @@ def cache_root():
 def same_sources(one, other):
     """Whether every source file below `one` is below `other`, too, byte for byte."""
     for folder, _, files in os.walk(one):
-        for file in files:
+        for file in (f for f in files if f.endswith(".py")):
             copy = os.path.join(other, os.path.relpath(folder, one), file)
-            if file.endswith(".py") and not (os.path.isfile(copy) and filecmp.cmp(os.path.join(folder, file), copy, shallow=False)):
+            if not os.path.isfile(copy) or not filecmp.cmp(os.path.join(folder, file), copy, shallow=False):
                 return False
     return True
 

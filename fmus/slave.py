@@ -3,17 +3,18 @@
 Part of every FMU's bundle; the component class is handed in by the generated script.
 
 What pythonfmu 0.7 makes of a slave's answers decides the form of this file: an exception becomes fmi2Fatal and
-releases objects pythonfmu does not own, False from `do_step` becomes fmi2Discard, and no other call can report a
-failure. So nothing raises: what goes wrong is logged and remembered, and the next step is discarded. Only a step that
-fails in the same way twice in a row ends in fmi2Fatal, because masters exist that repeat a discarded step for ever.
+releases objects pythonfmu does not own (the next call may crash), False from `do_step` becomes fmi2Discard with the
+status Terminated, and no other call can report a failure. So nothing raises: what goes wrong is logged and remembered,
+and the next step is discarded.
 """
 
 from __future__ import annotations
 
-import ctypes
 import json
-from functools import lru_cache
+import logging
+from functools import cache
 from math import inf, isfinite, nan
+from struct import Struct
 from typing import Any, ClassVar
 
 from pythonfmu.enums import Fmi2Status
@@ -21,8 +22,9 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from .interface import Scalar, interface
 
+LOG = logging.getLogger("cosimo")
 MISSING = {"Real": nan, "Integer": 0, "Boolean": False, "String": ""}
-LENGTHS = 2  # a saved state starts with the lengths of its two JSON parts, 8 bytes each
+HEAD = Struct("<2Q")  # a saved state starts with the lengths of its two JSON parts: configuration, status
 
 
 class ComponentSlave(Fmi2Slave):
@@ -40,7 +42,6 @@ class ComponentSlave(Fmi2Slave):
         self._dirty = True  # the outputs do not belong to the present inputs
         self._failure = ""
         self._refused: dict[str, str] = {}  # parameter -> why its value was refused
-        self._discarded: tuple[Any, ...] = ()
         self._config = b""
         self._bind()
 
@@ -68,7 +69,7 @@ class ComponentSlave(Fmi2Slave):
         """(value reference, order of the derivative, position in the component's flat `u`) of the inputs that are on."""
         names, n = self.component.inputs, len(self.component.inputs)
         forms = ("{}", "der({})", "der({},2)")
-        return [(self._references[form.format(name)], k, k * n + i) for k, form in enumerate(forms) for i, name in enumerate(names)]
+        return [(self._references[f.format(name)], k, k * n + i) for k, f in enumerate(forms) for i, name in enumerate(names)]
 
     def _make(self) -> None:
         values = {s.name: v for s, v in zip(self._scalars, self._values, strict=True)}
@@ -185,16 +186,16 @@ class ComponentSlave(Fmi2Slave):
             if self._failure or self._refused or not 0.0 < step_size < inf or not isfinite(self._u.dot(self._u)):
                 reason = self._obstacle(step_size)
                 if reason:
-                    return self._discard(current_time, step_size, reason)
+                    return self._discard(current_time, reason)
             self.component.step(current_time, step_size)
             if not isfinite(self._y.dot(self._y)) and self._bad(self._y, self.component.outputs):
                 self._fail("output " + self._bad(self._y, self.component.outputs))
-                return self._discard(current_time, step_size, self._failure)
+                return self._discard(current_time, self._failure)
             self._dirty = False
             return True
         except BaseException as error:
             self._fail(str(error) or type(error).__name__)
-        return self._discard(current_time, step_size, self._failure)
+        return self._discard(current_time, self._failure)
 
     def _freshen(self) -> None:
         """Outputs that belong to the present inputs; before the run also the initial state."""
@@ -223,7 +224,10 @@ class ComponentSlave(Fmi2Slave):
 
     # -- what goes wrong -----------------------------------------------------------------------------------------------
     def _say(self, message: str, status: Fmi2Status) -> None:
-        self.log(f"{self.instance_name}: {message}".replace("%", "%%"), status)  # FMI loggers take a format
+        """To the FMI logger; what stops a run also to Python's, because pythonfmu logs nothing unless loggingOn is set."""
+        self.log(message.replace("%", "%%"), status)  # FMI loggers take a format
+        if status >= Fmi2Status.discard:
+            LOG.error(message if message.startswith(self.instance_name) else f"{self.instance_name}: {message}")
 
     def _fail(self, message: str) -> None:
         self._failure = message
@@ -254,29 +258,27 @@ class ComponentSlave(Fmi2Slave):
         bad = self._bad(self._u, self.component.inputs)
         return bad and "input " + bad
 
-    def _discard(self, time: float, step_size: float, reason: str) -> bool:
+    def _discard(self, time: float, reason: str) -> bool:
         self._say(f"step from t = {time:.9g} s discarded: {reason}", Fmi2Status.discard)
-        before, self._discarded = self._discarded, (time, step_size)
-        if before != self._discarded:
-            return False
-        # pythonfmu gives up these three references on an exception, and again when the instance is freed
-        for owned in (self, type(self), self.log_queue):
-            ctypes.pythonapi.Py_IncRef(ctypes.py_object(owned))
-        raise RuntimeError(f"{self.instance_name}: {reason}")
+        return False
 
     # -- state ---------------------------------------------------------------------------------------------------------
     def _get_fmu_state(self) -> bytes:
-        if self.component is None:
-            self._config = json.dumps(self._values).encode()
-        status = json.dumps([self._failure, self._refused, self.running, self.start_time, self._dirty]).encode()
-        data = b"" if self.component is None else self.component.save()
-        return b"".join((len(self._config).to_bytes(8, "little"), len(status).to_bytes(8, "little"), self._config, status, data))
+        try:
+            if self.component is None:
+                self._config = json.dumps(self._values).encode()
+            status = json.dumps([self._failure, self._refused, self.running, self.start_time, self._dirty]).encode()
+            data = b"" if self.component is None else self.component.save()
+            return b"".join((HEAD.pack(len(self._config), len(status)), self._config, status, data))
+        except Exception as error:
+            self._fail(f"state cannot be saved: {error}")
+            return b""
 
     def _set_fmu_state(self, state: bytes) -> None:
         try:
-            n, m = (int.from_bytes(state[8 * k : 8 * k + 8], "little") for k in range(LENGTHS))
-            head = 8 * LENGTHS
-            config, status, data = state[head : head + n], json.loads(state[head + n : head + n + m]), state[head + n + m :]
+            n, m = HEAD.unpack_from(state)
+            ends = HEAD.size + n, HEAD.size + n + m
+            config, status, data = state[HEAD.size : ends[0]], json.loads(state[slice(*ends)]), state[ends[1] :]
             if config != self._config or (self.component is None) != (not data):
                 self.component = None
                 self._values[:] = json.loads(config)
@@ -287,7 +289,6 @@ class ComponentSlave(Fmi2Slave):
             if data:
                 self.component.restore(data)
             self._failure, self._refused, self.running, self.start_time, self._dirty = status
-            self._discarded = ()
         except Exception as error:
             self._fail(f"state cannot be restored: {error}")
 
@@ -303,7 +304,7 @@ class ComponentSlave(Fmi2Slave):
 class _Halved:
     """Second derivatives of the inputs; the component's `u` holds half of them."""
 
-    def __init__(self, u: memoryview):
+    def __init__(self, u: Any):
         self.u = u
 
     def __getitem__(self, position: int) -> float:
@@ -313,7 +314,7 @@ class _Halved:
         self.u[position] = 0.5 * value
 
 
-@lru_cache(maxsize=None)
-def _tables(component: type) -> tuple[tuple[Scalar, ...], dict[str, int]]:
+@cache
+def _tables(component: Any) -> tuple[tuple[Scalar, ...], dict[str, int]]:
     scalars = interface(component)
     return scalars, {s.name: i for i, s in enumerate(scalars)}

@@ -1,0 +1,224 @@
+"""The checks themselves, run by `check` in a process that may die: python -m fmus.check_worker FILE CHECK ..."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import sys
+import tempfile
+import types
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+STEPS = 20  # steps of the checks that compare two runs
+NOT_OFFERED = "not offered"
+
+
+class Unit:
+    """An instance of an FMU, initialized with its start values."""
+
+    def __init__(self, path: str, folder: str, name: str):
+        from fmpy import read_model_description
+        from fmpy.fmi2 import FMU2Slave
+
+        self.description = read_model_description(path, validate=False)
+        if self.description.coSimulation is None or self.description.fmiVersion != "2.0":
+            raise ValueError(f"FMI {self.description.fmiVersion}, expected a co-simulation FMU of FMI 2.0")
+        self.fmu = FMU2Slave(guid=self.description.guid, unzipDirectory=folder, instanceName=name,
+                             modelIdentifier=self.description.coSimulation.modelIdentifier)
+        self.outputs = [v.valueReference for v in self.description.modelVariables
+                        if v.causality == "output" and v.type == "Real"]
+        self.step_size = _step_size(self.description)
+        self.fmu.instantiate(loggingOn=True)
+        self.initialize()
+
+    def initialize(self) -> None:
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        self.steps = 0
+
+    def run(self, steps: int = STEPS) -> np.ndarray:
+        """Outputs after each of the next steps, (steps, outputs)."""
+        rows = []
+        for _ in range(steps):
+            self.fmu.doStep(self.steps * self.step_size, self.step_size)
+            self.steps += 1
+            rows.append(self.fmu.getReal(self.outputs))
+        return np.array(rows).reshape(steps, -1)
+
+    def free(self) -> None:
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+
+
+def _step_size(description) -> float:
+    experiment = description.defaultExperiment
+    if experiment is not None and experiment.stepSize:
+        return float(experiment.stepSize)
+    return float(experiment.stopTime) / 100.0 if experiment is not None and experiment.stopTime else 1e-3
+
+
+def _same(one: np.ndarray, other: np.ndarray, what: str) -> tuple[bool, str]:
+    if one.tobytes() == other.tobytes():
+        return True, f"{what}: the same {one.size} numbers, bit for bit"
+    return False, f"{what}: the numbers differ by up to {np.abs(one - other).max():g}"
+
+
+def model_description(path: str, folder: str) -> tuple[bool, str]:
+    """XML schema, names, structure, start values and units, by FMPy."""
+    from fmpy.validation import validate_fmu
+
+    problems = validate_fmu(path)
+    return not problems, "; ".join(problems) or "no problems found"
+
+
+def default_experiment(path: str, folder: str) -> tuple[bool, str]:
+    """FMPy alone simulates the default experiment; every output is finite and the stop time is reached."""
+    from fmpy import read_model_description, simulate_fmu
+
+    experiment = read_model_description(path, validate=False).defaultExperiment
+    stop = float(experiment.stopTime) if experiment is not None and experiment.stopTime else 1.0
+    result = simulate_fmu(path, validate=False, stop_time=stop, fmi_type="CoSimulation")
+    bad = [n for n in result.dtype.names if not np.isfinite(result[n]).all()]
+    if bad:
+        return False, "not finite: " + ", ".join(bad)
+    end = float(result["time"][-1])
+    return math.isclose(end, stop), f"{len(result)} rows, {len(result.dtype.names) - 1} outputs, ended at {end:g} s of {stop:g} s"
+
+
+def state(path: str, folder: str) -> tuple[bool, str]:
+    """Save, step, restore, step again: the same bits; then the same through the serialized state."""
+    unit = Unit(path, folder, "state")
+    offered = unit.description.coSimulation
+    if not offered.canGetAndSetFMUstate:
+        unit.free()
+        return True, NOT_OFFERED
+    unit.run()
+    saved, at = unit.fmu.getFMUstate(), unit.steps
+    first = unit.run()
+    unit.fmu.setFMUstate(saved)
+    unit.steps = at
+    ok, detail = _same(first, unit.run(), "after restoring")
+    if ok and offered.canSerializeFMUstate:
+        copy = unit.fmu.deSerializeFMUstate(unit.fmu.serializeFMUstate(saved))
+        unit.fmu.setFMUstate(copy)
+        unit.steps = at
+        ok, detail = _same(first, unit.run(), "after restoring and after serializing")
+        unit.fmu.freeFMUstate(copy)
+    unit.fmu.freeFMUstate(saved)
+    unit.free()
+    return ok, detail
+
+
+def reset(path: str, folder: str) -> tuple[bool, str]:
+    """After a reset the run is the same again."""
+    unit = Unit(path, folder, "reset")
+    first = unit.run()
+    unit.fmu.reset()
+    unit.initialize()
+    answer = _same(first, unit.run(), "after a reset")
+    unit.free()
+    return answer
+
+
+def two_instances(path: str, folder: str) -> tuple[bool, str]:
+    """A second instance, stepped in turn with the first, changes nothing."""
+    alone = Unit(path, folder, "alone")
+    expected = alone.run()
+    alone.free()
+    first = Unit(path, folder, "first")
+    if first.description.coSimulation.canBeInstantiatedOnlyOncePerProcess:
+        first.free()
+        return True, NOT_OFFERED
+    second = Unit(path, folder, "second")
+    second.run(STEPS // 2)
+    rows = []
+    for _ in range(STEPS):
+        rows.append(first.run(1))
+        second.run(1)
+    answer = _same(expected, np.concatenate(rows), "beside a second instance")
+    first.free()
+    second.free()
+    return answer
+
+
+def other_bundle(path: str, folder: str) -> tuple[bool, str]:
+    """An FMU of the same component with other code, loaded first, runs its own code, and this one its own."""
+    if not _bundles(path):
+        return True, NOT_OFFERED + ": made by another tool"
+    with tempfile.TemporaryDirectory() as directory:
+        changed = changed_copy(Path(path), Path(directory))
+        place = os.environ.get("COSIMO_CACHE")
+        os.environ["COSIMO_CACHE"] = directory  # the changed code shall not stay in the user's cache
+        theirs = Unit(str(changed), str(extracted(changed, directory)), "unit")
+        os.environ.pop("COSIMO_CACHE") if place is None else os.environ.update(COSIMO_CACHE=place)
+        ours = Unit(path, folder, "unit")
+        moved, own = theirs.run(), ours.run()
+        theirs.free()
+        ours.free()
+    return _same(own + 1.0, moved, "against an FMU of this name that adds 1 to each output")
+
+
+def host_packages(path: str, folder: str) -> tuple[bool, str]:
+    """A host that has imported packages called `components` and `slave` of its own does not change the answers."""
+    if not _bundles(path):
+        return True, NOT_OFFERED + ": made by another tool"
+    for name in ("components", "components.core", "components.catalogue", "slave", "interface", "fmus"):
+        sys.modules[name] = types.ModuleType(name)
+    unit = Unit(path, folder, "unit")
+    rows = unit.run()
+    unit.free()
+    return bool(np.isfinite(rows).all()), f"{rows.size} finite numbers beside a host's own packages"
+
+
+def _bundles(path: str) -> list[str]:
+    with zipfile.ZipFile(path) as file:
+        return [m.split("/")[1] for m in file.namelist() if re.fullmatch(r"resources/bundle_[0-9a-f]+/__init__\.py", m)]
+
+
+def changed_copy(path: Path, directory: Path) -> Path:
+    """A copy of one of our FMUs whose outputs are 1 more, under a digest of its own, as a rebuild after an edit has it."""
+    old = _bundles(str(path))[0].removeprefix("bundle_")
+    new = "f" * len(old)
+    copy = directory / path.name
+    with zipfile.ZipFile(path) as source, zipfile.ZipFile(copy, "w") as target:
+        for member in source.namelist():
+            content = source.read(member)
+            if member.startswith("resources/") and not member.startswith("resources/pythonfmu/"):
+                content = content.replace(old.encode(), new.encode())
+            if member == f"resources/bundle_{old}/slave.py":
+                content = content.replace(b"return [container[i] for", b"return [container[i] + 1.0 for")
+            target.writestr(member.replace(old, new), content)
+    return copy
+
+
+def extracted(path: Path, directory: str) -> Path:
+    """The FMU's folder below `directory`."""
+    folder = Path(directory) / "extracted"
+    with zipfile.ZipFile(path) as file:
+        file.extractall(folder)
+    return folder
+
+
+# the last two need a process that has not loaded the FMU before
+GROUPS = (("model_description", "default_experiment", "state", "reset", "two_instances"), ("other_bundle",), ("host_packages",))
+
+
+def main(path: str, *names: str) -> None:
+    with tempfile.TemporaryDirectory() as directory:
+        folder = str(extracted(Path(path), directory))
+        for name in names:
+            try:
+                ok, detail = globals()[name](path, folder)
+            except Exception as error:
+                ok, detail = False, f"{type(error).__name__}: {error}"
+            print("finding " + json.dumps({"name": name, "ok": bool(ok), "detail": detail}), flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
