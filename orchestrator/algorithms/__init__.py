@@ -1,0 +1,9 @@
+"""Master algorithms by the name a scene calls them."""
+
+from .gauss_seidel import GaussSeidel
+from .jacobi import Jacobi
+from .master import Master
+
+ALGORITHMS: dict[str, type[Master]] = {"jacobi": Jacobi, "gauss-seidel": GaussSeidel}
+
+__all__ = ["ALGORITHMS", "Master"]

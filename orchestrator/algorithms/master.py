@@ -1,0 +1,110 @@
+"""What all master algorithms share: the table of signals, initialization, and outputs that follow within an instant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Literal
+
+from components.core.errors import StepFailed
+
+from ..coupling import Coupling, Endpoint, Link
+from ..units import Unit
+from .polynomial import History, Row
+
+SWEEPS = 30
+CONVERGED = 1e-12  # relative change of an output from one sweep to the next
+ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
+
+
+class Node:
+    """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
+
+    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], degree: int):
+        self.unit, self.place = unit, place
+        self.links, self.sources = tuple(links), tuple(sources)
+        converted = any((link.factor, link.offset) != (1.0, 0.0) for link in links)
+        self._conversions = [(link.factor, link.offset) for link in links] if converted else None
+        self.history = History(degree)
+
+    def inputs(self, signals: Row) -> Row:
+        """Present values of the driven inputs, in the order of `links`."""
+        values = [signals[k] for k in self.sources]
+        if self._conversions is not None:
+            values = [factor * v + offset for v, (factor, offset) in zip(values, self._conversions, strict=True)]
+        return values
+
+
+class Master:
+    """Base of the algorithms: `initialize`, then `step` for each macro step; `signals` holds the outputs read in every step.
+
+    `watched`: outputs to read in every step although no connection needs them.
+    """
+
+    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *,
+                 degree: int = 1, feedthrough: Literal["fresh", "stale"] = "fresh", order: Sequence[str] = ()):
+        read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
+        read.sort(key=lambda end: list(units).index(end[0]))
+        self.coupling = coupling
+        self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
+        self.signals: Row = [0.0] * len(read)
+        self.sweeps, self.residual, self.steps = 0, 0.0, 0
+        nodes = {}
+        for name, unit in units.items():
+            mine = [k for k, end in enumerate(read) if end[0] == name]
+            place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
+            links = self.sorted_links([link for link in coupling.links if link.target[0] == name], tuple(order) or tuple(units))
+            unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
+            nodes[name] = Node(unit, place, links, [self.positions[link.source] for link in links], degree)
+        self.nodes = [nodes[name] for name in order or units]
+        self._passes = [nodes[name] for name in coupling.passes] if feedthrough == "fresh" else []
+
+    def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
+        """The links into one unit in the order the algorithm wants to have them."""
+        return links
+
+    def initialize(self, t: float) -> None:
+        """Initialize and propagate until the outputs stop changing; raises `StepFailed` with what is left when they do not."""
+        signals = self.signals
+        nominals = [ABOUT_ZERO * self.coupling.interfaces[u].outputs[n].nominal for u, n in self.positions]
+        for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
+            for link, k in zip(node.links, node.sources, strict=True):
+                start = self.coupling.interfaces[link.target[0]].inputs[link.target[1]].start
+                signals[k] = (start - link.offset) / link.factor
+        for sweep in range(1, SWEEPS + 1):
+            before = signals[:]
+            for node in self.nodes:
+                node.unit.initialize(t, node.inputs(signals))
+                signals[node.place] = node.unit.get()
+            changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(signals, before, nominals, strict=True)]
+            self.sweeps, self.residual = sweep, max(changes, default=0.0)
+            if self.residual <= CONVERGED:
+                break
+        else:
+            unit, name = list(self.positions)[changes.index(self.residual)]
+            raise StepFailed(unit, t, f"the initial values did not settle in {SWEEPS} sweeps; {name} still changes by "
+                                      f"{self.residual:.2g} of its value", "Give parameters closer to a common equilibrium")
+        for node in self.nodes:
+            node.unit.start()
+            signals[node.place] = node.unit.get()
+        for node in self.nodes:
+            node.history.push(node.inputs(signals), 0.0)
+
+    def step(self, t: float, h: float) -> None:
+        """One macro step from t to t + h."""
+        raise NotImplementedError
+
+    def _finish(self, t: float, h: float) -> None:
+        """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
+        signals = self.signals
+        for node in self._passes:
+            node.unit.update(node.inputs(signals))
+            signals[node.place] = node.unit.get()
+        for node in self.nodes:
+            if node.sources:
+                node.history.push(node.inputs(signals), h)
+        self.steps += 1
+        if not isfinite(sum(signals)):
+            for (unit, name), value in zip(self.positions, signals, strict=True):
+                if not isfinite(value):
+                    raise StepFailed(unit, t + h, f"output {name} is {value}", "Reduce the macro step")

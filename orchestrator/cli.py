@@ -1,0 +1,205 @@
+"""The command `cosimo`. Heavy imports stand inside the commands, so that --help is quick.
+
+Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput
+
+FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
+
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
+                  help="Mechanical components as FMUs, coupled simulations of them, and validation against published tables.")
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
+InProcess = Annotated[bool, typer.Option("--in-process", help="Run components in this process, not as FMUs: same bits, faster.")]
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; ends in SystemExit with the exit code."""
+    try:
+        app(arguments)
+    except BadInput as error:
+        print(f"cosimo: {error}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+
+
+def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*columns, title=title or None, title_justify="left")
+    for row in rows:
+        table.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
+    Console().print(table, markup=False)
+
+
+@app.command("list")
+def list_(
+    kind: Annotated[str, typer.Argument(help="components, fmus, scenes or cases; all of them without it")] = "",
+    as_json: AsJson = False,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a scene file, for editors.")] = False,
+) -> None:
+    """What there is. Example: cosimo list components"""
+    from components.core.errors import nearest
+
+    if schema:
+        from .scene import Scene
+
+        print(json.dumps(Scene.model_json_schema(), indent=2))
+        return
+    kinds = {"components": _components, "fmus": _fmus, "scenes": _scenes, "cases": _cases}
+    if kind and kind not in kinds:
+        raise BadInput("list", repr(kind), "one of " + ", ".join(kinds), nearest(kind, kinds))
+    found = {name: entries() for name, entries in kinds.items() if kind in ("", name)}
+    if as_json:
+        print(json.dumps(found, indent=2))
+        return
+    for name, entries in found.items():
+        _print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
+
+
+def _components() -> list[dict[str, Any]]:
+    from components.catalogue import CATALOGUE, component_class
+
+    classes = {name: component_class(name) for name in CATALOGUE}
+    return [{
+        "name": name, "title": cls.title, "system": cls.system, "effects": list(cls.effects), "presets": list(cls.presets),
+        "variables": [{"name": v.name, "causality": v.causality.value, "unit": v.unit, "start": v.start, "text": v.text}
+                      for v in cls.variables.values()],
+    } for name, cls in classes.items()]
+
+
+def _fmus() -> list[dict[str, Any]]:
+    from components.catalogue import CATALOGUE, component_class
+
+    return [{"name": name, "title": component_class(name).title} for name in CATALOGUE]
+
+
+def _scenes() -> list[dict[str, Any]]:
+    from .scene import read_toml, scene_files
+
+    return [{"name": name, "title": read_toml(path).get("title", "")} for name, path in scene_files().items()]
+
+
+def _cases() -> list[dict[str, Any]]:
+    from .validation.cases import CASES
+
+    return [{"name": name, "title": case.title} for name, case in CASES.items()]
+
+
+@app.command()
+def build(
+    names: Annotated[list[str] | None, typer.Argument(help="components; all of them without it")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
+) -> None:
+    """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
+    from components.catalogue import CATALOGUE
+    from fmus.build import build as build_fmu
+
+    for name in names or CATALOGUE:
+        print(build_fmu(name, output))
+
+
+@app.command()
+def check(fmu: Annotated[Path, typer.Argument(help="an FMU file")], as_json: AsJson = False) -> None:
+    """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
+    from fmus.check import check as check_fmu
+
+    if not fmu.is_file():
+        raise BadInput("check", repr(str(fmu)), "an FMU file")
+    findings = check_fmu(fmu)
+    if as_json:
+        found = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
+        print(json.dumps({"fmu": str(fmu), "findings": found}, indent=2))
+    else:
+        _print_table(str(fmu), ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
+    if not all(f.ok for f in findings):
+        raise SystemExit(FAILED_CHECK)
+
+
+@app.command()
+def run(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    in_process: InProcess = False,
+    output: Output = None,
+    values: Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help="Change a parameter.")] = None,
+    step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
+    stop: Annotated[float | None, typer.Option("--stop", help="End of the run, s.")] = None,
+    algorithm: Annotated[str | None, typer.Option("--algorithm", help="jacobi or gauss-seidel")] = None,
+) -> None:
+    """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 -o out"""
+    from .run import run as run_scene
+    from .scene import load_scene
+
+    given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm}
+    changes = {place: value for place, value in given.items() if value is not None} | dict(map(_change, values or []))
+    loaded = load_scene(scene)
+    if changes:
+        loaded = loaded.with_changes(changes)
+    result = run_scene(loaded, in_process=in_process, progress=True)
+    if output is not None:
+        print(result.save(output) / "result.csv")
+    _print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
+        (name, result.measures[name], float(c.min()), float(c.max()), float(c[-1]))
+        for name, c in result.columns.items() if c.size
+    ])
+    timing = result.info["timing"]
+    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start")
+    if result.outcome != "done":
+        print(f"cosimo: {result.message}", file=sys.stderr)
+        raise SystemExit(FAILED_RUN)
+
+
+def _change(text: str) -> tuple[str, Any]:
+    """("units.<unit>.parameters.<parameter>", value) of "unit.parameter=value"."""
+    place, equals, value = text.partition("=")
+    unit, dot, parameter = place.strip().partition(".")
+    if not equals or not dot or not value:
+        raise BadInput("--set", repr(text), "unit.parameter=value")
+    for read in (int, float):
+        try:
+            return f"units.{unit}.parameters.{parameter}", read(value)
+        except ValueError:
+            pass
+    return f"units.{unit}.parameters.{parameter}", {"true": True, "false": False}.get(value, value)
+
+
+@app.command()
+def validate(
+    cases: Annotated[list[str], typer.Argument(help="names of cases; see cosimo list cases")],
+    in_process: InProcess = False,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
+    as_json: AsJson = False,
+) -> None:
+    """Run cases and hold them against their tables. Example: cosimo validate en50318-2018-ac-simple -o out"""
+    from .validation import validate as validate_cases
+    from .validation.case import to_json
+
+    results = validate_cases(cases, output, in_process=in_process, progress=not as_json)
+    if as_json:
+        print(to_json(results))
+    else:
+        for result in results:
+            columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
+            _print_table(result.case.title, columns, [
+                (r["quantity"], r["condition"], r["unit"], r["measured"], f"{r['low']} ... {r['high']}", row.margin,
+                 r["standing"], "yes" if r["inside"] else "NO")
+                for row in result.findings.rows for r in [row.to_json()]
+            ])
+            print(f"{result.case.name}: {result.verdict}\nreport: {result.report}")
+    if any(result.outcome == "failed" for result in results):
+        raise SystemExit(FAILED_CHECK)
+
+
+if __name__ == "__main__":
+    main()

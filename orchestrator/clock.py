@@ -1,0 +1,36 @@
+"""Time as an integer number of ticks; seconds are computed from it, never accumulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from math import gcd
+
+
+def _written(seconds: float) -> Fraction:
+    """The decimal number a user wrote: 0.1 is 1/10, not the binary number beside it."""
+    return Fraction(repr(float(seconds)))
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Ticks of `numerator / denominator` seconds, the largest that divides all durations of a run."""
+
+    numerator: int
+    denominator: int
+
+    @classmethod
+    def dividing(cls, *durations: float) -> Clock:
+        """The clock with the longest tick of which every duration (s, positive) is a whole multiple."""
+        tick = reduce(lambda a, b: Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator),
+                                            a.denominator * b.denominator), map(_written, durations))
+        return cls(tick.numerator, tick.denominator)
+
+    def ticks(self, duration: float) -> int:
+        """Ticks in one of the durations the clock was made for."""
+        return int(_written(duration) * self.denominator / self.numerator)
+
+    def seconds(self, ticks: int) -> float:
+        """Time of a tick, correctly rounded: Python divides integers exactly before it rounds."""
+        return ticks * self.numerator / self.denominator

@@ -1,0 +1,90 @@
+"""What watches a run without taking part in it: recording and progress. Each is called with the tick and the time."""
+
+from __future__ import annotations
+
+import sys
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from .coupling import Endpoint
+from .units import Unit
+
+Sample = Callable[[], list[float]]
+
+
+class Recorder:
+    """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
+
+    def __init__(self, sample: Sample, width: int, interval: int, end: int):
+        self._sample, self._width, self._interval, self._end = sample, width, interval, end
+        self._due = 0
+        self._times, self._values = array("d"), array("d")
+
+    def __call__(self, tick: int, t: float) -> None:
+        if tick >= self._due or tick == self._end:
+            self._due = (tick // self._interval + 1) * self._interval
+            self._times.append(t)
+            self._values.fromlist(self._sample())
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the rows, (n,) s."""
+        return np.array(self._times)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The rows, (n, width)."""
+        n = len(self._times)  # an interrupt may leave a time without its row, or a row that is not complete
+        values = np.array(self._values)[: n * self._width]
+        return values.reshape(n, self._width)
+
+
+def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
+    """A function that asks the units for the present values of some outputs, in the order of `ends`."""
+    by_unit = {u: [n for v, n in ends if v == u] for u, _ in ends}
+    readers = [units[u].reader(names) for u, names in by_unit.items()]
+    flat = [(u, n) for u, names in by_unit.items() for n in names]
+    order = [flat.index(end) for end in ends]
+
+    def sample() -> list[float]:
+        values = [v for read in readers for v in read()]
+        return [values[k] for k in order]
+
+    return sample
+
+
+class Progress:
+    """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
+
+    REFRESH = 0.1  # s
+
+    def __init__(self, title: str, stop: float):
+        self._title, self._stop, self._next = title, stop, 0.0
+        self._bar: Any = None
+
+    def __enter__(self) -> Progress:
+        self._begin = perf_counter()
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(TextColumn("{task.description}"), BarColumn(),
+                            TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
+                            TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._title, total=self._stop, speed=0.0)
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._bar is not None and (now := perf_counter()) >= self._next:
+            self._next = now + self.REFRESH
+            self._bar.update(self._task, completed=t, speed=t / (now - self._begin))

@@ -1,0 +1,126 @@
+"""A scene in, a result out."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from importlib.metadata import version
+from time import perf_counter
+from typing import Any
+
+from components.core.errors import StepFailed
+
+from .algorithms import ALGORITHMS, Master
+from .clock import Clock
+from .coupling import Coupling, settle
+from .observers import Progress, Recorder, reading
+from .results import Result, Snapshot
+from .scene import Scene
+from .units import Unit, open_unit
+
+PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
+
+
+class Stepping:
+    """The stepping loop: from tick 0 to `end` in strides, the last one shorter where they do not divide it."""
+
+    def __init__(self, master: Master, clock: Clock, stride: int, end: int):
+        self.master, self.clock, self.stride, self.end = master, clock, stride, end
+        self.tick = 0
+
+    def run(self, observers: Sequence[Callable[[int, float], None]]) -> None:
+        """Step to the end; observers see every instant after all units have reached it."""
+        seconds, step, stride, end = self.clock.seconds, self.master.step, self.stride, self.end
+        t, h = 0.0, seconds(stride)
+        for observe in observers:
+            observe(0, t)
+        while (tick := self.tick) < end:
+            if tick + stride > end:
+                stride = end - tick
+                h = seconds(stride)
+            step(t, h)
+            self.tick = tick = tick + stride
+            t = seconds(tick)
+            for observe in observers:
+                observe(tick, t)
+
+
+def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Result:
+    """Simulate a scene from 0 to its stop_time.
+
+    Components run as FMUs, or in this process with `in_process`: the same results to the last bit, several times faster.
+    A step that fails and Ctrl-C give a partial result with outcome "failed"; raises `BadInput` for what cannot start.
+    """
+    begin = perf_counter()
+    coupling, record, settings = settle(scene), scene.record, scene.master
+    intervals = [record.interval or settings.step, record.snapshot_interval or settings.step]
+    clock = Clock.dividing(settings.step, scene.stop_time, *intervals)
+    stride, end = clock.ticks(settings.step), clock.ticks(scene.stop_time)
+    every, snapshot_every = (clock.ticks(i) for i in intervals)
+    with ExitStack() as stack:
+        units = {}
+        for name, unit in scene.units.items():
+            units[name] = open_unit(name, unit, in_process=in_process)
+            stack.callback(units[name].close)
+        watched = coupling.signals if every == stride else ()
+        master = ALGORITHMS[settings.algorithm](
+            units, coupling, watched, degree=settings.extrapolation, feedthrough=settings.feedthrough, order=settings.order
+        )
+        # what the master reads anyway is not read twice
+        sample = _picked(master, coupling) if watched else reading(units, coupling.signals)
+        signals = Recorder(sample, len(coupling.signals), every, end)
+        arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
+                  for (unit, array), names in coupling.snapshots.items()}
+        bar = stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)) if progress else None
+        loop = Stepping(master, clock, stride, end)
+        started, outcome, message = perf_counter(), "failed", ""
+        try:
+            master.initialize(0.0)
+            started = perf_counter()
+            loop.run([signals, *arrays.values(), *([bar] if bar else [])])
+            outcome = "done"
+        except StepFailed as error:
+            message = str(error)
+        except KeyboardInterrupt:
+            message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
+        timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
+        info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
+    names = [f"{u}.{n}" for u, n in coupling.signals]
+    return Result(
+        scene, signals.time, dict(zip(names, signals.values.T.copy(), strict=True)),
+        {name: Snapshot(recorder.time, recorder.values) for name, recorder in arrays.items()},
+        {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals},
+        info, outcome, message,
+    )
+
+
+def _picked(master: Master, coupling: Coupling) -> Callable[[], list[float]]:
+    order = [master.positions[end] for end in coupling.signals]
+    return lambda: [master.signals[k] for k in order]
+
+
+def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:
+    """What run.json holds beside outcome and timing."""
+    interfaces = coupling.interfaces
+    driven = {link.target[0] for link in coupling.links}
+    undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
+    return {
+        "scene": {"name": scene.name, **scene.model_dump(mode="json")},
+        "units": {n: {"kind": type(unit).__name__, "title": interfaces[n].title, "parameters": unit.parameters()}
+                  for n, unit in units.items()},
+        "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},
+                        "off": {e: "not named in the scene" for e, why in i.effects.items() if not why}}
+                    for n, i in interfaces.items()},
+        "settings": {
+            **scene.master.model_dump(mode="json"),
+            "undriven_inputs": list(coupling.undriven),
+            "held_at_mean": sorted(n for n in driven if interfaces[n].input_degree < scene.master.extrapolation),
+            "undeclared_dependencies": undeclared,
+        },
+        "counters": {
+            "master": {"steps": master.steps, "initial_sweeps": master.sweeps, "initial_residual": master.residual},
+            "units": {n: unit.work() for n, unit in units.items()},
+        },
+        "versions": {"python": platform.python_version(), **{p: version(p) for p in PACKAGES}},
+    }

@@ -1,0 +1,35 @@
+"""Kinds of units behind one protocol, and how a scene's entry becomes one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .interface import Interface, Unit
+
+if TYPE_CHECKING:
+    from ..scene import UnitSettings
+
+
+def describe(name: str, settings: UnitSettings) -> Interface:
+    """Names, units of measure and capabilities of a unit, without starting it; `BadInput` for what does not fit."""
+    if settings.fmu:
+        from .fmu import describe_fmu
+
+        return describe_fmu(name, settings)
+    from .component import describe_component
+
+    return describe_component(name, settings)
+
+
+def open_unit(name: str, settings: UnitSettings, *, in_process: bool) -> Unit:
+    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit."""
+    if settings.fmu or not (in_process or ":" in settings.component):
+        from .fmu import open_fmu
+
+        return open_fmu(name, settings)
+    from .component import ComponentUnit, make
+
+    return ComponentUnit(name, make(name, settings))
+
+
+__all__ = ["Interface", "Unit", "describe", "open_unit"]

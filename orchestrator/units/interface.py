@@ -1,0 +1,88 @@
+"""What the master knows of a unit: the protocol of its calls, and its capabilities as data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared."""
+
+    name: str
+    unit: str
+    start: float = 0.0
+    nominal: float = 1.0
+    feedthrough: tuple[str, ...] | None = ()
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Names, units of measure and capabilities of one unit."""
+
+    kind: str  # "component" or "fmu"
+    title: str
+    inputs: Mapping[str, Signal]
+    outputs: Mapping[str, Signal]
+    effects: Mapping[str, str]  # every effect the unit has -> why it is on, or "" where it is off
+    set_inputs: frozenset[str] = frozenset()  # inputs the scene gives a value
+    input_degree: int = 2  # highest degree of an input's polynomial over a step; above it the unit holds the mean
+    variable_step: bool = True
+    saves_state: bool = True
+
+
+class Unit(Protocol):
+    """One simulated part. Calls come in this order:
+
+    1. `wire` once: which inputs are driven and which outputs are read in every step
+    2. `initialize`, repeated while the inputs still change, with `get` after each; then `start` once
+    3. for each step `drive`, `step`, `get`; between steps `update`, `get` and the readers of `reader`;
+       `save` and `restore` around a repeated step
+    4. `close`, always and once
+
+    After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are plain lists in the
+    order of the names given to `wire`: for the few scalars of a connection they are faster than arrays.
+    """
+
+    name: str
+
+    def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        """Fix the names of the driven inputs and of the outputs that `get` returns."""
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        """A function that gives the present values of some outputs."""
+
+    def initialize(self, t: float, values: list[float]) -> None:
+        """Find the initial state for these inputs."""
+
+    def start(self) -> None:
+        """The initial state stands."""
+
+    def drive(self, values: list[float], slopes: list[float] | None, halves: list[float] | None, h: float) -> None:
+        """Inputs over the coming step of length h: values + slopes s + halves s²; None for no such term."""
+
+    def step(self, t: float, h: float) -> None:
+        """Advance from t to t + h."""
+
+    def update(self, values: list[float]) -> None:
+        """The inputs have these values now; outputs that depend on them directly follow."""
+
+    def get(self) -> list[float]:
+        """Present values of the outputs given to `wire`."""
+
+    def save(self) -> Any:
+        """Everything a repeated step depends on."""
+
+    def restore(self, state: Any) -> None:
+        """Take back a state of `save`."""
+
+    def parameters(self) -> dict[str, Any]:
+        """Values the run was made with, by name."""
+
+    def work(self) -> dict[str, int]:
+        """Counters of the unit by name."""
+
+    def close(self) -> None:
+        """Give back what the unit holds outside this object."""

@@ -1,0 +1,135 @@
+"""Runs: times, labels, recording, failures, and FMU against in-process."""
+
+import json
+
+import numpy as np
+import pytest
+
+from components.core.errors import BadInput
+from orchestrator.run import run
+from orchestrator.scene import read_scene
+from tests.support import two_masses
+
+PROBE = {"stop_time": 1.0, "units": {"p": {"component": "tests.support:Probe"}}, "master": {"step": 0.1}}
+
+
+def test_samples_carry_their_own_time():
+    result = run(read_scene(PROBE))
+    assert len(result.time) == 11
+    # t + h in the unit and the tick in the master are rounded separately: two roundings of numbers below 1
+    assert np.abs(result["p.time"] - result.time).max() <= 2 * np.finfo(float).eps
+
+
+def test_end_is_met_exactly_with_a_shorter_last_step():
+    result = run(read_scene({**PROBE, "stop_time": 1.05}))
+    assert result.time[-1] == 1.05
+    assert result.time[-2] == 1.0
+
+
+def test_recording_at_intervals_with_snapshots():
+    record = {"signals": ["p.time"], "interval": 0.25, "snapshots": ["p.profile"], "snapshot_interval": 0.5}
+    result = run(read_scene({**PROBE, "record": record, "units": {"p": {**PROBE["units"]["p"], "parameters": {"length": 4.0}}}}))
+    # multiples of 0.25 s, each at the first macro step not before it, and the end
+    assert result.time.tolist() == [0.0, 0.3, 0.5, 0.8, 1.0]
+    assert list(result.columns) == ["p.time"]
+    snapshot = result.snapshots["p.profile"]
+    assert snapshot.time.tolist() == [0.0, 0.5, 1.0]
+    assert snapshot.values.tolist() == [[4.0, 8.0, 12.0]] * 3
+
+
+def test_array_elements_are_recorded_only_on_request():
+    assert list(run(read_scene(PROBE)).columns) == ["p.time"]
+    result = run(read_scene({**PROBE, "record": {"signals": ["p.profile"]}}))
+    assert list(result.columns) == ["p.profile[1]", "p.profile[2]", "p.profile[3]"]
+    assert result.measures["p.profile[2]"] == "mm"
+
+
+def test_units_of_measure_are_converted():
+    scene = {**PROBE, "connections": ["m.x_out -> p.length"], "record": {"signals": ["m.x_out", "p.profile[1]"]},
+             "units": {**PROBE["units"], "m": {"component": "tests.support:Mass", "parameters": {"v0": 2.0}}}}
+    result = run(read_scene(scene))
+    # the mass moves freely: x = 2 t in m, and the probe sees it in mm; one rounding of the conversion
+    np.testing.assert_allclose(result["p.profile[1]"], 2000.0 * result.time, rtol=1e-14)
+    np.testing.assert_array_equal(result["p.profile[1]"], 1000.0 * result["m.x_out"])
+
+
+def test_a_failing_unit_leaves_a_partial_result(tmp_path):
+    scene = {**PROBE, "units": {"p": {**PROBE["units"]["p"], "parameters": {"fail_at": 0.45}}}}
+    result = run(read_scene(scene))
+    assert result.outcome == "failed"
+    assert "p failed at t = 0.4 s" in result.message
+    assert result.time.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4]
+    result.save(tmp_path)
+    assert json.loads((tmp_path / "run.json").read_text())["outcome"] == "failed"
+    assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + 5
+
+
+def test_a_diverging_coupling_is_reported_and_not_handed_out():
+    scene = read_scene({**two_masses("jacobi", 0.2, 2), "stop_time": 200.0})
+    result = run(scene)
+    assert result.outcome == "failed"
+    assert np.isfinite(np.array(list(result.columns.values()))).all()
+
+
+def test_interrupt_keeps_what_was_computed(monkeypatch):
+    import tests.support
+
+    steps = iter(range(100))
+
+    def interrupted(self, t, h):
+        if next(steps) == 5:
+            raise KeyboardInterrupt
+        return 0
+
+    monkeypatch.setattr(tests.support.Probe, "_step", interrupted)
+    result = run(read_scene(PROBE))
+    assert (result.outcome, result.message) == ("failed", "interrupted at t = 0.5 s")
+    assert len(result.time) == 6
+
+
+def test_csv_keeps_every_bit(tmp_path):
+    result = run(read_scene(two_masses()))
+    result.save(tmp_path)
+    with open(tmp_path / "result.csv") as file:
+        header = file.readline().replace('"', "").strip().split(",")
+    table = np.loadtxt(tmp_path / "result.csv", delimiter=",", skiprows=1)
+    assert header == ["time", *result.columns]
+    np.testing.assert_array_equal(table.T, [result.time, *result.columns.values()])
+
+
+def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
+    scene = {**PROBE, "units": {"q": {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"]}}}
+    info = json.loads(json.dumps(run(read_scene(scene), in_process=True).info))
+    assert info["effects"]["q"]["on"] == {"contact_loss": "named in the scene", "lower_frame": "preset 'EN 50318:2018'"}
+    assert "bump_stops" in info["effects"]["q"]["off"]
+    assert "q.wire_height" in info["settings"]["undriven_inputs"]
+    assert info["counters"]["master"]["steps"] == 10
+    assert info["counters"]["units"]["q"]["derivative_calls"] > 0
+    assert {"simulated", "start", "run"} == info["timing"].keys()
+    assert info["timing"]["simulated"] == 1.0
+
+
+def test_missing_column_names_the_near_ones():
+    with pytest.raises(BadInput, match=r"p\.time"):
+        run(read_scene(PROBE))["p.tine"]
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_fmu_equals_in_process_to_the_last_bit(algorithm, degree):
+    """A mass under a pantograph's contact force, which moves the wire: the pantograph as FMU and in process."""
+    scene = read_scene({
+        "stop_time": 0.2,
+        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+        "units": {
+            "pantograph": {"component": "Pantograph", "effects": ["contact_loss", "bump_stops"],
+                           "parameters": {"bump_stops.travel": 0.03, "speed": 50.0}},
+            "wire": {"component": "tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+        },
+        "master": {"algorithm": algorithm, "step": 2e-3, "extrapolation": degree},
+    })
+    fmu, here = run(scene), run(scene, in_process=True)
+    assert fmu.outcome == here.outcome == "done"
+    for name in here.columns:
+        assert fmu[name].tobytes() == here[name].tobytes(), name
+    assert np.ptp(here["pantograph.contact_force"]) > 1.0  # N; something did move
