@@ -15,7 +15,7 @@ import math
 import numpy as np
 
 from .component import Component
-from .kernels import DONE, NOT_FINITE
+from .kernels import DONE, NOT_FINITE, hold_inputs
 
 
 def derivatives(t, x, u, dx, p, *effects):
@@ -61,7 +61,8 @@ def rk4(t, h, n, x, u, y, work, counts, p, *effects):
             x[j] += d / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
     counts[0] += n
     counts[1] += 4 * n
-    outputs(t + h, x, us, y, p, *effects)
+    hold_inputs(u, h)
+    outputs(t + h, x, u[0], y, p, *effects)
     for j in range(nx):
         if not math.isfinite(x[j]):
             return NOT_FINITE

@@ -61,6 +61,15 @@ def bind(template, module: str, **names):
     return kernel(bound)
 
 
+@kernel
+def hold_inputs(u, h):
+    """End of a step of length h: inputs keep the value they have reached, their slopes are used up; u: (3, m)."""
+    for j in range(u.shape[1]):
+        u[0, j] += h * (u[1, j] + h * u[2, j])
+        u[1, j] = 0.0
+        u[2, j] = 0.0
+
+
 def compiled_from_cache(*kernels) -> tuple[int, int]:
     """(hits, misses) of the on-disk cache, summed over `kernels`; (0, 0) without Numba."""
     stats = [k.stats for k in kernels if hasattr(k, "stats")]

@@ -91,8 +91,9 @@ class Pantograph(OdeComponent):
     substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
     wire_height = input_(0.0, "m", "height of the contact wire at the contact point", nominal=0.05)
+    wire_compliance = input_(0.0, "m/N", "compliance of the wire that its model leaves out, in series with the contact spring", nominal=1e-5)
 
-    contact_force = output("N", "force on the wire, positive upwards", nominal=100.0, feedthrough=("wire_height",))
+    contact_force = output("N", "force on the wire, positive upwards", nominal=100.0, feedthrough=("wire_height", "wire_compliance"))
     contact_position = output("m", "position of the contact point along the track", nominal=100.0)
     head_height = output("m", "height of the head", nominal=0.05)
     head_velocity = output("m/s", "vertical velocity of the head", nominal=0.1)
@@ -132,20 +133,21 @@ class Pantograph(OdeComponent):
         base_stiffness = p.frame_stiffness if lower is None else lower.stiffness
         base_height = self.u[0, base.u] if base is not None else 0.0
         lift = p.static_force + (aero.coefficient * p.speed**2 if aero is not None else 0.0)
-        above_wire = 1.0 / p.contact_stiffness + 1.0 / p.head_stiffness  # height of the frame above the wire per force
+        contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
+        above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
         lowest = above_wire if lower is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
         wire = self.u[0, WIRE_HEIGHT]
         force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
-        head = wire + force / p.contact_stiffness
+        head = wire + force * contact
         x = [head, 0.0, wire + force * above_wire, 0.0]
         return np.array(x if lower is None else [*x, wire + force * lowest, 0.0])
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; the static force is not counted."""
         p, loss, lower, _, stops, _, base = self.settled
-        x, wire = self.x, self.u[0, WIRE_HEIGHT]
-        gap = x[0] - wire
-        springs = p.contact_stiffness * (max(gap, 0.0) if loss is not None else gap) ** 2 + p.head_stiffness * (x[2] - x[0]) ** 2
+        x = self.x
+        force = contact_force(x[0], self.u[0, WIRE_HEIGHT], self.u[0, WIRE_COMPLIANCE], p, loss)
+        springs = force**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]) + p.head_stiffness * (x[2] - x[0]) ** 2
         base_height = self.u[0, base.u] if base is not None else 0.0
         motion = p.head_mass * x[1] ** 2 + p.frame_mass * x[3] ** 2
         if lower is None:
@@ -173,16 +175,16 @@ class Pantograph(OdeComponent):
         return float(2.78 / np.abs(np.linalg.eigvals(A)).max())
 
 
-(WIRE_HEIGHT,) = Pantograph.input_indices("wire_height")
+WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")
 FORCE, POSITION, HEAD, HEAD_VELOCITY, FRAME = Pantograph.output_indices(
     "contact_force", "contact_position", "head_height", "head_velocity", "frame_height"
 )
 
 
 @kernel
-def contact_force(head, wire, p, loss):
-    """Force of the contact spring, N."""
-    force = p.contact_stiffness * (head - wire)
+def contact_force(head, wire, compliance, p, loss):
+    """Force of the contact spring and the wire's own local compliance in series, N."""
+    force = (head - wire) / (1.0 / p.contact_stiffness + compliance)
     if loss is not None:
         force = max(force, 0.0)
     return force
@@ -204,7 +206,7 @@ def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, b
         base_velocity += u[base.u + 1]
 
     dx[0], dx[2] = x[1], x[3]
-    dx[1] = (head - contact_force(x[0], u[WIRE_HEIGHT], p, loss)) / p.head_mass
+    dx[1] = (head - contact_force(x[0], u[WIRE_HEIGHT], u[WIRE_COMPLIANCE], p, loss)) / p.head_mass
     if lower is not None:
         frame = p.frame_stiffness * (x[4] - x[2]) + p.frame_damping * (x[5] - x[3])
         dx[4] = x[5]
@@ -219,7 +221,7 @@ def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, b
 @kernel
 def pantograph_outputs(t, x, u, y, p, loss, lower, aero, stops, friction, base):
     """Contact force, position of the contact point, heights and velocity."""
-    y[FORCE] = contact_force(x[0], u[WIRE_HEIGHT], p, loss)
+    y[FORCE] = contact_force(x[0], u[WIRE_HEIGHT], u[WIRE_COMPLIANCE], p, loss)
     y[POSITION] = p.start_position + p.speed * t
     y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
 

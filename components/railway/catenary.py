@@ -1,0 +1,296 @@
+"""Distributed catenary: contact wire and messenger wire, droppers, supports."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.errors import BadInput
+from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
+from ..core.variables import choice, input_, integer, output, parameter
+from .banded import factor_band, solve_band
+from .explicit import explicit_steps
+from .implicit import effective_band, generalized_alpha, implicit_steps
+from .mesh import banded_product, build_mesh, system_bands
+from .statics import loaded_equilibrium
+from .wires import in_range, local_compliance, wire_height, wire_velocity
+
+MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
+WATCHED = 5  # supports whose uplift is an output
+PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
+
+
+class DropperSlackening(Effect):
+    """Droppers carry tension only; off, they also push."""
+
+
+class BendingStiffness(Effect):
+    """Bending stiffness of the wires: Euler-Bernoulli beams under tension instead of strings."""
+
+    contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0)
+    messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0)
+
+
+class GravitySag(Effect):
+    """Sag of the contact wire between its clamps, in the geometry of the contact; off, straight lines between clamps."""
+
+
+class PreSag(Effect):
+    """Parabolic pre-sag of the dropper clamps, 0 at the first and last dropper of a span."""
+
+    depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
+
+
+class Damping(Effect):
+    """Rayleigh damping of the wires, alpha M + beta K; droppers and supports are not part of K."""
+
+    alpha = parameter(0.0, "1/s", "mass-proportional coefficient", low=0.0)
+    beta = parameter(1e-3, "s", "stiffness-proportional coefficient", low=0.0)
+
+
+class SteadyArm(Effect):
+    """Steady arm at every support: a vertical spring and a mass at the contact wire."""
+
+    stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0)
+    mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0)
+
+
+class LevelSupport(Effect):
+    """The steady arms hold the contact wire at dropper level at rest; off, it hangs free at the supports."""
+
+
+class SecondPantograph(Effect):
+    """A second contact point, in the wake of the first."""
+
+    contact_position = input_(0.0, "m", "position of the second contact point", nominal=100.0)
+    contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
+    wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05, feedthrough=(".contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
+                           feedthrough=(".contact_position",))
+    local_compliance = output("m/N", "unresolved compliance of the wire at the second contact point", nominal=1e-5,
+                              feedthrough=(".contact_position",))
+
+
+class MovingWindow(Effect):
+    """Only the wires around the contact points move; the rest stays in its static equilibrium."""
+
+    ahead = parameter(120.0, "m", "length of the window ahead of the first contact point", low=1.0)
+    behind = parameter(120.0, "m", "length of the window behind the last contact point", low=1.0)
+
+
+class WireProfile(Effect):
+    """Shape of the contact wire around the contact point as outputs, for pictures."""
+
+    height = output("m", "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
+                    nominal=0.05, size=PROFILE, feedthrough=("contact_position",))
+
+
+class Catenary(Component):
+    """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
+
+        m u'' = T u'' (x) - EI u'''' - alpha m u' + beta (T u'' - EI u'''')' + droppers + supports + contact
+
+    for either wire, linear about the static equilibrium; a dropper pulls with F0 + k (u_messenger - u_contact), never
+    below 0 if it can slacken. Both wires are fixed at the ends of the section. The contact force is an input: the
+    partner owns the contact law. Numerics: linear elements with a mass between lumped and consistent that cancels the
+    leading dispersion error of space and time together, explicit (velocity Verlet) or implicit (generalised-alpha).
+    Source: EN 50318:2002 reference data as read in public sources; what is not in them is marked at the parameter.
+    """
+
+    title = "Distributed catenary with droppers"
+    system = "railway"
+    default_stop = 2.0
+    counters = ("steps", "solves", "factorizations")
+
+    dropper_slackening = DropperSlackening
+    bending_stiffness = BendingStiffness
+    gravity_sag = GravitySag
+    pre_sag = PreSag
+    damping = Damping
+    steady_arm = SteadyArm
+    level_support = LevelSupport
+    second_pantograph = SecondPantograph
+    moving_window = MovingWindow
+    wire_profile = WireProfile
+
+    spans = integer(10, "number of spans", low=1, high=1000)
+    span_length = parameter(60.0, "m", "length of a span", low=1.0)
+    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
+    contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
+    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
+    messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
+    droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
+    dropper_position = parameter(
+        (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)), "m",
+        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS)
+    dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0)
+    dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0)
+    contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0)
+    messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0)
+    support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0)
+    support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0)
+    first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
+
+    method = choice("explicit", ("explicit", "implicit"), "time integration")
+    element = parameter(0.5, "m", "longest element", low=0.01, high=30.0)
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
+    spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
+
+    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
+    contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
+    wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05, feedthrough=("contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1, feedthrough=("contact_position",))
+    local_compliance = output("m/N", "unresolved compliance of the wire at the contact point, in series with the contact spring",
+                              nominal=1e-5, feedthrough=("contact_position",))
+    static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
+    support_uplift = output("m", "uplift of the contact wire at a watched support", nominal=0.05, size=WATCHED)
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        p, slack, bending, _, _, damping, _, _, second, window, _ = self.settled
+        implicit = self.parameters["method"] == "implicit"
+        if implicit and window is not None:
+            raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
+                           "The window moves through the wires; a factorised matrix does not.")
+        self.mesh = self._mesh_for(self.settled)
+        if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, damping)):
+            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {limit:.3g} s, the explicit method's limit",
+                           "Reduce substep, enlarge element, or set method = 'implicit'.")
+        N, loads = self.mesh.mass.size, [(self.u[0, POSITION], self.u[0, FORCE])]
+        if second is not None:
+            loads.append((self.u[0, second.u], self.u[0, second.u + 1]))
+        for position, _ in loads:
+            if not in_range(position, self.mesh):
+                return OUT_OF_RANGE
+        q, taut, residual = loaded_equilibrium(self.mesh, loads, slack is not None)
+        self.x = np.concatenate((q, np.zeros(2 * N), taut, [1.0, N // 2 - 2.0]))
+        self.y[STATIC_RESIDUAL] = residual
+        self._work = np.zeros((4, N))
+        if implicit:
+            width = 3 if bending is None else 5
+            self._bands = system_bands(self.mesh, width)
+            self._factors, self._factored = np.zeros((N, width)), np.full(taut.size, -1.0)
+            self._method = generalized_alpha(math.inf, 1.0)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        p, slack, bending, _, _, damping, _, _, second, window, profile = self.settled
+        n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
+        watched = p.first_watched_support
+        if self.parameters["method"] == "explicit":
+            return advance_explicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, slack, bending,
+                                    damping, second, window, profile)
+        if h / n != self._method.step:
+            self._method = generalized_alpha(h / n, p.spectral_radius)
+            alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
+            self._band = effective_band(self._method, *self._bands, self.mesh, alpha, beta)
+            self._factored[:] = -1.0
+        return advance_implicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, self._method, self._band,
+                                self._factors, self._factored, slack, bending, damping, second, profile)
+
+    def _outputs(self, t: float) -> None:
+        p, *_, second, _, profile = self.settled
+        catenary_outputs(self.x, self.u[0], self.y, self.mesh, p.first_watched_support, second, profile)
+
+    def energy(self) -> float:
+        """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
+        mesh, N = self.mesh, self.mesh.mass.size
+        mass, stiffness = system_bands(mesh, 5)
+        q, v = self.x[:N], self.x[N : 2 * N]
+        total = 0.5 * q @ (banded_product(stiffness, q) + mesh.ground * q) + 0.5 * v @ self._momentum(mass, v)
+        stretch = q[2 * mesh.dropper + 1] - q[2 * mesh.dropper]
+        tension = mesh.preload + mesh.dropper_stiffness * stretch
+        if "dropper_slackening" in self.on:
+            tension = np.maximum(tension, 0.0)
+        return float(total + np.sum((tension**2 - mesh.preload**2) / (2.0 * mesh.dropper_stiffness) - mesh.preload * stretch))
+
+    def _momentum(self, mass: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """M v; the explicit method's M is the inverse of D⁻¹ + D⁻¹ S D⁻¹, that is, D w with (D + S) w = D v."""
+        if self.parameters["method"] == "implicit":
+            return banded_product(mass, v)
+        lumped = np.where(np.isinf(self.mesh.mass), 0.0, self.mesh.mass)
+        band = -mass
+        band[:, 0] = 2.0 * lumped - mass[:, 0]  # D + S
+        w = lumped * v
+        factor_band(band, 2, 2, w.size - 2)
+        solve_band(band, w, 2, w.size - 2)
+        return lumped * w
+
+    def stable_step(self) -> float:
+        """Limit of the explicit method, s, from the largest eigenvalue that an element and a dropper can have; inf if implicit."""
+        if self.parameters["method"] == "implicit":
+            return math.inf
+        settled = self._settled()
+        mesh = self._mesh_for(settled)
+        return self._explicit_limit(mesh, settled[5])
+
+    def _mesh_for(self, settled):
+        """Mesh of the present parameters; kept, because initialisation is repeated while the inputs settle."""
+        p, slack, bending, sag, pre_sag, _, arm, level, *_ = settled
+        key = tuple(self.parameters.values())
+        if getattr(self, "_mesh_key", None) != key:
+            # Halfway between lumped and consistent mass cancels the dispersion of space; that of time adds or subtracts.
+            courant = p.substep * math.sqrt(p.contact_wire_tension / p.contact_wire_mass) / p.element
+            implicit = self.parameters["method"] == "implicit"
+            spread = min(0.5 + courant**2, 1.2) if implicit else max(0.5 - 0.5 * courant**2, 0.0)
+            self._mesh, self._mesh_key = build_mesh(p, slack, bending, sag, pre_sag, arm, level, spread), key
+        return self._mesh
+
+    @staticmethod
+    def _explicit_limit(mesh, damping) -> float:
+        mass, stiffness = system_bands(mesh, 5)
+        rows = 2.0 * np.abs(stiffness[:, 0]) + mesh.ground  # Gershgorin: the off-diagonals of a row sum up to its diagonal
+        np.add.at(rows, 2 * mesh.dropper, 2.0 * mesh.dropper_stiffness)
+        np.add.at(rows, 2 * mesh.dropper + 1, 2.0 * mesh.dropper_stiffness)
+        spread = 1.0 + float(np.max(2.0 * (mesh.spread + np.roll(mesh.spread, 2)) * mesh.inverse_mass))
+        omega2 = float(np.max(rows * mesh.inverse_mass)) * spread
+        beta = damping.beta if damping is not None else 0.0
+        return 2.0 / (math.sqrt(omega2 + (beta * omega2) ** 2) + beta * omega2)  # (omega h)² + 2 ... = 4, see the tests
+
+
+POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
+HEIGHT, VELOCITY, COMPLIANCE, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices(
+    "wire_height", "wire_velocity", "local_compliance", "static_residual", "support_uplift[1]"
+)
+
+
+@kernel
+def catenary_outputs(x, u, y, mesh, watched, second, profile):
+    """Outputs for the state x and the present inputs u, (m,)."""
+    N = mesh.mass.size
+    q, v = x[:N], x[N : 2 * N]
+    position = u[POSITION]
+    y[HEIGHT] = wire_height(position, q, mesh)
+    y[VELOCITY] = wire_velocity(position, v, mesh)
+    y[COMPLIANCE] = local_compliance(position, mesh)
+    for k in range(WATCHED):
+        y[UPLIFT + k] = q[2 * mesh.support[min(watched + k, mesh.support.size - 1)]]
+    if second is not None:
+        y[second.y] = wire_height(u[second.u], q, mesh)
+        y[second.y + 1] = wire_velocity(u[second.u], v, mesh)
+        y[second.y + 2] = local_compliance(u[second.u], mesh)
+    if profile is not None:
+        end = mesh.position[mesh.position.size - 1]
+        for k in range(PROFILE):
+            y[profile.y + k] = wire_height(min(max(position + k - PROFILE // 2, 0.0), end), q, mesh)
+
+
+@kernel
+def advance_explicit(h, n, x, u, y, mesh, work, counts, watched, slack, bending, damping, second, window, profile):
+    """One macro step with the explicit method, then the outputs."""
+    status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window)
+    hold_inputs(u, h)
+    catenary_outputs(x, u[0], y, mesh, watched, second, profile)
+    return status
+
+
+@kernel
+def advance_implicit(h, n, x, u, y, mesh, work, counts, watched, method, band, factors, factored, slack, bending, damping, second,
+                     profile):
+    """One macro step with the implicit method, then the outputs."""
+    status = implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second)
+    hold_inputs(u, h)
+    catenary_outputs(x, u[0], y, mesh, watched, second, profile)
+    return status

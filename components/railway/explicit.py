@@ -1,0 +1,103 @@
+"""Explicit integration of the wires: velocity Verlet with lumped masses and a correction for dispersion."""
+
+from __future__ import annotations
+
+import math
+
+from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
+from .wires import WHISPER, add_contact, add_wire_force, dropper_tension, element_at, first_at_or_after, in_range
+
+
+@kernel
+def move_window(front, rear, x, mesh, window):
+    """First and last moving node for the contact points at `front` and `rear`; nodes left behind go to equilibrium.
+
+    x: its last two elements hold the window of the step before.
+    """
+    n, N = mesh.position.size, mesh.mass.size
+    before = int(x[x.size - 2])
+    lo = max(element_at(max(rear - window.behind, 0.0), mesh), max(before, 1))
+    hi = min(element_at(min(front + window.ahead, mesh.position[n - 1]), mesh) + 1, n - 2)
+    for part in range(3):
+        for j in range(2 * max(before, 1), 2 * lo):
+            x[part * N + j] = 0.0
+    x[x.size - 2], x[x.size - 1] = lo, hi
+    return lo, hi
+
+
+@kernel
+def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window):
+    """n equal velocity-Verlet steps over h.  x: displacement, velocity, acceleration, (N,) each, ...  work: (3, N).
+
+    The mass matrix is D - S, the lumped mass minus the spread to neighbours; its inverse is taken as D⁻¹ + D⁻¹ S D⁻¹.
+    The damping force uses the predicted velocity v + h/2 a: the step stays explicit and of second order.
+    Source: Verlet in kick-drift-kick form; the spread is that of a mass between lumped and consistent.
+    """
+    N = mesh.mass.size
+    q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
+    z, force, moment = work[0], work[1], work[2]
+    alpha, beta = 0.0, 0.0
+    if damping is not None:
+        alpha, beta = damping.alpha, damping.beta
+    lo, hi = 1, mesh.position.size - 2
+    first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
+    d = h / n
+    for step in range(n):
+        s = (step + 1) * d
+        position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
+        load = u[0, 1] + s * (u[1, 1] + s * u[2, 1])
+        if not in_range(position, mesh):
+            return OUT_OF_RANGE
+        front, rear = position, position
+        if second is not None:
+            k = second.u
+            position2 = u[0, k] + s * (u[1, k] + s * u[2, k])
+            load2 = u[0, k + 1] + s * (u[1, k + 1] + s * u[2, k + 1])
+            if not in_range(position2, mesh):
+                return OUT_OF_RANGE
+            front, rear = max(position, position2), min(position, position2)
+        if window is not None:
+            lo, hi = move_window(front, rear, x, mesh, window)
+            first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
+            first_support = max(first_at_or_after(mesh.support, lo), 1)
+            end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)
+
+        for j in range(2 * lo, 2 * hi + 2):
+            v[j] += 0.5 * d * a[j]
+            q[j] += d * v[j]
+            z[j] = q[j] + beta * (v[j] + 0.5 * d * a[j])
+            force[j] = WHISPER
+        if window is not None:  # an edge inside the wire: no tension from outside, a dashpot that lets waves out
+            for j in range(2):
+                if lo > 1:
+                    z[2 * lo - 2 + j] = z[2 * lo + j]
+                    force[2 * lo + j] -= mesh.impedance[j] * v[2 * lo + j]
+                if hi < mesh.position.size - 2:
+                    z[2 * hi + 2 + j] = z[2 * hi + j]
+                    force[2 * hi + j] -= mesh.impedance[j] * v[2 * hi + j]
+        add_wire_force(z, force, moment, lo, hi, mesh, bending)
+        for k in range(first_dropper, end_dropper):
+            j = 2 * mesh.dropper[k]
+            change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
+            force[j] += change
+            force[j + 1] -= change
+        for k in range(first_support, end_support):
+            for j in range(2 * mesh.support[k], 2 * mesh.support[k] + 2):
+                force[j] -= mesh.ground[j] * q[j] + mesh.ground_damping[j] * (v[j] + 0.5 * d * a[j])
+        add_contact(position, load, force, mesh)
+        if second is not None:
+            add_contact(position2, load2, force, mesh)
+
+        for j in range(2 * lo, 2 * hi + 2):
+            z[j] = force[j] * mesh.inverse_mass[j]
+        for j in range(2):
+            z[2 * lo - 2 + j], z[2 * hi + 2 + j] = 0.0, 0.0
+        for j in range(2 * lo, 2 * hi + 2):
+            spread = mesh.spread[j] * (z[j] - z[j + 2]) + mesh.spread[j - 2] * (z[j] - z[j - 2])
+            a[j] = z[j] + spread * mesh.inverse_mass[j] - alpha * (v[j] + 0.5 * d * a[j])
+            v[j] += 0.5 * d * a[j]
+    counts[0] += n
+    counts[1] += n
+    if not math.isfinite(q[2 * element_at(position, mesh)]):
+        return NOT_FINITE
+    return DONE

@@ -1,0 +1,138 @@
+"""Implicit integration of the wires: generalised-alpha method with an active set for the slack droppers."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
+from .banded import factor_band, solve_band
+from .wires import WHISPER, add_contact, add_wire_force, element_at, in_range
+
+MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
+
+
+class Method(NamedTuple):
+    """Coefficients of the generalised-alpha method for one step length."""
+
+    step: float  # s
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+    beta: float
+
+
+def generalized_alpha(step: float, spectral_radius: float) -> Method:
+    """Second-order coefficients with a given damping of the highest frequencies (1: none, the midpoint rule).
+
+    Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375, eqs. (17), (18), (25).
+    """
+    alpha_m = (2.0 * spectral_radius - 1.0) / (spectral_radius + 1.0)
+    alpha_f = spectral_radius / (spectral_radius + 1.0)
+    return Method(step, alpha_m, alpha_f, 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2)
+
+
+def effective_band(method: Method, mass, stiffness, mesh, alpha: float, beta: float) -> np.ndarray:
+    """Band of the matrix that every step solves with, without droppers, (N, width)."""
+    h = method.step
+    m, c, k = (1.0 - method.alpha_m) / (method.beta * h**2), (1.0 - method.alpha_f) * method.gamma / (method.beta * h), 1.0 - method.alpha_f
+    band = (m + c * alpha) * mass + (c * beta + k) * stiffness
+    band[:, 0] += c * mesh.ground_damping + k * mesh.ground
+    return band
+
+
+@kernel
+def factor_with_droppers(band, factors, taut, weight, first, mesh):
+    """Factors of `band` plus the taut droppers' stiffness times `weight`, rows from `first` on; taut: (d,) 0 or 1."""
+    N = band.shape[0]
+    factors[first : N - 2] = band[first : N - 2]
+    for k in range(mesh.dropper.size):
+        j = 2 * mesh.dropper[k]
+        if j >= first and taut[k] > 0.0:
+            stiffness = weight * mesh.dropper_stiffness[k]
+            factors[j, 0] += stiffness
+            factors[j + 1, 0] += stiffness
+            factors[j, 1] -= stiffness
+    factor_band(factors, 2, first, N - 2)
+
+
+@kernel
+def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second):
+    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration (N,), taut (d,), ...
+
+    factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
+    The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
+    """
+    N, droppers = mesh.mass.size, mesh.dropper.size
+    q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[3 * N : 3 * N + droppers]
+    z, base, moment, b = work[0], work[1], work[2], work[3]
+    am, af, gamma, beta_n, d = method.alpha_m, method.alpha_f, method.gamma, method.beta, h / n
+    alpha, beta = 0.0, 0.0
+    if damping is not None:
+        alpha, beta = damping.alpha, damping.beta
+    v_v, v_a = af + (1.0 - af) * (1.0 - gamma / beta_n), (1.0 - af) * d * (1.0 - 0.5 * gamma / beta_n)
+    a_v, a_a = -(1.0 - am) / (beta_n * d), am - (1.0 - am) * (0.5 / beta_n - 1.0)
+    lo, hi = 1, mesh.position.size - 2
+    for step in range(n):
+        s = (step + 1.0 - af) * d
+        position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
+        if not (in_range(position, mesh) and in_range(u[0, 0], mesh)):
+            return OUT_OF_RANGE
+        for j in range(2, N - 2):
+            velocity = v_v * v[j] + v_a * a[j]
+            z[j] = a_v * v[j] + a_a * a[j] + alpha * velocity
+            base[j] = WHISPER - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
+        for j in range(2, N - 2):
+            base[j] -= mesh.mass[j] * z[j] - mesh.spread[j] * (z[j] - z[j + 2]) - mesh.spread[j - 2] * (z[j] - z[j - 2])
+        for j in range(2, N - 2):
+            z[j] = q[j] + beta * (v_v * v[j] + v_a * a[j])
+        add_wire_force(z, base, moment, lo, hi, mesh, bending)
+        add_contact(position, u[0, 1] + s * (u[1, 1] + s * u[2, 1]), base, mesh)
+        if second is not None:
+            k = second.u
+            position2 = u[0, k] + s * (u[1, k] + s * u[2, k])
+            if not in_range(position2, mesh):
+                return OUT_OF_RANGE
+            add_contact(position2, u[0, k + 1] + s * (u[1, k + 1] + s * u[2, k + 1]), base, mesh)
+
+        for iteration in range(MAX_ITERATIONS):
+            first = N
+            for k in range(droppers):
+                if taut[k] != factored[k]:
+                    first = min(first, 2 * mesh.dropper[k]) if factored[k] >= 0.0 else 2
+                    factored[k] = taut[k]
+            if first < N:
+                factor_with_droppers(band, factors, taut, 1.0 - af, first, mesh)
+                counts[2] += 1
+            b[2 : N - 2] = base[2 : N - 2]
+            for k in range(droppers):
+                j = 2 * mesh.dropper[k]
+                change = mesh.dropper_stiffness[k] * (q[j + 1] - q[j]) if taut[k] > 0.0 else -mesh.preload[k]
+                b[j] += change
+                b[j + 1] -= change
+            solve_band(factors, b, 2, N - 2)
+            counts[1] += 1
+            changed = 0
+            if slack is not None:
+                for k in range(droppers):
+                    j = 2 * mesh.dropper[k]
+                    stretch = q[j + 1] - q[j] + (1.0 - af) * (b[j + 1] - b[j])
+                    now = 1.0 if mesh.preload[k] + mesh.dropper_stiffness[k] * stretch > 0.0 else 0.0
+                    if now != taut[k]:
+                        taut[k] = now
+                        changed += 1
+            if changed == 0:
+                break
+        if changed > 0:
+            return NOT_CONVERGED
+        for j in range(2, N - 2):
+            v_old, a_old = v[j], a[j]
+            q[j] += b[j]
+            v[j] = gamma / (beta_n * d) * b[j] + (1.0 - gamma / beta_n) * v_old + d * (1.0 - 0.5 * gamma / beta_n) * a_old
+            a[j] = b[j] / (beta_n * d * d) - v_old / (beta_n * d) - (0.5 / beta_n - 1.0) * a_old
+    counts[0] += n
+    if not math.isfinite(q[2 * element_at(position, mesh)]):
+        return NOT_FINITE
+    return DONE

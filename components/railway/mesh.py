@@ -1,0 +1,188 @@
+"""Geometry of a catenary section as arrays: nodes, masses, stiffnesses, droppers, supports, static shape.
+
+Both wires share the node positions. Degrees of freedom are interleaved, j = 2 i for the contact wire and 2 i + 1 for
+the messenger wire at node i, so that one loop with stride 2 serves both and the system matrix has a small bandwidth.
+The first and the last node are fixed. Displacements are deviations from the static equilibrium, positive upwards.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.errors import BadInput
+from .banded import factor_band, solve_band
+
+GRAVITY = 9.81  # m/s²
+
+
+class Mesh(NamedTuple):
+    """Arrays for the kernels; n nodes, N = 2 n degrees of freedom, d droppers, s supports."""
+
+    position: np.ndarray  # (n,) m
+    length: np.ndarray  # (n,) m, element to the right of the node (last one 0)
+    cell: float  # m, width of a cell of `node_of`
+    node_of: np.ndarray  # int, last node at or left of the start of a cell
+    mass: np.ndarray  # (N,) kg, lumped; infinite at the fixed ends
+    inverse_mass: np.ndarray  # (N,) 1/kg
+    spread: np.ndarray  # (N,) kg, off-diagonal share of the element's mass to the right of the node
+    tension: np.ndarray  # (N,) N/m, T / length of the element to the right
+    curvature: np.ndarray  # (N,) N/m * m, EI / mean length around the node; 0 without bending stiffness
+    impedance: np.ndarray  # (2,) N.s/m, sqrt(T m) of the contact and the messenger wire
+    ground: np.ndarray  # (N,) N/m, springs to the ground: messenger supports, steady arms
+    ground_damping: np.ndarray  # (N,) N.s/m
+    dropper: np.ndarray  # (d,) int, node of the dropper
+    dropper_stiffness: np.ndarray  # (d,) N/m
+    preload: np.ndarray  # (d,) N, dropper tension in the static equilibrium
+    support: np.ndarray  # (s,) int, node of the support
+    height: np.ndarray  # (n,) m, contact wire in the static equilibrium; 0 is the level of a dropper clamp without pre-sag
+    bow: np.ndarray  # (n,) m, sag of the element to the right of the node below its chord, times 4
+
+
+def node_positions(supports: np.ndarray, droppers: np.ndarray, element: float) -> np.ndarray:
+    """Nodes at every support and dropper, gaps between them cut into equal elements no longer than `element`, (n,) m."""
+    fixed = np.unique(np.concatenate((supports, droppers)))
+    parts = [np.linspace(a, b, max(1, math.ceil((b - a) / element - 1e-9)) + 1)[:-1] for a, b in zip(fixed[:-1], fixed[1:], strict=True)]
+    return np.concatenate((*parts, fixed[-1:]))
+
+
+def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_factor: float) -> Mesh:
+    """Mesh and static equilibrium for parameters and effects of `Catenary` (NamedTuples or None).
+
+    spread_factor: 0 lumped mass, 1 consistent mass of linear elements; in between for less dispersion.
+    """
+    count = int(p.droppers)
+    within = p.dropper_position[:count]
+    if not (np.all(np.diff(within) > 0.0) and 0.0 < within[0] and within[-1] < p.span_length):
+        raise BadInput("Catenary", f"dropper positions {within.tolist()}", f"increasing values inside the span of {p.span_length:g} m")
+    supports = p.span_length * np.arange(p.spans + 1)
+    droppers = (p.span_length * np.arange(p.spans)[:, None] + within).ravel()
+    x = node_positions(supports, droppers, p.element)
+    n = x.size
+    L = np.append(np.diff(x), 0.0)
+    at_support = np.searchsorted(x, supports - 1e-6)
+    at_dropper = np.searchsorted(x, droppers - 1e-6)
+
+    mass, spread, tension, curvature = (np.zeros((n, 2)) for _ in range(4))
+    ground, ground_damping = np.zeros((n, 2)), np.zeros((n, 2))
+    around = 0.5 * (L + np.roll(L, 1))
+    for wire, (T, m) in enumerate(((p.contact_wire_tension, p.contact_wire_mass), (p.messenger_tension, p.messenger_mass))):
+        mass[:, wire] = m * around
+        spread[:, wire] = spread_factor * m * L / 6.0
+        tension[:-1, wire] = T / L[:-1]
+        if bending is not None:
+            curvature[1:-1, wire] = (bending.contact_wire, bending.messenger)[wire] / around[1:-1]
+    weight = GRAVITY * mass
+    half_dropper = 0.5 * p.dropper_mass
+    clamps = np.array([p.contact_clamp_mass + half_dropper, p.messenger_clamp_mass + half_dropper])
+    mass[at_dropper] += clamps
+    weight[at_dropper] += GRAVITY * clamps
+    inner = at_support[1:-1]
+    ground[inner, 1] = p.support_stiffness
+    ground_damping[inner, 1] = p.support_damping
+    if arm is not None:
+        ground[inner, 0] = arm.stiffness
+        mass[inner, 0] += arm.mass
+    mass[[0, -1]] = np.inf
+
+    clamp_height = np.zeros(droppers.size)
+    if pre_sag is not None:  # parabola through the first and the last dropper of a span
+        a, b = within[0], within[-1]
+        clamp_height = np.tile(-4.0 * pre_sag.depth * (within - a) * (b - within) / (b - a) ** 2, p.spans)
+    height = _contact_wire_shape(tension[:, 0], curvature[:, 0], L, weight[:, 0], at_dropper, clamp_height, inner, level)
+    force = _nodal_force(tension[:, 0], curvature[:, 0], L, height)
+    preload = (weight[:, 0] - force)[at_dropper]
+    if slack is not None and np.any(preload <= 0.0):
+        k = int(np.argmin(preload))
+        raise BadInput("Catenary", f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest", "tension in every dropper",
+                       "Reduce the pre-sag or move the droppers.")
+    bow = 4.0 * p.contact_wire_mass * GRAVITY * L**2 / (8.0 * p.contact_wire_tension)
+    if gravity_sag is None:  # straight lines between the clamps, level at the ends of the wire
+        height = np.interp(x, np.concatenate((x[:1], droppers, x[-1:])), np.concatenate(([0.0], clamp_height, [0.0])))
+        bow = np.zeros(n)
+
+    cell = float(L[:-1].min())
+    node_of = np.searchsorted(x, cell * np.arange(math.ceil(x[-1] / cell) + 1), side="right") - 1
+    stiffness = np.full(droppers.size, p.dropper_stiffness)
+    impedance = np.sqrt([p.contact_wire_tension * p.contact_wire_mass, p.messenger_tension * p.messenger_mass])
+    return Mesh(x, L, cell, node_of, mass.ravel(), 1.0 / mass.ravel(), spread.ravel(), tension.ravel(), curvature.ravel(), impedance,
+                ground.ravel(), ground_damping.ravel(), at_dropper, stiffness, preload, at_support, height, bow)
+
+
+def _nodal_force(tension: np.ndarray, curvature: np.ndarray, L: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Restoring force of one wire at its nodes for heights y, (n,) N."""
+    slope = np.append(np.diff(y) / L[:-1], 0.0)
+    moment = curvature * (slope - np.roll(slope, 1))
+    shear = tension * L * slope
+    shear[:-1] += (moment[:-1] - moment[1:]) / L[:-1]
+    force = shear - np.roll(shear, 1)
+    force[[0, -1]] = 0.0
+    return force
+
+
+def _contact_wire_shape(tension, curvature, L, weight, at_dropper, clamp_height, inner, level) -> np.ndarray:
+    """Height of the contact wire hanging from its clamps under its own weight, (n,) m.
+
+    `level` (an effect or None) holds the wire at height 0 at the supports; without it the wire hangs free there.
+    """
+    n = tension.size
+    held = np.zeros(n, dtype=bool)
+    y = np.zeros(n)
+    held[[0, -1]] = True
+    held[at_dropper] = True
+    y[at_dropper] = clamp_height
+    if level is not None:
+        held[inner] = True
+    band = stiffness_band(tension, curvature, L)
+    load = np.where(held, 0.0, _nodal_force(tension, curvature, L, y) - weight)
+    band[held, 0] = 1.0  # rows and columns of held nodes become those of the identity
+    for offset in (1, 2):
+        band[held, offset] = 0.0
+        band[:-offset, offset][held[offset:]] = 0.0
+    factor_band(band, 0, 0, n)
+    solve_band(band, load, 0, n)
+    return y + load
+
+
+def stiffness_band(tension: np.ndarray, curvature: np.ndarray, L: np.ndarray) -> np.ndarray:
+    """Upper band of one wire's stiffness matrix, band[i, k] = K[i, i + k], (n, 3) N/m."""
+    n = tension.size
+    band = np.zeros((n, 3))
+    band[:-1, 0] += tension[:-1]
+    band[1:, 0] += tension[:-1]
+    band[:-1, 1] -= tension[:-1]
+    inner = np.arange(1, n - 1)  # the moment at node i is curvature * (u[i-1] / l - u[i] (1/l + 1/r) + u[i+1] / r)
+    left, right, c = 1.0 / L[inner - 1], 1.0 / L[inner], curvature[inner]
+    band[inner - 1, 0] += c * left**2
+    band[inner, 0] += c * (left + right) ** 2
+    band[inner + 1, 0] += c * right**2
+    band[inner - 1, 1] -= c * left * (left + right)
+    band[inner, 1] -= c * right * (left + right)
+    band[inner - 1, 2] += c * left * right
+    return band
+
+
+def system_bands(mesh: Mesh, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Upper bands of mass and stiffness of both wires, interleaved, without droppers, supports and arms, (N, width).
+
+    width: 3 for strings, 5 with bending stiffness. The rows of the fixed end nodes are not meant to be used.
+    """
+    N = mesh.mass.size
+    mass, stiffness = np.zeros((N, width)), np.zeros((N, width))
+    mass[:, 0] = np.where(np.isinf(mesh.mass), 1.0, mesh.mass) - mesh.spread - np.roll(mesh.spread, 2)
+    mass[:, 2] = mesh.spread
+    for wire in (0, 1):
+        band = stiffness_band(mesh.tension[wire::2], mesh.curvature[wire::2], mesh.length)
+        stiffness[wire::2, ::2] = band[:, : (width + 1) // 2]
+    return mass, stiffness
+
+
+def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """A x for the upper band of a symmetric matrix, (N,)."""
+    y = band[:, 0] * x
+    for k in range(1, band.shape[1]):
+        y[:-k] += band[:-k, k] * x[k:]
+        y[k:] += band[:-k, k] * x[:-k]
+    return y
