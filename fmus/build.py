@@ -49,7 +49,7 @@ def build(name: str, directory: Path) -> Path:
 
     Raises `BadInput` for a name that is not in the catalogue.
     """
-    return _write(_members(name)[1], Path(directory) / f"{name}.fmu")
+    return write(_members(name)[1], Path(directory) / f"{name}.fmu")
 
 
 def built(name: str) -> Path:
@@ -59,7 +59,7 @@ def built(name: str) -> Path:
     """
     digest, members = _members(name)
     path = Path(loader.cache_root()) / "fmus" / digest[:16] / f"{name}.fmu"
-    return path if path.is_file() else _write(members, path)
+    return path if path.is_file() else write(members, path)
 
 
 def sources(module: str) -> dict[str, bytes]:
@@ -136,7 +136,7 @@ def _digest(members: dict[str, bytes]) -> str:
     return total.hexdigest()
 
 
-def _write(members: dict[str, bytes], path: Path) -> Path:
+def write(members: dict[str, bytes], path: Path) -> Path:
     """A zip file with sorted members and fixed dates; in place only when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part, zipfile.ZipFile(part, "w") as file:

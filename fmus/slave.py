@@ -17,6 +17,7 @@ from math import inf, isfinite, nan
 from struct import Struct
 from typing import Any, ClassVar
 
+import numpy as np
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
@@ -57,6 +58,8 @@ class ComponentSlave(Fmi2Slave):
         if self.component is not None:
             reads, writes = self._reads["Real"], self._writes
             self._u, self._y = self.component.u.reshape(-1), self.component.y
+            # v . zeros is not 0 if a number in v is not finite: the quickest test of them all
+            self._u_zeros, self._y_zeros = np.zeros(self._u.size), np.zeros(self._y.size)
             u, y = memoryview(self._u), memoryview(self._y)  # a read from a memoryview is a float, and three times faster
             containers = (u, u, _Halved(u))
             for reference, order, position in self._active_inputs():
@@ -182,13 +185,10 @@ class ComponentSlave(Fmi2Slave):
         try:
             if not self.running:
                 self.exit_initialization_mode()
-            # a sum of squares is the fastest test of many numbers; `_obstacle` looks closer when it is not finite
-            if self._failure or self._refused or not 0.0 < step_size < inf or not isfinite(self._u.dot(self._u)):
-                reason = self._obstacle(step_size)
-                if reason:
-                    return self._discard(current_time, reason)
+            if self._failure or self._refused or not 0.0 < step_size < inf or self._u.dot(self._u_zeros) != 0.0:
+                return self._discard(current_time, self._obstacle(step_size))
             self.component.step(current_time, step_size)
-            if not isfinite(self._y.dot(self._y)) and self._bad(self._y, self.component.outputs):
+            if self._y.dot(self._y_zeros) != 0.0:
                 self._fail("output " + self._bad(self._y, self.component.outputs))
                 return self._discard(current_time, self._failure)
             self._dirty = False
@@ -200,17 +200,19 @@ class ComponentSlave(Fmi2Slave):
     def _freshen(self) -> None:
         """Outputs that belong to the present inputs; before the run also the initial state."""
         self._dirty = False
+        if self.running and self._failure:
+            return
         try:
-            if not self.running:
+            if self.running:
+                self.component.refresh()
+            else:
                 self._failure = ""
                 self._initialize()
-            elif not self._failure:
-                self.component.refresh()
-            if self.component is not None and not isfinite(self._y.dot(self._y)):
+            if self._y.dot(self._y_zeros) != 0.0:
                 bad = self._bad(self._u, self.component.inputs) or self._bad(self._y, self.component.outputs)
-                if bad and not self.running:
+                if not self.running:
                     self._fail(bad)
-                elif bad:
+                else:
                     self._say(f"t = {self.component.t:.9g}: {bad}", Fmi2Status.warning)
         except BaseException as error:
             self._fail(str(error) or type(error).__name__)
@@ -248,15 +250,14 @@ class ComponentSlave(Fmi2Slave):
         return next((f"{n} = {v}" for n, v in zip(labels, values.tolist(), strict=False) if not isfinite(v)), "")
 
     def _obstacle(self, step_size: float) -> str:
-        """Why the next step cannot be made, or nothing."""
+        """Why the next step cannot be made."""
         if not 0.0 < step_size < inf:
             return f"step size {step_size}; expected more than 0"
         if self._failure:
             return f"no step after a failure ({self._failure}); restore a state, or reset"
         if self._refused:
             return "; ".join(self._refused.values())
-        bad = self._bad(self._u, self.component.inputs)
-        return bad and "input " + bad
+        return "input " + self._bad(self._u, self.component.inputs)
 
     def _discard(self, time: float, reason: str) -> bool:
         self._say(f"step from t = {time:.9g} s discarded: {reason}", Fmi2Status.discard)

@@ -1,0 +1,113 @@
+"""What only shows in a process of its own: leaks, name clashes, Numba's cache, a host without Numba."""
+
+import pytest
+from driver import extract, run_script
+
+from fmus.build import built
+
+RUN = """
+import math, sys
+from driver import Driven
+
+def answers(path, folder=None, steps=50):
+    unit = Driven(path, folder).start({"effects.contact_loss": True})
+    rows = []
+    for k in range(steps):
+        unit.set({"wire_height": 0.01 * math.sin(0.2 * k)})
+        assert unit.step(k * 1e-3, 1e-3) == 0, unit.log
+        rows += unit.reals(["contact_force", "head_height"])
+    unit.free()
+    return rows
+"""
+
+
+@pytest.fixture(scope="module")
+def pantograph():
+    return built("Pantograph")
+
+
+def test_many_instances_leave_no_trace(pantograph):
+    lines = run_script(RUN + """
+import gc
+path, folder = sys.argv[1:]
+def resident():
+    gc.collect()
+    return int(open("/proc/self/statm").read().split()[1]) * 4096
+answers(path, folder, 2)
+entries = len(sys.path)
+description = Driven(path, folder).description
+for n in range(2000):
+    unit = Driven(path, folder, description=description)
+    if n % 10 == 0:
+        unit.start()
+        assert unit.step(0.0, 1e-3) == 0
+    unit.free()
+    if n == 500:
+        before = resident()
+print(len(sys.path) - entries, resident() - before)
+""", pantograph, extract(str(pantograph)))
+    entries, growth = map(int, lines[-1].split())
+
+    assert entries == 0
+    # pythonfmu itself loses about 1 kB an instance (reprs of the class's bases); a lost instance would be 20 kB and more
+    assert growth < 1500 * 5_000
+
+
+@pytest.mark.parametrize("first", ["own", "changed"])
+def test_two_bundles_of_one_name_keep_their_code(pantograph, tmp_path, first):
+    run_script(RUN + """
+from pathlib import Path
+from fmus.check_worker import changed_copy
+path, directory, first = sys.argv[1:]
+own, changed = path, str(changed_copy(Path(path), Path(directory)))
+order = [own, changed] if first == "own" else [changed, own]
+found = {p: answers(p) for p in order}
+assert found[changed] == [v + 1.0 for v in found[own]]
+assert answers(own) == found[own]
+""", pantograph, tmp_path, first, COSIMO_CACHE=tmp_path / "cache")
+
+
+def test_a_hosts_own_checkout_is_not_used(pantograph):
+    run_script(RUN + """
+path = sys.argv[1]
+from components.railway import pantograph
+class Broken:
+    def __getattr__(self, name): raise AssertionError("the host's checkout was used")
+for name in ("Pantograph", "pantograph_outputs", "pantograph_derivatives"):
+    setattr(pantograph, name, Broken())
+assert all(map(math.isfinite, answers(path)))
+""", pantograph)
+
+
+def test_the_second_process_compiles_nothing(pantograph, tmp_path):
+    script = RUN + """
+import gc
+answers(sys.argv[1])
+kernels = [o for o in gc.get_objects() if type(o).__name__ == "CPUDispatcher" and o.__module__.startswith("bundle_")]
+bundle = next(m for m in sys.modules if m.startswith("bundle_") and m.endswith(".core.kernels"))
+print(*sys.modules[bundle].compiled_from_cache(*kernels))
+"""
+    first, second = (run_script(script, pantograph, COSIMO_CACHE=tmp_path)[-1].split() for _ in range(2))
+
+    assert int(first[1]) > 0  # misses
+    assert int(second[0]) > 0
+    assert int(second[1]) == 0
+
+
+def test_without_numba_the_answers_are_nearly_the_same(pantograph):
+    lines = [run_script(block + RUN + "print(*answers(sys.argv[1]))", pantograph)[-1].split()
+             for block in ("", "import sys; sys.modules['numba'] = None\n")]
+
+    # same equations; the compiler may order and contract operations: a few rounding errors a step, over 50 steps
+    assert [float(v) for v in lines[1]] == pytest.approx([float(v) for v in lines[0]], rel=1e-9, abs=1e-12)
+
+
+def test_the_only_imports_of_an_fmu_are_numpy_and_the_standard_library(pantograph):
+    run_script(RUN + """
+class Refused:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {"components", "fmus", "orchestrator", "scipy", "pydantic", "numba"}:
+            raise ImportError(name)
+sys.meta_path.insert(0, Refused())
+answers(sys.argv[1], steps=3)
+""", pantograph)
