@@ -65,7 +65,7 @@ class MasterSettings(_Model):
     algorithm: Literal["jacobi", "gauss-seidel"] = "gauss-seidel"
     step: Seconds = Field(description="macro step, s; the last one is shorter where it does not divide the run")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
-    feedthrough: Literal["fresh", "stale"] = Field(default="fresh", description="whether outputs follow their inputs within an instant")
+    feedthrough: Literal["fresh", "stale"] = Field(default="fresh", description="do outputs follow inputs within an instant?")
     order: tuple[str, ...] = Field(default=(), description="gauss-seidel only: all units in the order of stepping")
 
     @model_validator(mode="after")

@@ -9,13 +9,11 @@ cut so that the first gets the force f and the second, which owns the coupling s
 
 from __future__ import annotations
 
-from math import factorial
-
 import numpy as np
 from scipy.linalg import expm
 
 from components.core.component import Component
-from components.core.kernels import DONE, NOT_FINITE
+from components.core.kernels import DONE, NOT_FINITE, hold_inputs
 from components.core.variables import input_, output, parameter
 
 
@@ -28,24 +26,25 @@ class Linear(Component):
     def _initialize(self, t: float) -> int:
         self.A, self.B, self.C, self.D, x0 = map(np.atleast_1d, self.matrices())
         self.x = np.array(x0, dtype=float)
-        self._steps: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+        self._steps: dict[float, np.ndarray] = {}
         return DONE
 
-    def _exact(self, h: float) -> tuple[np.ndarray, np.ndarray]:
-        """x+ = P x + sum of G[j] u[j]; from the exponential of A extended by the input's Taylor terms."""
+    def _exact(self, h: float) -> np.ndarray:
+        """From (x, u[0], u[1], u[2]) to the next x, (n, n + 3 m): the exponential of A extended by the input's Taylor terms."""
         if h not in self._steps:
             n, m = self.B.shape
             M = np.zeros((n + 3 * m, n + 3 * m))
             M[:n, :n], M[:n, n : n + m] = self.A, self.B
             M[n : n + 2 * m, n + m :] = np.eye(2 * m)
-            E = expm(M * h)
-            self._steps[h] = E[:n, :n], np.array([factorial(j) * E[:n, n + j * m : n + (j + 1) * m] for j in range(3)])
+            E = expm(M * h)[:n]
+            E[:, n + 2 * m :] *= 2.0  # u[2] is half of the second derivative
+            self._steps[h] = E
         return self._steps[h]
 
     def _step(self, t: float, h: float) -> int:
-        P, G = self._exact(h)
-        self.x = P @ self.x + np.einsum("jnm,jm->n", G, self.u)
-        self.y[:] = self.C @ self.x + self.D @ (self.u[0] + h * (self.u[1] + h * self.u[2]))
+        self.x = self._exact(h) @ np.concatenate((self.x, self.u.ravel()))
+        hold_inputs(self.u, h)
+        self.y[:] = self.C @ self.x + self.D @ self.u[0]
         self.counts[0] += 1
         return DONE if np.isfinite(self.x).all() else NOT_FINITE
 

@@ -69,8 +69,8 @@ class ComponentUnit:
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._columns = self.component.input_positions(inputs).tolist()
-        rows: Any = self.component.u
-        self._value, self._slope, self._half = map(memoryview, rows)  # items of a view are twice as fast as those of an array
+        rows: list[Any] = [memoryview(row) for row in self.component.u]  # type: ignore[arg-type]
+        self._value, self._slope, self._half = rows  # writing an item of a view is twice as fast as of an array
         self.get = self.reader(outputs)
         self.step = self.component.step
 
