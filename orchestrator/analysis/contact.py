@@ -67,10 +67,20 @@ class ContactRecord:
         filtered = low_pass.apply(force, rate)[cut]
         mean, std = float(filtered.mean()), float(filtered.std())
         return ContactStatistics(
-            mean=mean, std=std, statistical_max=mean + 3.0 * std, statistical_min=mean - 3.0 * std,
-            max=float(filtered.max()), min=float(filtered.min()),
+            mean=mean,
+            std=std,
+            statistical_max=mean + 3.0 * std,
+            statistical_min=mean - 3.0 * std,
+            max=float(filtered.max()),
+            min=float(filtered.min()),
             std_0_5=float(band(force, rate, 0.0, 5.0, low_pass)[cut].std()),
             std_5_20=float(band(force, rate, 5.0, 20.0, low_pass)[cut].std()),
-            loss_raw=fraction_below(force[cut]), loss_filtered=fraction_below(filtered),
-            height_range=float(np.ptp(height[cut])), uplift=tuple(float(u.max()) for u in self.uplifts),
-            filter=low_pass, window=(float(span[0]), float(span[1])), rate=rate, samples=cut.stop - cut.start)
+            loss_raw=fraction_below(force[cut]),
+            loss_filtered=fraction_below(filtered),
+            height_range=float(np.ptp(height[cut])),
+            uplift=tuple(float(u.max()) for u in self.uplifts),
+            filter=low_pass,
+            window=(float(span[0]), float(span[1])),
+            rate=rate,
+            samples=cut.stop - cut.start,
+        )

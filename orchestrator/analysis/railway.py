@@ -40,8 +40,12 @@ def analysis_window(scene: Scene) -> tuple[float, float]:
     try:
         start, end = scene.analysis["window"]
     except (KeyError, TypeError, ValueError):
-        raise BadInput(f"{scene.name}: analysis.window", repr(scene.analysis.get("window")), "two positions in m",
-                       "Add window = [from, to] to [analysis].") from None
+        raise BadInput(
+            f"{scene.name}: analysis.window",
+            repr(scene.analysis.get("window")),
+            "two positions in m",
+            "Add window = [from, to] to [analysis].",
+        ) from None
     return float(start), float(end)
 
 
@@ -61,22 +65,25 @@ def passages(result: Result) -> list[Passage]:
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
-        found.append(Passage(unit, catenary, speed, record, _support_positions(result.scene, catenary, watched)))
+        found.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     return sorted(found, key=lambda p: -p.record.position[0])
 
 
-def _support_positions(scene: Scene, catenary: str, watched: list[str]) -> tuple[float, ...]:
+def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:
     if not watched:
         return ()
-    values = parameters(scene, catenary)
-    return tuple(values["span_length"] * (values["first_watched_support"] + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
+    values = result.info["units"][catenary]["parameters"]
+    first = values["first_watched_support"]
+    return tuple(values["span_length"] * (first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
 
 
 def statistics(result: Result, low_pass: Filter | None = None, pantograph: int = 0) -> ContactStatistics:
     """Statistics of a pantograph (0: the foremost) over the scene's window; uplifts of the supports in it, ends included."""
     found = passages(result)
     if not found:
-        raise BadInput(result.scene.name, "no recorded contact force with its wire height", "a run of a pantograph under a catenary")
+        raise BadInput(
+            result.scene.name, "no recorded contact force with its wire height", "a run of a pantograph under a catenary"
+        )
     passage = found[pantograph]
     start, end = analysis_window(result.scene)
     inside = [u for u, x in zip(passage.record.uplifts, passage.supports, strict=True) if start - 1e-6 <= x <= end + 1e-6]
@@ -87,9 +94,18 @@ def statistics(result: Result, low_pass: Filter | None = None, pantograph: int =
 def measured(s: ContactStatistics) -> dict[str, float]:
     """Statistics under the names and in the units of the reference tables."""
     return {
-        "mean": s.mean, "std": s.std, "statistical_max": s.statistical_max, "statistical_min": s.statistical_min,
-        "max": s.max, "min": s.min, "std_0_5": s.std_0_5, "std_5_20": s.std_5_20, "loss_raw": s.loss_raw,
-        "uplift_mm": 1e3 * s.max_uplift, "height_range_mm": 1e3 * s.height_range}
+        "mean": s.mean,
+        "std": s.std,
+        "statistical_max": s.statistical_max,
+        "statistical_min": s.statistical_min,
+        "max": s.max,
+        "min": s.min,
+        "std_0_5": s.std_0_5,
+        "std_5_20": s.std_5_20,
+        "loss_raw": s.loss_raw,
+        "uplift_mm": 1e3 * s.max_uplift,
+        "height_range_mm": 1e3 * s.height_range,
+    }
 
 
 def dropper_spacing(scene: Scene) -> float:

@@ -86,8 +86,11 @@ def window(position: np.ndarray, start: float, end: float) -> slice:
     first, last = np.searchsorted(position, (start, end))
     if last - first < 2 or position[0] > start or position[-1] < end - 2.0 * (position[-1] - position[-2]):
         raise BadInput(
-            "window", f"from {start:g} to {end:g} where the run covers {position[0]:g} to {position[-1]:g}",
-            "a window within the run", "Lengthen the run or move the window.")
+            "window",
+            f"from {start:g} to {end:g} where the run covers {position[0]:g} to {position[-1]:g}",
+            "a window within the run",
+            "Lengthen the run or move the window.",
+        )
     return slice(int(first), int(last))
 
 

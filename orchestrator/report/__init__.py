@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from . import generic, railway
 from .chart import Chart
 from .charts import draw_chart
-from .page import Block, Page, Section, Text, write_page
+from .page import Block, Cells, Page, Section, Text, write_page
 
 if TYPE_CHECKING:
     from ..results import Result
     from ..validation.case import CaseResult
 
-FIGURES = {"railway": railway.figures}  # by the system a scene names in its [analysis]
+SYSTEMS = {"railway": railway.blocks}  # by the system a case has, or a scene names in its [analysis]
 
 
 def for_run(result: Result, directory: str | Path) -> Path:
@@ -24,27 +24,33 @@ def for_run(result: Result, directory: str | Path) -> Path:
     blocks: list[Block] = []
     if result.outcome != "done":
         blocks.append(Text([f"This run failed and is shown as far as it went: {result.message}"], "warning"))
-    special = FIGURES.get(scene.analysis.get("system", ""))
+    special = SYSTEMS.get(scene.analysis.get("system", ""))
     sections = []
     if special is not None and result.outcome == "done":
         blocks += special(result)
     signals = generic.time_series(result)
     if blocks:
         sections.append(Section("Run", blocks, badge=result.outcome))
-    sections += [Section("Signals", signals), Section("Settings", generic.run_facts(result))]
+    sections += [Section("Signals", signals), Section("Settings", generic.run_blocks(result))]
     title = scene.title or scene.name
-    lead = f"{scene.stop_time:g} s, {len(scene.units)} units, {scene.master.algorithm} at {1e3 * scene.master.step:g} ms."
+    lead = generic.run_line(result)
     return write_page(Page(title, lead, sections), Path(directory) / "report.html")
 
 
 def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path:
     """`report.html` of validation cases: per case what it shows, figures, tables with margins, studies, settings."""
     sections = [s for r in case_results for s in _case_sections(r)]
+    if len(case_results) > 1:
+        overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
+        sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
     count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "recalled")}
     lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + (
-        ". “Recalled”: the ranges were not read in a source, so that being inside them is no pass." if count["recalled"] else ".")
-    footer = ["Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
-              "inferred, recalled (from memory of the literature, not re-read; hatched)."]
+        ". “Recalled”: not all ranges were read in a source, so that being inside them is no pass." if count["recalled"] else "."
+    )
+    footer = [
+        "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
+        "inferred, recalled (from memory of the literature, not re-read; hatched)."
+    ]
     if len(case_results) == 1:
         title = case_results[0].case.title
     else:
@@ -55,7 +61,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path
 def _case_sections(result: CaseResult) -> list[Section]:
     case, findings = result.case, result.findings
     sections = [Section(case.title, [Text([result.verdict, case.text])], badge=result.outcome)]
-    figures = FIGURES.get(case.system)
+    special = SYSTEMS.get(case.system)
     conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
     for label, run in findings.runs.items():
         rows = [r for r in findings.rows if r.reference.condition == label]
@@ -64,10 +70,11 @@ def _case_sections(result: CaseResult) -> list[Section]:
             blocks.append(Text([f"This run failed and is shown as far as it went: {run.message}"], "warning"))
             blocks += generic.time_series(run)
         else:
-            blocks += figures(run, rows) if figures else generic.time_series(run)
+            blocks += special(run, rows) if special else generic.time_series(run)
         if rows:
             blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings))
-        sections.append(Section(label, [*blocks, *generic.run_facts(run)], 3))
+        blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))
+        sections.append(Section(label, [*blocks, *generic.run_blocks(run)], 3))
     for condition in conditions:
         if condition not in findings.runs:
             rows = [r for r in findings.rows if r.reference.condition == condition]

@@ -9,7 +9,7 @@ import numpy as np
 
 from .chart import Grid
 from .page import Cells, Facts, Figure, RangeRow, Ranges
-from .style import CYCLE, axis, drawn, layout, number, thin_out
+from .style import CYCLE, axis, layout, line, number, thin_out
 
 if TYPE_CHECKING:
     from ..results import Result
@@ -40,10 +40,21 @@ def _range_row(row: Row) -> RangeRow:
     text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
     if low == high and low is not None:
         text = ends[0]
+    margin = f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–"
     return RangeRow(
-        r.quantity, unit, number(row.measured, low, high), text, f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–",
-        None if place is None else float(place), low is None, high is None, row.inside, r.standing,
-        r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""), r.source)
+        r.quantity,
+        unit,
+        number(row.measured, low, high),
+        text,
+        margin,
+        None if place is None else float(place),
+        low is None,
+        high is None,
+        row.inside,
+        r.standing,
+        r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""),
+        r.source,
+    )
 
 
 def grid_table(grid: Grid) -> Cells:
@@ -71,20 +82,26 @@ def time_series(result: Result) -> list[Figure]:
     for i, ((_, unit), members) in enumerate(groups.items()):
         k = "" if i == 0 else str(i + 1)
         top = 1 - i * (tall + gap)
-        axes["yaxis" + k] = axis(unit if unit not in ("", "1") else "–", domain=[max(0.0, top - tall), top], showgrid=True,
-                                 gridcolor="#eef1f4", anchor="x")
+        axes["yaxis" + k] = axis(
+            unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
+        )
         for j, name in enumerate(members):
             t, y, cut = thin_out(result.time, np.asarray(result.columns[name], dtype=float))
             thinned |= cut
-            data.append({"type": "scatter", "mode": "lines", "x": drawn(t, 6), "y": drawn(y), "name": name, "yaxis": "y" + k,
-                         "line": {"width": 1.4, "color": CYCLE[j % len(CYCLE)]}, "legend": "legend" + k})
+            data.append(line(t, y, name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k))
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
     rest = len(names) - SHOWN_SIGNALS
-    caption = " ".join(filter(None, [
-        f"{rest} more signals are in result.csv." if rest > 0 else "",
-        "Drawn with fewer points than recorded; extremes are kept." if thinned else ""]))
-    return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin={"l": 66, "r": 200, "t": 20, "b": 48}, **axes)},
-                   caption)]
+    caption = " ".join(
+        filter(
+            None,
+            [
+                f"{rest} more signals are in result.csv." if rest > 0 else "",
+                "Drawn with fewer points than recorded; extremes are kept." if thinned else "",
+            ],
+        )
+    )
+    margin = {"l": 66, "r": 200, "t": 20, "b": 48}
+    return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin=margin, **axes)}, caption)]
 
 
 def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
@@ -98,8 +115,43 @@ def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
     return [(prefix, f"{value:.6g}" if isinstance(value, float) else str(value))]
 
 
-def run_facts(result: Result) -> list[Facts]:
-    """The run's settings, effects, counters and versions, as run.json holds them."""
-    titles = {"effects": "Effects on and off", "settings": "Settings", "units": "Units", "counters": "Work done", "timing": "Time taken",
-              "versions": "Versions", "scene": "Scene as run"}
-    return [Facts(title, flattened(result.info[key]), folded=True) for key, title in titles.items() if result.info.get(key)]
+def effect_rows(effects: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What was on and what was off in every unit, with the reasons; effects of one reason together."""
+    rows = []
+    for unit, states in effects.items():
+        for state in ("on", "off"):
+            reasons: dict[str, list[str]] = {}
+            for effect, why in states.get(state, {}).items():
+                reasons.setdefault(str(why), []).append(effect)
+            text = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
+            rows.append((f"{unit}, {state}", text or "none"))
+    return rows
+
+
+def run_blocks(result: Result) -> list[Facts]:
+    """The run's effects, settings, counters and versions, as run.json holds them."""
+    titles = {
+        "settings": "Settings of the master",
+        "units": "Units and their parameters",
+        "counters": "Work done",
+        "timing": "Time taken, s",
+        "versions": "Versions",
+        "scene": "Scene as run",
+    }
+    effects = [Facts("Effects", effect_rows(result.info["effects"]))] if result.info.get("effects") else []
+    return effects + [Facts(title, flattened(result.info[key]), True) for key, title in titles.items() if result.info.get(key)]
+
+
+def run_line(result: Result) -> str:
+    """The run in one line: step, master, packaging, cost."""
+    info, master = result.info, result.scene.master
+    kinds = sorted({str(u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
+    parts = [f"{master.algorithm} at {1e3 * master.step:g} ms, extrapolation of degree {master.extrapolation}"]
+    if kinds:
+        parts.append("units as " + " and ".join(kinds))
+    timing = info.get("timing")
+    if timing:
+        parts.append(f"{timing['simulated']:.3g} s simulated in {timing['run']:.2g} s after {timing['start']:.2g} s of start")
+    if info.get("versions"):
+        parts.append(", ".join(f"{k} {v}" for k, v in info["versions"].items() if k in ("cosimo", "numpy", "numba")))
+    return "; ".join(parts) + "."

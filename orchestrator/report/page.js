@@ -2,6 +2,7 @@
 "use strict";
 const config = {
   displaylogo: false, responsive: true,
+  showSendToCloud: false, plotlyServerURL: "", // Plotly offers to send the data to its makers; a report never does
   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
   toImageButtonOptions: { format: "svg" },
 };

@@ -114,7 +114,8 @@ def _embedded(value: Any) -> str:
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+        loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     environment.filters["embedded"] = _embedded
     return environment
 
@@ -126,9 +127,18 @@ def _asset(name: str) -> str:
 def write_page(page: Page, path: Path) -> Path:
     """Render to `path`. Styles, script and Plotly are in the file: it asks nothing of any network."""
     figures = [b for s in page.sections for b in s.blocks if b.kind == "figure"]
-    html = _environment().get_template("page.html").render(
-        page=page, figure_number={id(f): i for i, f in enumerate(figures, 1)}, id=id,
-        css=_asset("page.css"), script=_asset("page.js"), plotly=get_plotlyjs() if figures else "")
+    html = (
+        _environment()
+        .get_template("page.html")
+        .render(
+            page=page,
+            figure_number={id(f): i for i, f in enumerate(figures, 1)},
+            id=id,
+            css=_asset("page.css"),
+            script=_asset("page.js"),
+            plotly=get_plotlyjs() if figures else "",
+        )
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(html, encoding="utf-8")
     return path

@@ -1,4 +1,7 @@
-"""Colours, number formats and the layout all figures share. Colours: Okabe and Ito, distinct for colour-blind readers and in print."""
+"""Colours, number formats and the layout all figures share.
+
+Colours are those of Okabe and Ito: distinct for colour-blind readers and in print.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import numpy as np
 INK = "#1c2733"
 MUTED = "#5c6b7a"
 RULE = "#d5dce3"
+GRID = "#eef1f4"
 BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION = "#0072b2", "#e69f00", "#009e73", "#aa4499", "#56b4e9", "#d55e00"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK)
 RAW = "#a9bccd"
@@ -23,43 +27,110 @@ def tint(colour: str, alpha: float) -> str:
     return f"rgba({r},{g},{b},{alpha:g})"
 
 
-def axis(title: str = "", **more: Any) -> dict[str, Any]:
-    """A calm axis: outside ticks, no grid unless asked for."""
+def axis(title: str = "", grid: bool = False, **more: Any) -> dict[str, Any]:
+    """A calm axis: outside ticks, no zero line, a pale grid only where values are read off."""
     base = {
-        "title": {"text": title, "standoff": 8, "font": {"size": 13}}, "ticks": "outside", "ticklen": 4, "tickcolor": RULE,
-        "linecolor": MUTED, "linewidth": 1, "showline": True, "showgrid": False, "zeroline": False, "tickfont": {"size": 12},
-        "automargin": True}
+        "title": {"text": title, "standoff": 8, "font": {"size": 13}},
+        "tickfont": {"size": 12},
+        "automargin": True,
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": RULE,
+        "linecolor": MUTED,
+        "linewidth": 1,
+        "showline": True,
+        "showgrid": grid,
+        "gridcolor": GRID,
+        "zeroline": False,
+    }
     return base | more
 
 
 def layout(height: int, **more: Any) -> dict[str, Any]:
     """The layout every figure starts from."""
     base = {
-        "height": height, "font": {"family": FONT, "size": 13, "color": INK}, "paper_bgcolor": "white", "plot_bgcolor": "white",
-        "margin": {"l": 66, "r": 20, "t": 34, "b": 48}, "hovermode": "closest", "colorway": list(CYCLE),
+        "height": height,
+        "font": {"family": FONT, "size": 13, "color": INK},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "margin": {"l": 66, "r": 20, "t": 34, "b": 48},
+        "hovermode": "closest",
+        "colorway": list(CYCLE),
         "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)"},
-        "hoverlabel": {"font": {"size": 12, "family": FONT}}}
+        "hoverlabel": {"font": {"size": 12, "family": FONT}},
+    }
     return base | more
 
 
-def vertical(x: float, xaxis: str = "x", yref: str = "paper", colour: str = RULE, dash: str = "solid") -> dict[str, Any]:
+def line(
+    x: Any, y: Any, name: str, colour: str, width: float = 1.8, *, hover: str = "", dash: str = "solid", **more: Any
+) -> dict[str, Any]:
+    """A line trace; `hover` is Plotly's template of what the pointer shows."""
+    base = {
+        "type": "scatter",
+        "mode": "lines",
+        "x": drawn(x, 6),
+        "y": drawn(y),
+        "name": name,
+        "line": {"color": colour, "width": width, "dash": dash},
+    }
+    return base | ({"hovertemplate": hover + "<extra></extra>"} if hover else {}) | more
+
+
+def vertical(x: float, xref: str = "x", yref: str = "paper", *, colour: str = RULE, dash: str = "solid") -> dict[str, Any]:
     """A thin vertical line over the full height, behind the data."""
     return {
-        "type": "line", "x0": x, "x1": x, "xref": xaxis, "y0": 0, "y1": 1, "yref": yref, "layer": "below",
-        "line": {"color": colour, "width": 1, "dash": dash}}
+        "type": "line",
+        "x0": x,
+        "x1": x,
+        "xref": xref,
+        "y0": 0,
+        "y1": 1,
+        "yref": yref,
+        "layer": "below",
+        "line": {"color": colour, "width": 1, "dash": dash},
+    }
 
 
-def horizontal_band(low: float, high: float, colour: str, xref: str = "paper", yref: str = "y", alpha: float = 0.13) -> dict[str, Any]:
-    """A shaded range of y over the full width, behind the data."""
+def rectangle(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    colour: str,
+    alpha: float = 0.13,
+    *,
+    xref: str = "paper",
+    yref: str = "y",
+    border: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """A shaded rectangle behind the data; by default over the full width."""
     return {
-        "type": "rect", "x0": 0, "x1": 1, "xref": xref, "y0": low, "y1": high, "yref": yref, "layer": "below",
-        "fillcolor": tint(colour, alpha), "line": {"width": 0}}
+        "type": "rect",
+        "x0": x[0],
+        "x1": x[1],
+        "xref": xref,
+        "y0": y[0],
+        "y1": y[1],
+        "yref": yref,
+        "layer": "below",
+        "fillcolor": tint(colour, alpha),
+        "line": border or {"width": 0},
+    }
 
 
 def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
     """A small text in a figure, in the figure's own coordinates unless told otherwise."""
-    base = {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "font": {"size": 11, "color": MUTED}}
-    return base | more
+    size = {"size": 11, "color": MUTED}
+    return {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "font": size} | more
+
+
+def standing_colour(standing: str) -> str:
+    """Ranges that decide are green, those that do not are orange (and dashed or hatched)."""
+    return ORANGE if standing in ("recalled", "inferred") else GREEN
+
+
+def standing_dash(standing: str) -> str:
+    """Dash of a range's border."""
+    return "dash" if standing in ("recalled", "inferred") else "solid"
 
 
 def thin_out(x: np.ndarray, y: np.ndarray, points: int = DRAWN_POINTS) -> tuple[np.ndarray, np.ndarray, bool]:

@@ -12,7 +12,10 @@ from .case import CaseResult, Options, to_json
 
 
 def validate(
-    names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False,
+    names: Iterable[str],
+    directory: str | Path,
+    in_process: bool = False,
+    progress: bool = False,
 ) -> list[CaseResult]:
     """Run cases by name (none: all), write `report.html` and `validation.json` to `directory`.
 

@@ -39,9 +39,17 @@ class Row:
         """The row of the machine-readable output."""
         r = self.reference
         return {
-            "quantity": r.quantity, "condition": r.condition, "unit": r.unit,
-            "measured": self.measured if math.isfinite(self.measured) else None, "low": r.low, "high": r.high,
-            "standing": r.standing, "confidence": r.confidence or None, "source": r.source, "inside": self.inside}
+            "quantity": r.quantity,
+            "condition": r.condition,
+            "unit": r.unit,
+            "measured": self.measured if math.isfinite(self.measured) else None,
+            "low": r.low,
+            "high": r.high,
+            "standing": r.standing,
+            "confidence": r.confidence or None,
+            "source": r.source,
+            "inside": self.inside,
+        }
 
 
 def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[Row, ...]:
@@ -121,9 +129,14 @@ class CaseResult:
     def to_json(self) -> dict[str, Any]:
         """The case of the machine-readable output."""
         return {
-            "case": self.case.name, "title": self.case.title, "outcome": self.outcome, "verdict": self.verdict,
-            "rows": [r.to_json() for r in self.findings.rows], "notes": list(self.findings.notes),
-            "report": str(self.report) if self.report else None}
+            "case": self.case.name,
+            "title": self.case.title,
+            "outcome": self.outcome,
+            "verdict": self.verdict,
+            "rows": [r.to_json() for r in self.findings.rows],
+            "notes": list(self.findings.notes),
+            "report": str(self.report) if self.report else None,
+        }
 
 
 def to_json(results: list[CaseResult]) -> str:

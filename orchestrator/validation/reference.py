@@ -97,8 +97,16 @@ def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:
     else:
         low, high = row.get("low"), row.get("high")
     return TableRow(
-        row["quantity"], row["measure"], row["condition"], row["unit"], low, high, row["standing"], sources[row["source"]],
-        row.get("confidence", ""))
+        row["quantity"],
+        row["measure"],
+        row["condition"],
+        row["unit"],
+        low,
+        high,
+        row["standing"],
+        sources[row["source"]],
+        row.get("confidence", ""),
+    )
 
 
 def load_table(name: str) -> Table:

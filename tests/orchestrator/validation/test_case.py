@@ -16,19 +16,22 @@ def row(measured, standing="verbatim", low=0.0, high=10.0):
     return Row(TableRow("force", "mean", "250 km/h", "N", low, high, standing, "a public table", confidence), measured)
 
 
-@pytest.mark.parametrize(("rows", "expected"), [
-    ([row(5), row(10)], "passed"),
-    ([row(5, "computed")], "passed"),
-    ([row(5), row(11)], "failed"),
-    ([row(5), row(5, "recalled")], "recalled"),
-    ([row(5), row(50, "recalled")], "recalled"),
-    ([row(50), row(5, "recalled")], "failed"),
-    ([row(5, "recalled")], "recalled"),
-    ([row(50, "recalled")], "recalled"),
-    ([row(5, "inferred")], "recalled"),
-    ([row(math.nan)], "failed"),
-    ([], "failed"),
-])
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ([row(5), row(10)], "passed"),
+        ([row(5, "computed")], "passed"),
+        ([row(5), row(11)], "failed"),
+        ([row(5), row(5, "recalled")], "recalled"),
+        ([row(5), row(50, "recalled")], "recalled"),
+        ([row(50), row(5, "recalled")], "failed"),
+        ([row(5, "recalled")], "recalled"),
+        ([row(50, "recalled")], "recalled"),
+        ([row(5, "inferred")], "recalled"),
+        ([row(math.nan)], "failed"),
+        ([], "failed"),
+    ],
+)
 def test_outcome(rows, expected):
     assert outcome(tuple(rows)) == expected
 
@@ -39,9 +42,18 @@ def test_recalled_ranges_never_pass_whatever_is_measured():
             assert outcome((row(measured, "recalled"), *others)) == "recalled"
 
 
-@pytest.mark.parametrize(("measured", "low", "high", "margin"), [
-    (4.0, 0.0, 10.0, 4.0), (9.0, 0.0, 10.0, 1.0), (12.0, 0.0, 10.0, -2.0), (0.0, 0.0, 0.0, 0.0), (0.1, 0.0, 0.0, -0.1),
-    (7.0, None, 10.0, 3.0), (7.0, 8.0, None, -1.0)])
+@pytest.mark.parametrize(
+    ("measured", "low", "high", "margin"),
+    [
+        (4.0, 0.0, 10.0, 4.0),
+        (9.0, 0.0, 10.0, 1.0),
+        (12.0, 0.0, 10.0, -2.0),
+        (0.0, 0.0, 0.0, 0.0),
+        (0.1, 0.0, 0.0, -0.1),
+        (7.0, None, 10.0, 3.0),
+        (7.0, 8.0, None, -1.0),
+    ],
+)
 def test_margin_is_the_distance_to_the_nearer_end(measured, low, high, margin):
     r = row(measured, low=low, high=high)
     assert r.margin == pytest.approx(margin)
