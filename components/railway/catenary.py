@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..core.component import Component, Effect
+from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
@@ -64,7 +64,7 @@ class LevelSupport(Effect):
 class SecondPantograph(Effect):
     """A second contact point, in the wake of the first."""
 
-    contact_position = input_(0.0, "m", "position of the second contact point", nominal=100.0)
+    contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
     wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05, feedthrough=(".contact_position",))
     wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
@@ -146,6 +146,22 @@ class Catenary(Component):
                               nominal=1e-5, feedthrough=("contact_position",))
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
     support_uplift = output("m", "uplift of the contact wire at a watched support", nominal=0.05, size=WATCHED)
+
+    presets = {
+        "EN 50318:2002": Preset(
+            {"support_stiffness": 50e3, "dropper_stiffness": 100e3},
+            "repository ChandraguptSharma07/faraway and a multi-span script after Liu et al., Appl. Sci. 13 (2023) 6819; the defaults",
+            "verbatim", ("dropper_slackening", "gravity_sag")),
+        "EN 50318:2018 AC simple": Preset(
+            {"span_length": 55.0, "contact_wire_tension": 22e3, "contact_wire_mass": 1.35, "messenger_tension": 16e3,
+             "messenger_mass": 1.08, "droppers": 9, **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
+             "dropper_stiffness": 200e3, "dropper_mass": 0.117, "contact_clamp_mass": 0.165, "messenger_clamp_mass": 0.195,
+             "support_stiffness": 500e3, "support_damping": 1000.0, "pre_sag.depth": 0.055, "bending_stiffness.contact_wire": 195.0,
+             "bending_stiffness.messenger": 131.7, "damping.alpha": 0.0125, "damping.beta": 1e-4},
+            "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support damping "
+            "recalled, steady arm left out", "recalled",
+            ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping")),
+    }
 
     def _initialize(self, t: float) -> int:
         self.settled = self._settled()
@@ -240,14 +256,33 @@ class Catenary(Component):
 
     @staticmethod
     def _explicit_limit(mesh, damping) -> float:
-        mass, stiffness = system_bands(mesh, 5)
-        rows = 2.0 * np.abs(stiffness[:, 0]) + mesh.ground  # Gershgorin: the off-diagonals of a row sum up to its diagonal
-        np.add.at(rows, 2 * mesh.dropper, 2.0 * mesh.dropper_stiffness)
-        np.add.at(rows, 2 * mesh.dropper + 1, 2.0 * mesh.dropper_stiffness)
-        spread = 1.0 + float(np.max(2.0 * (mesh.spread + np.roll(mesh.spread, 2)) * mesh.inverse_mass))
-        omega2 = float(np.max(rows * mesh.inverse_mass)) * spread
-        beta = damping.beta if damping is not None else 0.0
-        return 2.0 / (math.sqrt(omega2 + (beta * omega2) ** 2) + beta * omega2)  # (omega h)² + 2 ... = 4, see the tests
+        """(omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of everything and of the wires alone."""
+        _, wires = system_bands(mesh, 5)
+        taut = wires.copy()
+        taut[:, 0] += mesh.ground
+        np.add.at(taut[:, 0], 2 * mesh.dropper, mesh.dropper_stiffness)
+        np.add.at(taut[:, 0], 2 * mesh.dropper + 1, mesh.dropper_stiffness)
+        np.subtract.at(taut[:, 1], 2 * mesh.dropper, mesh.dropper_stiffness)
+        omega2 = _highest_eigenvalue(taut, mesh)
+        b = 2.0 * float(np.max(mesh.ground_damping * mesh.inverse_mass))
+        if damping is not None:
+            b += 2.0 * damping.beta * _highest_eigenvalue(wires, mesh)
+        return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
+
+
+def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
+    """Largest omega² of the lumped-and-spread system, 1/s², by power iteration; 2 % are added for what is still missing."""
+    x = (-1.0) ** (np.arange(mesh.mass.size) // 2) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
+    x[1::2] *= -1.0  # the wires swing against each other: droppers take part
+    value = 0.0
+    for _ in range(60):
+        y = mesh.inverse_mass * banded_product(stiffness, x)
+        shared = mesh.spread[:-2] * (y[:-2] - y[2:])
+        y[:-2] += shared * mesh.inverse_mass[:-2]
+        y[2:] -= shared * mesh.inverse_mass[2:]
+        value = float(np.linalg.norm(y))
+        x = y / value
+    return 1.02 * value
 
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")

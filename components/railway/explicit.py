@@ -26,20 +26,47 @@ def move_window(front, rear, x, mesh, window):
 
 
 @kernel
+def drift(d, q, v, a, z, force, beta):
+    """Half a kick and the drift to the end of the step; z becomes q + beta (v + d/2 a), the force is cleared; all (n,)."""
+    for j in range(q.size):
+        v[j] += 0.5 * d * a[j]
+        q[j] += d * v[j]
+        z[j] = q[j] + beta * (v[j] + 0.5 * d * a[j])
+        force[j] = WHISPER
+
+
+@kernel
+def kick(d, v, a, z, force, inverse_mass, spread, alpha):
+    """New acceleration from the force and the second half of the kick; all (n,), first and last node fixed.
+
+    M = D - S, the lumped mass minus the spread to neighbours; its inverse is taken as D⁻¹ + D⁻¹ S D⁻¹.
+    """
+    for j in range(z.size):
+        z[j] = force[j] * inverse_mass[j]
+    z[:2] = 0.0
+    z[-2:] = 0.0
+    left, here, right = z[:-4], z[2:-2], z[4:]
+    spread_left, spread_right, over_mass, ac, vc = spread[:-4], spread[2:-2], inverse_mass[2:-2], a[2:-2], v[2:-2]
+    for j in range(here.size):
+        shared = spread_right[j] * (here[j] - right[j]) + spread_left[j] * (here[j] - left[j])
+        ac[j] = here[j] + shared * over_mass[j] - alpha * (vc[j] + 0.5 * d * ac[j])
+        vc[j] += 0.5 * d * ac[j]
+
+
+@kernel
 def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window):
     """n equal velocity-Verlet steps over h.  x: displacement, velocity, acceleration, (N,) each, ...  work: (3, N).
 
-    The mass matrix is D - S, the lumped mass minus the spread to neighbours; its inverse is taken as D⁻¹ + D⁻¹ S D⁻¹.
-    The damping force uses the predicted velocity v + h/2 a: the step stays explicit and of second order.
-    Source: Verlet in kick-drift-kick form; the spread is that of a mass between lumped and consistent.
+    The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
+    Source: Verlet in kick-drift-kick form; S is that of a mass between lumped and consistent.
     """
-    N = mesh.mass.size
+    N, nodes = mesh.mass.size, mesh.position.size
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
     z, force, moment = work[0], work[1], work[2]
     alpha, beta = 0.0, 0.0
     if damping is not None:
         alpha, beta = damping.alpha, damping.beta
-    lo, hi = 1, mesh.position.size - 2
+    lo, hi = 1, nodes - 2
     first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
     d = h / n
     for step in range(n):
@@ -61,21 +88,18 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
             first_support = max(first_at_or_after(mesh.support, lo), 1)
             end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)
+        here = slice(2 * lo - 2, 2 * hi + 4)  # the moving nodes and one neighbour on either side
 
-        for j in range(2 * lo, 2 * hi + 2):
-            v[j] += 0.5 * d * a[j]
-            q[j] += d * v[j]
-            z[j] = q[j] + beta * (v[j] + 0.5 * d * a[j])
-            force[j] = WHISPER
+        drift(d, q[here], v[here], a[here], z[here], force[here], beta)
         if window is not None:  # an edge inside the wire: no tension from outside, a dashpot that lets waves out
             for j in range(2):
                 if lo > 1:
                     z[2 * lo - 2 + j] = z[2 * lo + j]
                     force[2 * lo + j] -= mesh.impedance[j] * v[2 * lo + j]
-                if hi < mesh.position.size - 2:
+                if hi < nodes - 2:
                     z[2 * hi + 2 + j] = z[2 * hi + j]
                     force[2 * hi + j] -= mesh.impedance[j] * v[2 * hi + j]
-        add_wire_force(z, force, moment, lo, hi, mesh, bending)
+        add_wire_force(z[here], force[here], moment[here], mesh.tension[here], mesh.curvature[here], mesh.inverse_length[here], bending)
         for k in range(first_dropper, end_dropper):
             j = 2 * mesh.dropper[k]
             change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
@@ -87,15 +111,7 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
         add_contact(position, load, force, mesh)
         if second is not None:
             add_contact(position2, load2, force, mesh)
-
-        for j in range(2 * lo, 2 * hi + 2):
-            z[j] = force[j] * mesh.inverse_mass[j]
-        for j in range(2):
-            z[2 * lo - 2 + j], z[2 * hi + 2 + j] = 0.0, 0.0
-        for j in range(2 * lo, 2 * hi + 2):
-            spread = mesh.spread[j] * (z[j] - z[j + 2]) + mesh.spread[j - 2] * (z[j] - z[j - 2])
-            a[j] = z[j] + spread * mesh.inverse_mass[j] - alpha * (v[j] + 0.5 * d * a[j])
-            v[j] += 0.5 * d * a[j]
+        kick(d, v[here], a[here], z[here], force[here], mesh.inverse_mass[here], mesh.spread[here], alpha)
     counts[0] += n
     counts[1] += n
     if not math.isfinite(q[2 * element_at(position, mesh)]):

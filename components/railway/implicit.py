@@ -74,7 +74,6 @@ def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factor
         alpha, beta = damping.alpha, damping.beta
     v_v, v_a = af + (1.0 - af) * (1.0 - gamma / beta_n), (1.0 - af) * d * (1.0 - 0.5 * gamma / beta_n)
     a_v, a_a = -(1.0 - am) / (beta_n * d), am - (1.0 - am) * (0.5 / beta_n - 1.0)
-    lo, hi = 1, mesh.position.size - 2
     for step in range(n):
         s = (step + 1.0 - af) * d
         position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
@@ -88,7 +87,7 @@ def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factor
             base[j] -= mesh.mass[j] * z[j] - mesh.spread[j] * (z[j] - z[j + 2]) - mesh.spread[j - 2] * (z[j] - z[j - 2])
         for j in range(2, N - 2):
             z[j] = q[j] + beta * (v_v * v[j] + v_a * a[j])
-        add_wire_force(z, base, moment, lo, hi, mesh, bending)
+        add_wire_force(z, base, moment, mesh.tension, mesh.curvature, mesh.inverse_length, bending)
         add_contact(position, u[0, 1] + s * (u[1, 1] + s * u[2, 1]), base, mesh)
         if second is not None:
             k = second.u

@@ -23,6 +23,7 @@ class Mesh(NamedTuple):
 
     position: np.ndarray  # (n,) m
     length: np.ndarray  # (n,) m, element to the right of the node (last one 0)
+    inverse_length: np.ndarray  # (N,) 1/m, of the element to the right of the node (0 at the last one)
     cell: float  # m, width of a cell of `node_of`
     node_of: np.ndarray  # int, last node at or left of the start of a cell
     mass: np.ndarray  # (N,) kg, lumped; infinite at the fixed ends
@@ -55,7 +56,7 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     """
     count = int(p.droppers)
     within = p.dropper_position[:count]
-    if not (np.all(np.diff(within) > 0.0) and 0.0 < within[0] and within[-1] < p.span_length):
+    if not (np.all(np.diff(within) > 0.0) and within[0] > 0.0 and within[-1] < p.span_length):
         raise BadInput("Catenary", f"dropper positions {within.tolist()}", f"increasing values inside the span of {p.span_length:g} m")
     supports = p.span_length * np.arange(p.spans + 1)
     droppers = (p.span_length * np.arange(p.spans)[:, None] + within).ravel()
@@ -107,7 +108,8 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     node_of = np.searchsorted(x, cell * np.arange(math.ceil(x[-1] / cell) + 1), side="right") - 1
     stiffness = np.full(droppers.size, p.dropper_stiffness)
     impedance = np.sqrt([p.contact_wire_tension * p.contact_wire_mass, p.messenger_tension * p.messenger_mass])
-    return Mesh(x, L, cell, node_of, mass.ravel(), 1.0 / mass.ravel(), spread.ravel(), tension.ravel(), curvature.ravel(), impedance,
+    inverse_length = np.repeat(np.append(1.0 / L[:-1], 0.0), 2)
+    return Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), 1.0 / mass.ravel(), spread.ravel(), tension.ravel(), curvature.ravel(), impedance,
                 ground.ravel(), ground_damping.ravel(), at_dropper, stiffness, preload, at_support, height, bow)
 
 

@@ -10,23 +10,25 @@ WHISPER = 1e-27
 
 
 @kernel
-def add_wire_force(z, force, moment, lo, hi, mesh, bending):
-    """Add the restoring force of tension and bending for displacements z, nodes lo <= i <= hi; z: (N,) m, force: (N,) N.
+def add_wire_force(z, force, moment, tension, curvature, inverse_length, bending):
+    """Add the restoring force of tension and bending for displacements z, all (2 k,) for k successive nodes.
 
     string: T (z[i+1] - z[i]) / L - T (z[i] - z[i-1]) / l.  beam: the moment EI z'' at the nodes, its second difference.
-    Outside the nodes the moment is 0 and the displacement is what z holds there.
+    The first and the last node are neighbours that act on the others and get no force; there is no moment in them.
     """
-    for j in range(2 * lo, 2 * hi + 2):
-        force[j] += mesh.tension[j] * (z[j + 2] - z[j]) - mesh.tension[j - 2] * (z[j] - z[j - 2])
+    left, here, right = z[:-4], z[2:-2], z[4:]  # shifted views: plain indices, which LLVM can turn into vector code
+    tension_left, tension_right, into = tension[:-4], tension[2:-2], force[2:-2]
+    for j in range(here.size):
+        into[j] += tension_right[j] * (right[j] - here[j]) - tension_left[j] * (here[j] - left[j])
     if bending is not None:
-        moment[2 * lo - 2 : 2 * lo] = 0.0
-        moment[2 * hi + 2 : 2 * hi + 4] = 0.0
-        for i in range(lo, hi + 1):
-            for j in range(2 * i, 2 * i + 2):
-                moment[j] = mesh.curvature[j] * ((z[j + 2] - z[j]) / mesh.length[i] - (z[j] - z[j - 2]) / mesh.length[i - 1])
-        for i in range(lo, hi + 1):
-            for j in range(2 * i, 2 * i + 2):
-                force[j] += (moment[j] - moment[j + 2]) / mesh.length[i] - (moment[j - 2] - moment[j]) / mesh.length[i - 1]
+        moment[:2] = 0.0
+        moment[-2:] = 0.0
+        over_left, over_right, stiffness = inverse_length[:-4], inverse_length[2:-2], curvature[2:-2]
+        moment_left, moment_here, moment_right = moment[:-4], moment[2:-2], moment[4:]
+        for j in range(here.size):
+            moment_here[j] = stiffness[j] * (over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j]))
+        for j in range(here.size):
+            into[j] += over_right[j] * (moment_here[j] - moment_right[j]) - over_left[j] * (moment_left[j] - moment_here[j])
 
 
 @kernel

@@ -1,0 +1,133 @@
+"""Lumped catenary: one mass on a spring whose stiffness varies along the span."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.errors import BadInput
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+from .statics import elasticity, stiffness_series
+
+HARMONICS = 10
+
+
+class Inerter(Effect):
+    """The inertia acts on the deviation from the static height F_ref / k(x) instead of the height itself.
+
+    A lumped mass is dragged up and down the static line of the wire and answers with a forced oscillation at the
+    span-passing frequency that no wire has. An inerter (inertance, with its second terminal on that line) does not.
+    Source: the idea from the abstract of Mikhailov, Sidorov, Salya 2025 (Izvestiia Transsiba 61); equations ours.
+    """
+
+    reference_force = parameter(120.0, "N", "force whose static line the second terminal follows", low=0.0)
+
+
+class LumpedCatenary(OdeComponent):
+    """Mass with stiffness varying along the span, the class of Kaniewski & Cichoński 2019 (of which only the abstract was read).
+
+        m w'' + c w' + k(x) w = F,        k(x) = k0 (1 + sum a[n] cos(2 pi n x / L))
+        m d'' + c d' + k(x) d = F - F_ref,   w = d + F_ref / k(x)         with `inerter`
+
+    x = 0 at a support. The defaults are computed, not read: k(x) is fitted to the static elasticity of the
+    EN 50318:2002 catenary under 120 N (`lumped_parameters`). Mass and damping are a choice (inferred): the contact wire of
+    one dropper interval, and the dashpot 2 sqrt(T m') as which a long wire answers. A mass of a whole span would put the
+    span-passing frequency near resonance. Terms with dk/dx are dropped, as usual in this class.
+    """
+
+    title = "Lumped catenary with stiffness varying along the span"
+    system = "railway"
+    default_stop = 2.0
+
+    inerter = Inerter
+
+    span_length = parameter(60.0, "m", "length of a span", low=1.0)
+    mean_stiffness = parameter(2807.0, "N/m", "mean stiffness k0 along the span", low=1.0)
+    harmonic = parameter((0.3603, 0.0977, -0.0004, -0.0392, -0.0489, -0.0437, -0.0332, -0.0253, -0.0284, 0.0165), "1",
+                         "harmonic of the stiffness over the mean stiffness", size=HARMONICS)
+    mass = parameter(8.775, "kg", "lumped mass, or inertance", low=1e-6)
+    damping = parameter(328.6, "N.s/m", "damping to the ground", low=0.0)
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
+    contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
+    wire_height = output("m", "height of the wire at the contact point", nominal=0.05)
+    wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1)
+    wire_stiffness = output("N/m", "stiffness at the contact point", nominal=1e3, feedthrough=("contact_position",))
+
+    def initial_state(self) -> np.ndarray:
+        """Static equilibrium under the present force (x: height or deviation, its rate)."""
+        p, inerter = self.settled
+        angle = 2.0 * math.pi * np.arange(1, HARMONICS + 1) * np.linspace(0.0, 1.0, 721)[:, None]
+        least = 1.0 + float((np.cos(angle) @ p.harmonic).min())
+        if least <= 0.0:
+            raise BadInput(f"{self.name}.harmonic", f"a stiffness down to {least:.3g} of the mean", "a positive stiffness everywhere")
+        force = self.u[0, FORCE] - (inerter.reference_force if inerter is not None else 0.0)
+        return np.array([force / stiffness_at(self.u[0, POSITION], p), 0.0])
+
+    def energy(self) -> float:
+        """Kinetic energy plus that of the spring, J; with `inerter`, of the deviation."""
+        p, _ = self.settled
+        return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| at the stiffest point, s."""
+        p, _ = self._settled()
+        stiffness = p.mean_stiffness * (1.0 + float(np.abs(p.harmonic).sum()))
+        return float(2.78 / np.abs(np.roots([p.mass, p.damping, stiffness])).max())
+
+
+POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")
+HEIGHT, VELOCITY, STIFFNESS = LumpedCatenary.output_indices("wire_height", "wire_velocity", "wire_stiffness")
+
+
+@kernel
+def stiffness_at(position, p):
+    """k(x), N/m."""
+    total = 1.0
+    for n in range(p.harmonic.size):
+        total += p.harmonic[n] * math.cos(2.0 * math.pi * (n + 1) * position / p.span_length)
+    return p.mean_stiffness * total
+
+
+@kernel
+def lumped_derivatives(t, x, u, dx, p, inerter):
+    """dx/dt of x = (height or deviation, its rate)."""
+    force = u[FORCE]
+    if inerter is not None:
+        force -= inerter.reference_force
+    dx[0] = x[1]
+    dx[1] = (force - p.damping * x[1] - stiffness_at(u[POSITION], p) * x[0]) / p.mass
+
+
+@kernel
+def lumped_outputs(t, x, u, y, p, inerter):
+    """Height, velocity, stiffness at the contact point; the velocity is that of the mass, without the static line's."""
+    y[STIFFNESS] = stiffness_at(u[POSITION], p)
+    y[HEIGHT], y[VELOCITY] = x[0], x[1]
+    if inerter is not None:
+        y[HEIGHT] += inerter.reference_force / y[STIFFNESS]
+
+
+LumpedCatenary.advance = bind(rk4, __name__, derivatives=lumped_derivatives, outputs=lumped_outputs)
+LumpedCatenary.output_kernel = lumped_outputs
+
+
+def lumped_parameters(catenary, force: float, harmonics: int = HARMONICS) -> dict[str, float]:
+    """Parameters of a `LumpedCatenary` that has the static elasticity of a distributed one.
+
+    catenary: an initialised `Catenary` with at least three spans; force in N, at which the elasticity is taken.
+    Mass: contact wire of a mean dropper interval, kg; damping: 2 sqrt(T m') of the contact wire, N.s/m.
+    """
+    p, mesh = catenary.settled[0], catenary.mesh
+    x = np.arange(0.0, p.span_length, 0.5)
+    k = 1.0 / elasticity(mesh, p.span_length * (p.spans // 2) + x, force, "dropper_slackening" in catenary.on)
+    k0, a = stiffness_series(x, k, p.span_length, harmonics)
+    interval = float(np.diff(p.dropper_position[: p.droppers]).mean())
+    values = {"span_length": p.span_length, "mean_stiffness": k0, "mass": p.contact_wire_mass * interval,
+              "damping": 2.0 * math.sqrt(p.contact_wire_tension * p.contact_wire_mass)}
+    return values | {f"harmonic[{n + 1}]": float(a[n]) if n < harmonics else 0.0 for n in range(HARMONICS)}
