@@ -26,7 +26,7 @@ class Recorder:
 
     def __call__(self, tick: int, t: float) -> None:
         if tick >= self._due or tick == self._end:
-            self._due = (tick // self._interval + 1) * self._interval
+            self._due = tick - tick % self._interval + self._interval
             self._times.append(t)
             self._values.fromlist(self._sample())
 

@@ -67,9 +67,9 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         master = ALGORITHMS[settings.algorithm](
             units, coupling, watched, degree=settings.extrapolation, feedthrough=settings.feedthrough, order=settings.order
         )
-        # what the master reads anyway is not read twice
-        sample = _picked(master, coupling) if watched else reading(units, coupling.signals)
-        signals = Recorder(sample, len(coupling.signals), every, end)
+        # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
+        ends = tuple(master.positions) if watched else coupling.signals
+        signals = Recorder((lambda: master.signals) if watched else reading(units, ends), len(ends), every, end)
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
         bar = stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)) if progress else None
@@ -86,18 +86,13 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
             message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
-    names = [f"{u}.{n}" for u, n in coupling.signals]
+    columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
-        scene, signals.time, dict(zip(names, signals.values.T.copy(), strict=True)),
+        scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
         {name: Snapshot(recorder.time, recorder.values) for name, recorder in arrays.items()},
         {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals},
         info, outcome, message,
     )
-
-
-def _picked(master: Master, coupling: Coupling) -> Callable[[], list[float]]:
-    order = [master.positions[end] for end in coupling.signals]
-    return lambda: [master.signals[k] for k in order]
 
 
 def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:

