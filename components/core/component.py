@@ -98,7 +98,9 @@ class Component:
         """Positions of own outputs in the kernels' `y`."""
         return tuple(_names(cls.own_variables, Causality.OUTPUT).index(n) for n in names)
 
-    def __init__(self, effects: Iterable[str] = (), parameters: Mapping[str, Any] | None = None, *, preset: str = "", name: str = ""):
+    def __init__(
+        self, effects: Iterable[str] = (), parameters: Mapping[str, Any] | None = None, *, preset: str = "", name: str = ""
+    ) -> None:
         cls = type(self)
         self.name = name or cls.__name__
         settled: dict[str, Any] = {}
@@ -134,7 +136,8 @@ class Component:
                     raise BadInput(self.name, f"effect {effect!r} without {other!r}", f"both of them; {effect!r} needs {other!r}")
             for other in known[effect].excludes:
                 if other in effects:
-                    raise BadInput(self.name, f"effects {effect!r} and {other!r} together", "one of them; they exclude each other")
+                    came = f"effects {effect!r} and {other!r} together"
+                    raise BadInput(self.name, came, "one of the two; they exclude each other")
         return tuple(n for n in known if n in effects)
 
     def is_active(self, variable: str) -> bool:
@@ -146,7 +149,7 @@ class Component:
     def _unknown(self, name: str) -> BadInput:
         if name in type(self).variables:
             effect = name.partition(".")[0]
-            return BadInput(self.name, f"variable {name!r}", "a variable of what is on", f"Switch on the effect {effect!r} to have it.")
+            return BadInput(self.name, f"variable {name!r}", "a variable of what is on", f"It needs the effect {effect!r}.")
         names = [*self.parameters, *self.inputs, *self.outputs]
         return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", nearest(name, names))
 
@@ -228,8 +231,9 @@ class Component:
     def restore(self, state: bytes) -> None:
         """Take back a state of `save`, of this instance or of one with the same effects and parameters."""
         values = np.frombuffer(state)
-        if values.size != 1 + self.u.size + self.y.size + self.x.size:
-            raise BadInput(self.name, f"a state of {values.size} numbers", f"{1 + self.u.size + self.y.size + self.x.size} numbers")
+        size = 1 + self.u.size + self.y.size + self.x.size
+        if values.size != size:
+            raise BadInput(self.name, f"a state of {values.size} numbers", f"{size} numbers")
         self.t = float(values[0])
         ends = np.cumsum([1, self.u.size, self.y.size])
         self.u[:] = values[ends[0] : ends[1]].reshape(self.u.shape)

@@ -11,6 +11,7 @@ and what it gets back, `advance(t, h, n, x, u, y, work, counts, p, *effects) -> 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -75,8 +76,8 @@ class OdeComponent(Component):
     A subclass gives `advance` and `output_kernel` (kernels), `initial_state()`, and has a parameter `substep` in s.
     """
 
-    advance = None
-    output_kernel = None
+    advance: Callable[..., int]
+    output_kernel: Callable[..., None]
 
     def initial_state(self) -> np.ndarray:
         """State at the start for the present inputs and `self.settled`, shape (n,)."""

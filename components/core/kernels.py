@@ -13,7 +13,7 @@ from pathlib import Path
 try:
     from numba import njit
 except ImportError:  # an FMU's host may lack Numba: slower, the same equations
-    njit = None
+    njit = None  # type: ignore[assignment]
 
 COMPILED = njit is not None
 

@@ -31,7 +31,7 @@ class Variable:
 
     causality: Causality
     kind: Kind
-    start: float | int | str
+    start: float | int | str | tuple[float, ...]
     unit: str
     text: str
     low: float = -math.inf
@@ -69,7 +69,7 @@ class Variable:
         return int(value) if self.kind is Kind.INTEGER else float(value)
 
 
-def parameter(start: float, unit: str, text: str, **limits) -> Variable:
+def parameter(start: float | tuple[float, ...], unit: str, text: str, **limits) -> Variable:
     """A real parameter, fixed before the run."""
     return Variable(Causality.PARAMETER, Kind.REAL, start, unit, text, **limits)
 

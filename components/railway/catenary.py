@@ -66,7 +66,8 @@ class SecondPantograph(Effect):
 
     contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05, feedthrough=(".contact_position",))
+    wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05,
+                         feedthrough=(".contact_position",))
     wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
                            feedthrough=(".contact_position",))
     local_compliance = output("m/N", "unresolved compliance of the wire at the second contact point", nominal=1e-5,
@@ -140,8 +141,10 @@ class Catenary(Component):
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05, feedthrough=("contact_position",))
-    wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1, feedthrough=("contact_position",))
+    wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05,
+                         feedthrough=("contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1,
+                           feedthrough=("contact_position",))
     local_compliance = output("m/N", "unresolved compliance of the wire at the contact point, in series with the contact spring",
                               nominal=1e-5, feedthrough=("contact_position",))
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
@@ -150,16 +153,17 @@ class Catenary(Component):
     presets = {
         "EN 50318:2002": Preset(
             {"support_stiffness": 50e3, "dropper_stiffness": 100e3},
-            "repository ChandraguptSharma07/faraway and a multi-span script after Liu et al., Appl. Sci. 13 (2023) 6819; the defaults",
+            "the defaults: repository ChandraguptSharma07/faraway; script after Liu et al., Appl. Sci. 13 (2023) 6819",
             "verbatim", ("dropper_slackening", "gravity_sag")),
         "EN 50318:2018 AC simple": Preset(
             {"span_length": 55.0, "contact_wire_tension": 22e3, "contact_wire_mass": 1.35, "messenger_tension": 16e3,
              "messenger_mass": 1.08, "droppers": 9, **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
              "dropper_stiffness": 200e3, "dropper_mass": 0.117, "contact_clamp_mass": 0.165, "messenger_clamp_mass": 0.195,
-             "support_stiffness": 500e3, "support_damping": 1000.0, "pre_sag.depth": 0.055, "bending_stiffness.contact_wire": 195.0,
-             "bending_stiffness.messenger": 131.7, "damping.alpha": 0.0125, "damping.beta": 1e-4},
-            "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support damping "
-            "recalled, steady arm left out", "recalled",
+             "support_stiffness": 500e3, "support_damping": 1000.0, "pre_sag.depth": 0.055,
+             "bending_stiffness.contact_wire": 195.0, "bending_stiffness.messenger": 131.7,
+             "damping.alpha": 0.0125, "damping.beta": 1e-4},
+            "repository vivek-nexus/pantograph-catenary-model-ui and a public MATLAB program; dropper stiffness and support "
+            "damping recalled, steady arm left out", "recalled",
             ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping")),
     }
 
@@ -203,8 +207,8 @@ class Catenary(Component):
             alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
             self._band = effective_band(self._method, *self._bands, self.mesh, alpha, beta)
             self._factored[:] = -1.0
-        return advance_implicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, self._method, self._band,
-                                self._factors, self._factored, slack, bending, damping, second, profile)
+        return advance_implicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, self._method,
+                                self._band, self._factors, self._factored, slack, bending, damping, second, profile)
 
     def _outputs(self, t: float) -> None:
         p, *_, second, _, profile = self.settled
@@ -235,7 +239,7 @@ class Catenary(Component):
         return lumped * w
 
     def stable_step(self) -> float:
-        """Limit of the explicit method, s, from the largest eigenvalue that an element and a dropper can have; inf if implicit."""
+        """Limit of the explicit method, s; inf if implicit."""
         if self.parameters["method"] == "implicit":
             return math.inf
         settled = self._settled()

@@ -99,7 +99,8 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
                 if hi < nodes - 2:
                     z[2 * hi + 2 + j] = z[2 * hi + j]
                     force[2 * hi + j] -= mesh.impedance[j] * v[2 * hi + j]
-        add_wire_force(z[here], force[here], moment[here], mesh.tension[here], mesh.curvature[here], mesh.inverse_length[here], bending)
+        tension, curvature, inverse_length = mesh.tension[here], mesh.curvature[here], mesh.inverse_length[here]
+        add_wire_force(z[here], force[here], moment[here], tension, curvature, inverse_length, bending)
         for k in range(first_dropper, end_dropper):
             j = 2 * mesh.dropper[k]
             change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]

@@ -37,7 +37,8 @@ def generalized_alpha(step: float, spectral_radius: float) -> Method:
 def effective_band(method: Method, mass, stiffness, mesh, alpha: float, beta: float) -> np.ndarray:
     """Band of the matrix that every step solves with, without droppers, (N, width)."""
     h = method.step
-    m, c, k = (1.0 - method.alpha_m) / (method.beta * h**2), (1.0 - method.alpha_f) * method.gamma / (method.beta * h), 1.0 - method.alpha_f
+    k = 1.0 - method.alpha_f
+    m, c = (1.0 - method.alpha_m) / (method.beta * h**2), k * method.gamma / (method.beta * h)
     band = (m + c * alpha) * mass + (c * beta + k) * stiffness
     band[:, 0] += c * mesh.ground_damping + k * mesh.ground
     return band
@@ -96,7 +97,7 @@ def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factor
                 return OUT_OF_RANGE
             add_contact(position2, u[0, k + 1] + s * (u[1, k + 1] + s * u[2, k + 1]), base, mesh)
 
-        for iteration in range(MAX_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             first = N
             for k in range(droppers):
                 if taut[k] != factored[k]:

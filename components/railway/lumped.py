@@ -65,7 +65,7 @@ class LumpedCatenary(OdeComponent):
         angle = 2.0 * math.pi * np.arange(1, HARMONICS + 1) * np.linspace(0.0, 1.0, 721)[:, None]
         least = 1.0 + float((np.cos(angle) @ p.harmonic).min())
         if least <= 0.0:
-            raise BadInput(f"{self.name}.harmonic", f"a stiffness down to {least:.3g} of the mean", "a positive stiffness everywhere")
+            raise BadInput(f"{self.name}.harmonic", f"a stiffness down to {least:.3g} of the mean", "a positive one everywhere")
         force = self.u[0, FORCE] - (inerter.reference_force if inerter is not None else 0.0)
         return np.array([force / stiffness_at(self.u[0, POSITION], p), 0.0])
 

@@ -8,6 +8,7 @@ The first and the last node are fixed. Displacements are deviations from the sta
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +46,8 @@ class Mesh(NamedTuple):
 def node_positions(supports: np.ndarray, droppers: np.ndarray, element: float) -> np.ndarray:
     """Nodes at every support and dropper, gaps between them cut into equal elements no longer than `element`, (n,) m."""
     fixed = np.unique(np.concatenate((supports, droppers)))
-    parts = [np.linspace(a, b, max(1, math.ceil((b - a) / element - 1e-9)) + 1)[:-1] for a, b in zip(fixed[:-1], fixed[1:], strict=True)]
+    counts = [max(1, math.ceil(gap / element - 1e-9)) for gap in np.diff(fixed)]
+    parts = [np.linspace(a, b, count, endpoint=False) for (a, b), count in zip(pairwise(fixed), counts, strict=True)]
     return np.concatenate((*parts, fixed[-1:]))
 
 
@@ -57,7 +59,8 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     count = int(p.droppers)
     within = p.dropper_position[:count]
     if not (np.all(np.diff(within) > 0.0) and within[0] > 0.0 and within[-1] < p.span_length):
-        raise BadInput("Catenary", f"dropper positions {within.tolist()}", f"increasing values inside the span of {p.span_length:g} m")
+        expected = f"increasing values inside the span of {p.span_length:g} m"
+        raise BadInput("Catenary", f"dropper positions {within.tolist()}", expected)
     supports = p.span_length * np.arange(p.spans + 1)
     droppers = (p.span_length * np.arange(p.spans)[:, None] + within).ravel()
     x = node_positions(supports, droppers, p.element)
@@ -97,8 +100,8 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     preload = (weight[:, 0] - force)[at_dropper]
     if slack is not None and np.any(preload <= 0.0):
         k = int(np.argmin(preload))
-        raise BadInput("Catenary", f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest", "tension in every dropper",
-                       "Reduce the pre-sag or move the droppers.")
+        came = f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest"
+        raise BadInput("Catenary", came, "tension in every dropper", "Reduce the pre-sag or move the droppers.")
     bow = 4.0 * p.contact_wire_mass * GRAVITY * L**2 / (8.0 * p.contact_wire_tension)
     if gravity_sag is None:  # straight lines between the clamps, level at the ends of the wire
         height = np.interp(x, np.concatenate((x[:1], droppers, x[-1:])), np.concatenate(([0.0], clamp_height, [0.0])))
@@ -109,8 +112,9 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     stiffness = np.full(droppers.size, p.dropper_stiffness)
     impedance = np.sqrt([p.contact_wire_tension * p.contact_wire_mass, p.messenger_tension * p.messenger_mass])
     inverse_length = np.repeat(np.append(1.0 / L[:-1], 0.0), 2)
-    return Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), 1.0 / mass.ravel(), spread.ravel(), tension.ravel(), curvature.ravel(), impedance,
-                ground.ravel(), ground_damping.ravel(), at_dropper, stiffness, preload, at_support, height, bow)
+    return Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), 1.0 / mass.ravel(), spread.ravel(), tension.ravel(),
+                curvature.ravel(), impedance, ground.ravel(), ground_damping.ravel(), at_dropper, stiffness, preload, at_support,
+                height, bow)
 
 
 def _nodal_force(tension: np.ndarray, curvature: np.ndarray, L: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -91,9 +91,11 @@ class Pantograph(OdeComponent):
     substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
     wire_height = input_(0.0, "m", "height of the contact wire at the contact point", nominal=0.05)
-    wire_compliance = input_(0.0, "m/N", "compliance of the wire that its model leaves out, in series with the contact spring", nominal=1e-5)
+    wire_compliance = input_(0.0, "m/N", "compliance of the wire that its model leaves out, in series with the contact spring",
+                             nominal=1e-5)
 
-    contact_force = output("N", "force on the wire, positive upwards", nominal=100.0, feedthrough=("wire_height", "wire_compliance"))
+    contact_force = output("N", "force on the wire, positive upwards", nominal=100.0,
+                           feedthrough=("wire_height", "wire_compliance"))
     contact_position = output("m", "position of the contact point along the track", nominal=100.0)
     head_height = output("m", "height of the head", nominal=0.05)
     head_velocity = output("m/s", "vertical velocity of the head", nominal=0.1)
@@ -101,8 +103,8 @@ class Pantograph(OdeComponent):
 
     presets = {
         "EN 50318:2002": Preset(
-            dict(head_mass=7.2, head_stiffness=4200.0, head_damping=10.0, frame_mass=15.0, frame_stiffness=50.0, frame_damping=90.0,
-                 static_force=120.0, contact_stiffness=50e3),
+            {"head_mass": 7.2, "head_stiffness": 4200.0, "head_damping": 10.0, "frame_mass": 15.0, "frame_stiffness": 50.0,
+             "frame_damping": 90.0, "static_force": 120.0, "contact_stiffness": 50e3},
             "masses, stiffnesses, damping: repository ChandraguptSharma07/faraway; static force recalled", "verbatim"),
         "EN 50318:2018": Preset(
             {"head_mass": 7.5, "head_stiffness": 7000.0, "head_damping": 45.0, "frame_mass": 9.0, "frame_stiffness": 15500.0,
@@ -163,7 +165,8 @@ class Pantograph(OdeComponent):
         """RK4's limit 2.78 / max |eigenvalue| with every spring engaged, s."""
         p, _, lower, _, stops, friction, _ = self._settled()
         head = p.head_stiffness + (stops.stiffness if stops is not None else 0.0)
-        k, c, m = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping], [p.head_mass, p.frame_mass]
+        k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
+        m = [p.head_mass, p.frame_mass]
         if lower is not None:
             k, c, m = [*k, lower.stiffness], [*c, lower.damping], [*m, lower.mass]
         n = len(m)
