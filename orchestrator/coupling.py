@@ -93,7 +93,8 @@ def _links(scene: Scene, interfaces: Mapping[str, Interface]) -> tuple[Link, ...
         if target[1] in interfaces[target[0]].set_inputs:
             raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
                            "none; the connection drives it and the value would have no effect", "Remove one of them.")
-        links[target] = Link(source, target, *conversion(outputs[source[1]].unit, inputs[target[1]].unit, where))
+        units = outputs[source[1]].unit, inputs[target[1]].unit
+        links[target] = Link(source, target, *(conversion(*units, where) if all(units) else (1.0, 0.0)))
     return tuple(links.values())
 
 

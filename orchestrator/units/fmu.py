@@ -111,7 +111,7 @@ def _check_value(where: str, name: str, value: Any, variables: Mapping[str, Mode
 
 
 def _signal(v: ModelVariable, feedthrough: tuple[str, ...] | None) -> Signal:
-    unit = v.unit or (v.declaredType.unit if v.declaredType else None) or "1"
+    unit = v.unit or (v.declaredType.unit if v.declaredType else None) or ""
     return Signal(v.name, unit, float(v.start or 0.0), float(v.nominal or 1.0), feedthrough)
 
 

@@ -12,7 +12,7 @@ class Signal:
     """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared."""
 
     name: str
-    unit: str
+    unit: str  # "": not declared, so that it can neither be converted nor refused
     start: float = 0.0
     nominal: float = 1.0
     feedthrough: tuple[str, ...] | None = ()
