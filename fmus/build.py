@@ -38,6 +38,7 @@ else:
 
         def __init__(self, **kwargs):
             super().__init__(**kwargs)
+            end_in_order(self.resources)
 
 leave_path("{script}.py")
 keep(globals())

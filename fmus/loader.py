@@ -5,8 +5,11 @@ package with a name of its own, bundle_<digest>, imported without `sys.path`, fr
 Numba keeps its machine code by the path of the source.
 """
 
+import atexit
+import contextlib
 import ctypes
 import filecmp
+import glob
 import importlib.util
 import os
 import shutil
@@ -73,3 +76,19 @@ def leave_path(script):
 def keep(namespace):
     """Give the namespace of the script one more reference: pythonfmu 0.7 releases one it does not own, each time."""
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(namespace))
+
+
+def end_in_order(resources):
+    """Let pythonfmu's library in this FMU drop its interpreter state before the process ends.
+
+    On Linux its destructors run in the wrong order: the state is freed by one and released again by the next, into memory
+    that may have another owner by then ("corrupted double-linked list", "free(): corrupted unsorted chunks" at exit).
+    """
+    libraries = () if sys.platform == "win32" else glob.glob(os.path.join(resources, "..", "binaries", "*", "*.so"))
+    for library in set(map(os.path.realpath, libraries)) - _ENDED:
+        _ENDED.add(library)
+        with contextlib.suppress(OSError, AttributeError):  # another version of pythonfmu's library
+            atexit.register(ctypes.PyDLL(library).finalizePythonInterpreter)
+
+
+_ENDED = set()

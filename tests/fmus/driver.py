@@ -23,8 +23,8 @@ TOP = HERE.parent.parent
 class Driven:
     """One instance of an FMU; `log` collects its messages as (status, text)."""
 
-    def __init__(self, path, folder=None, name="unit", description=None):
-        self.description = description or read_model_description(str(path), validate=False)
+    def __init__(self, path, folder=None, name="unit"):
+        self.description = read_model_description(str(path), validate=False)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.log = []
         self.fmu = FMU2Slave(guid=self.description.guid, modelIdentifier=self.description.coSimulation.modelIdentifier,

@@ -11,6 +11,7 @@ from fmus.build import built
 
 STEP = 1e-3  # s
 STEPS = 300
+SUBSTEP = 2.5e-4  # s, small enough for every effect
 
 # smooth inputs, by the last part of their name: value, first and second derivative at t
 INPUTS = {
@@ -43,7 +44,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, stride):
     effects = selected(component_class(name).effects, stride)
     component = component_class(name)(effects)
     unit = Driven(built(name))
-    start = {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
+    start = {"substep": SUBSTEP} | {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
     for n, v in start.items():
         component.set(n, v)
     component.initialize(0.0)
