@@ -39,14 +39,16 @@ def for_run(result: Result, directory: str | Path) -> Path:
 
 def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path:
     """`report.html` of validation cases: per case what it shows, figures, tables with margins, studies, settings."""
-    sections = [s for r in case_results for s in _case_sections(r)]
+    sections = [s for r in case_results for s in _case_sections(r, len(case_results) == 1)]
     if len(case_results) > 1:
         overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
         sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
     count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "recalled")}
-    lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + (
-        ". “Recalled”: not all ranges were read in a source, so that being inside them is no pass." if count["recalled"] else "."
-    )
+    lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + "."
+    if count["recalled"]:
+        lead += " “Recalled”: not all ranges were read in a source, so that being inside them is no pass."
+    if len(case_results) == 1:
+        lead = case_results[0].verdict
     footer = [
         "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
         "inferred, recalled (from memory of the literature, not re-read; hatched)."
@@ -58,9 +60,9 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path
     return write_page(Page(title, lead, sections, footer), Path(directory) / "report.html")
 
 
-def _case_sections(result: CaseResult) -> list[Section]:
+def _case_sections(result: CaseResult, alone: bool) -> list[Section]:
     case, findings = result.case, result.findings
-    sections = [Section(case.title, [Text([result.verdict, case.text])], badge=result.outcome)]
+    sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text])], badge=result.outcome)]
     special = SYSTEMS.get(case.system)
     conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
     for label, run in findings.runs.items():
@@ -72,16 +74,19 @@ def _case_sections(result: CaseResult) -> list[Section]:
         else:
             blocks += special(run, rows) if special else generic.time_series(run)
         if rows:
-            blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings))
+            blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings.get(label, "")))
         blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))
         sections.append(Section(label, [*blocks, *generic.run_blocks(run)], 3))
-    for condition in conditions:
-        if condition not in findings.runs:
-            rows = [r for r in findings.rows if r.reference.condition == condition]
-            sections.append(Section(condition, [generic.range_table(case.title, rows, findings.settings)], 3))
     studies: list[Block] = [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in findings.charts]
-    if findings.notes:
-        studies.append(Text(findings.notes, "note"))
     if studies:
-        sections.append(Section("Studies and notes", studies, 3))
+        sections.append(Section("Studies", studies, 3))
+    rest = [c for c in conditions if c not in findings.runs]
+    if rest:
+        tables: list[Block] = []
+        for c in rest:
+            rows = [r for r in findings.rows if r.reference.condition == c]
+            tables.append(generic.range_table(c, rows, findings.settings.get(c, "")))
+        sections.append(Section("Against the reference", tables, 3))
+    if findings.notes:
+        sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
     return sections

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..results import Result
     from ..validation.case import Row
 
+KINDS = {"ComponentUnit": "components in process", "FmuUnit": "FMUs"}
 SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
 
 
@@ -58,10 +59,19 @@ def _range_row(row: Row) -> RangeRow:
 
 
 def grid_table(grid: Grid) -> Cells:
-    """A study's table; columns of numbers flush right."""
-    right = frozenset(i for i in range(len(grid.header)) if all(not isinstance(row[i], str) for row in grid.rows))
-    rows = [[c if isinstance(c, str) else number(float(c)) for c in row] for row in grid.rows]
-    return Cells(grid.title, grid.header, rows, grid.text, right)
+    """A study's table; columns of numbers flush right, with as many decimals as show four digits of the largest."""
+    columns = [_column(values) for values in zip(*grid.rows, strict=True)]
+    right = frozenset(i for i, (_, numeric) in enumerate(columns) if numeric)
+    return Cells(grid.title, grid.header, list(zip(*(texts for texts, _ in columns), strict=True)), grid.text, right)
+
+
+def _column(values: Sequence[str | float]) -> tuple[list[str], bool]:
+    numbers = [float(v) for v in values if not isinstance(v, str)]
+    if len(numbers) < len(values):
+        return [v if isinstance(v, str) else number(float(v)) for v in values], False
+    largest = max((abs(v) for v in numbers if np.isfinite(v)), default=0.0)
+    decimals = int(np.clip(3 - np.floor(np.log10(largest)), 0, 6)) if largest > 0.0 else 0
+    return [f"{v:.{decimals}f}".replace("-", "−") if np.isfinite(v) else "–" for v in numbers], True
 
 
 def time_series(result: Result) -> list[Figure]:
@@ -145,7 +155,7 @@ def run_blocks(result: Result) -> list[Facts]:
 def run_line(result: Result) -> str:
     """The run in one line: step, master, packaging, cost."""
     info, master = result.info, result.scene.master
-    kinds = sorted({str(u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
+    kinds = sorted({KINDS.get(u.get("kind", ""), u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
     parts = [f"{master.algorithm} at {1e3 * master.step:g} ms, extrapolation of degree {master.extrapolation}"]
     if kinds:
         parts.append("units as " + " and ".join(kinds))

@@ -84,7 +84,7 @@ class Findings:
     runs: Mapping[str, Result] = field(default_factory=dict)  # label -> result
     charts: tuple[Chart | Grid, ...] = ()
     notes: tuple[str, ...] = ()
-    settings: str = ""  # how the measured numbers were made (window, filter); stands under every table
+    settings: Mapping[str, str] = field(default_factory=dict)  # condition -> how its numbers were made (window, filter)
     complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
 
 

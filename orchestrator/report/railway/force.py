@@ -58,7 +58,7 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
     data, thinned = _force_traces(found, low_pass)
     axes: dict[str, Any] = {}
     if ladder:
-        ticks = {
+        ticks: dict[str, Any] = {
             "tickvals": list(range(len(ladder))),
             "ticktext": [heading for heading, _ in ladder],
             "ticks": "",

@@ -1,4 +1,4 @@
-"""Statics of the reference catenaries: elasticity against an independent solver, dropper tensions and sags against closed forms."""
+"""Statics of the reference catenaries: elasticity against an independent solver, tensions and sags against closed forms."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def findings(options: Options) -> Findings:
     rows: list[Row] = []
     panels = []
     for condition, (scene, force, changes) in CONDITIONS.items():
-        catenary = _catenary(scene, changes, bending=True)
+        catenary = resting_catenary(scene, changes, bending=True)
         x, e = _along_the_span(catenary, force)
         k = 1.0 / e
         measured = {
@@ -73,15 +73,14 @@ def findings(options: Options) -> Findings:
     return Findings(tuple(rows), charts=(chart,), notes=notes)
 
 
-def _catenary(scene: str, changes: Mapping[str, Any], bending: bool) -> Any:
-    """The scene's catenary at rest, with or without bending stiffness of the wires whatever the scene says."""
+def resting_catenary(scene: str, changes: Mapping[str, Any], bending: bool) -> Any:
+    """The scene's catenary at rest on a fine mesh, with or without bending stiffness of the wires whatever the scene says."""
     unit = load_scene(scene).units["catenary"]
-    left_out = LEFT_OUT if bending else (*LEFT_OUT, "bending_stiffness")
-    effects = [e for e in unit.effects if e not in (*LEFT_OUT, "bending_stiffness")] + ["bending_stiffness"] * bending
-    kept = {n: v for n, v in unit.parameters.items() if n.partition(".")[0] not in left_out}
-    catenary = component_class(unit.component)(
-        effects, {**kept, "element": ELEMENT, "method": "implicit", **changes}, preset=unit.preset
-    )
+    cls = component_class(unit.component)
+    given = cls(unit.effects, unit.parameters, preset=unit.preset)
+    effects = [e for e in given.on if e not in (*LEFT_OUT, "bending_stiffness")] + ["bending_stiffness"] * bending
+    kept = {n: v for n, v in given.parameters.items() if "." not in n or n.partition(".")[0] in effects}
+    catenary = cls(effects, {**kept, "element": ELEMENT, "method": "implicit", **changes})
     catenary.initialize(0.0)
     return catenary
 
@@ -108,12 +107,12 @@ def string_tensions(positions: np.ndarray, heights: np.ndarray, weight: float, t
 
 
 def string_sag(span: float, tension: float, weight: float, positions: np.ndarray, loads: np.ndarray) -> float:
-    """Sag at midspan of a string with its own weight (N/m) and point loads (n,) N at positions (n,) m, m: beam moment over tension."""
+    """Sag in m at midspan of a string with a weight (N/m) and point loads (n,) N at positions (n,) m: moment over tension."""
     return (weight * span**2 / 8.0 + float(np.sum(0.5 * loads * np.minimum(positions, span - positions)))) / tension
 
 
 def _closed_forms(scene: str) -> list[Row]:
-    catenary = _catenary(scene, {}, bending=False)
+    catenary = resting_catenary(scene, {}, bending=False)
     p, mesh = catenary.parameters, catenary.mesh
     span, middle = p["span_length"], p["spans"] // 2
     within = _within_span(catenary)

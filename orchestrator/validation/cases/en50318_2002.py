@@ -12,11 +12,10 @@ from ...run import run
 from ...scene import Scene, load_scene
 from ..case import Case, Findings, Options, Row, compare
 from ..reference import Table, load_table
-from ..runs import at_speed, numbers, reference_run, with_stable_substep
+from ..runs import WITHOUT_PICTURES, at_speed, numbers, reference_run, with_stable_substep
 
 SPEEDS = (250.0, 300.0)  # km/h
 BETAS = (0.0, 2.5e-4, 5e-4, 1e-3, 1.5e-3, 2e-3, 3e-3)  # s
-WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": [], "record.snapshot_interval": None}
 BETA, ALPHA = "units.catenary.parameters.damping.beta", "units.catenary.parameters.damping.alpha"
 STUDIED = (("std", "σ, N"), ("max", "actual maximum, N"), ("min", "actual minimum, N"), ("uplift_mm", "uplift, mm"))
 
@@ -33,7 +32,7 @@ def findings(options: Options) -> Findings:
     if any(r.outcome != "done" for r in results.values()):
         return Findings((), results, notes=tuple(r.message for r in results.values() if r.message), complete=False)
     rows = tuple(row for c, r in results.items() for row in compare(table.under(c), numbers(r)))
-    settings = statistics(results[condition(SPEEDS[0])]).settings
+    settings = {c: statistics(r).settings for c, r in results.items()}
     variants = _variants(load_scene("en50318-2002"))
     measured = {name: {v: _variant(changes, v) for v in SPEEDS} for name, changes in variants.items()}
     measured = {"as shipped": {v: numbers(results[condition(v)]) for v in SPEEDS}, **measured}
@@ -56,13 +55,13 @@ def _variants(scene: Scene) -> dict[str, dict[str, Any]]:
         e: {"units.catenary.effects": [*catenary.effects, e]} for e in ("steady_arm", "level_support", "bending_stiffness")
     }
     return {
-        **{f"damping β = {b:g} s": {ALPHA: 0.0, BETA: b} for b in BETAS},
-        "Rayleigh damping α = 0.0125 1/s, β = 1e-4 s": {ALPHA: 0.0125, BETA: 1e-4},
+        **{f"β = {1e3 * b:g} ms": {ALPHA: 0.0, BETA: b} for b in BETAS},
+        "Rayleigh, α = 0.0125 1/s, β = 0.1 ms": {ALPHA: 0.0125, BETA: 1e-4},
         "steps halved": half_step,
         "elements halved": half_element,
         "steps and elements halved": half_step | half_element,
         "steady arm of 300 N/m": with_effect["steady_arm"],
-        "contact wire held level at the supports": with_effect["level_support"],
+        "wire held level at the supports": with_effect["level_support"],
         "wires with bending stiffness": with_effect["bending_stiffness"],
     }
 
@@ -82,7 +81,7 @@ def _damping_chart(measured: dict[str, dict[float, dict[str, float]]], table: Ta
     for measure, text in STUDIED:
         for v in SPEEDS:
             row = next(r for r in table.under(condition(v)) if r.measure == measure)
-            y = [measured[f"damping β = {b:g} s"][v].get(measure, math.nan) for b in BETAS]
+            y = [measured[f"β = {1e3 * b:g} ms"][v].get(measure, math.nan) for b in BETAS]
             panels.append(
                 Panel(
                     text,
@@ -116,7 +115,7 @@ def _inside(table: Table, of_speed: dict[float, dict[str, float]]) -> str:
     return f"{sum(r.inside for r in rows)} of {len(rows)}"
 
 
-def _line(of_speed: dict[float, dict[str, float]], measures: tuple[str, ...]) -> tuple[float, ...]:
+def _line(of_speed: dict[float, dict[str, float]], measures: tuple[str, ...]) -> tuple[str | float, ...]:
     return tuple(of_speed[v].get(m, math.nan) for v in SPEEDS for m in measures)
 
 
@@ -137,7 +136,7 @@ def _variant_grid(measured: dict[str, dict[float, dict[str, float]]], table: Tab
 
 
 def _filter_grid(results: dict[str, Any], table: Table) -> Grid:
-    rows = []
+    rows: list[tuple[str | float, ...]] = []
     for zero_phase in (True, False):
         for order in (2, 4, 6, 8):
             low_pass = Filter(20.0, order, zero_phase)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...analysis.railway import statistics
-from ..case import Case, Findings, Options, compare
+from ...results import Result
+from ..case import Case, Findings, Options, Row, compare
 from ..reference import load_table
 from ..runs import ac_simple_run, numbers, target_mean
 
@@ -13,14 +14,15 @@ SPEEDS = (275.0, 320.0)  # km/h
 def findings(options: Options) -> Findings:
     """Both speeds with the mean force set by the static force."""
     table = load_table("en50318-2018-ac-simple")
-    runs, rows, notes, settings = {}, [], [], ""
+    runs: dict[str, Result] = {}
+    rows: list[Row] = []
+    notes: list[str] = []
     for v in SPEEDS:
         name = f"{v:g} km/h"
         runs[name], static_force, trial = ac_simple_run(v, options)
         if runs[name].outcome != "done":
             return Findings((), runs, notes=(runs[name].message,), complete=False)
         rows += compare(table.under(name), numbers(runs[name]))
-        settings = statistics(runs[name]).settings
         notes.append(
             f"At {name} the static force was set to {static_force:.1f} N, from one trial run whose mean was {trial:.1f} N, to "
             f"bring "
@@ -33,7 +35,7 @@ def findings(options: Options) -> Findings:
         "At 320 km/h the ranges of the contact point's height and of the uplift are left out: what is recalled contradicts "
         "itself."
     )
-    return Findings(tuple(rows), runs, notes=tuple(notes), settings=settings)
+    return Findings(tuple(rows), runs, notes=tuple(notes), settings={n: statistics(r).settings for n, r in runs.items()})
 
 
 CASE = Case(

@@ -44,7 +44,9 @@ def findings(options: Options) -> Findings:
         "The 2002 model's 120 N on the frame is a number of that test, below the target of these rules; the 2018 runs have it "
         "by setting.",
     )
-    return Findings(tuple(rows), charts=(grid,), notes=notes, settings=statistics(cases[0][2]).settings)
+    return Findings(
+        tuple(rows), charts=(grid,), notes=notes, settings={name: statistics(result).settings for name, _, result in cases}
+    )
 
 
 def _under(row: TableRow, condition: str) -> TableRow:

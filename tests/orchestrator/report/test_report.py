@@ -44,7 +44,8 @@ def made_up_case(run, charts=(), notes=(), title="A case"):
     rows = compare(load_table("en50318-2002").under("250 km/h"), MEASURED)
     recalled = compare(load_table("en50318-2018-ac-simple").under("275 km/h"), MEASURED)
     case = Case("a-case", title, "Shows something.", "railway", lambda options: Findings(()))
-    return CaseResult(case, Findings((*rows, *recalled), {"250 km/h": run}, charts, notes, "window 240 to 360 m, 20 Hz"))
+    settings = {"250 km/h": "window 240 to 360 m, 20 Hz"}
+    return CaseResult(case, Findings((*rows, *recalled), {"250 km/h": run}, charts, notes, settings))
 
 
 CHART = Chart(
