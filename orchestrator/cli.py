@@ -40,7 +40,8 @@ def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any
     table = Table(*columns, title=title or None, title_justify="left")
     for row in rows:
         table.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
-    Console().print(table, markup=False)
+    # rich takes 80 columns where there is no terminal, and cuts names
+    Console(width=None if sys.stdout.isatty() else 160).print(table, markup=False)
 
 
 @app.command("list")

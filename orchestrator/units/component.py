@@ -78,7 +78,8 @@ class ComponentUnit:
         y, positions = self.component.y, self.component.output_positions(names)
         first = int(positions[0]) if len(names) else 0
         if positions.tolist() == list(range(first, first + len(names))):
-            return memoryview(y[first : first + len(names)]).tolist  # a quarter of the time of picking elements
+            view: Any = y[first : first + len(names)]
+            return memoryview(view).tolist  # a quarter of the time of picking elements
         return lambda: y[positions].tolist()
 
     def _set(self, values: list[float]) -> None:
@@ -108,7 +109,7 @@ class ComponentUnit:
         self._set(values)
         self.component.refresh()
 
-    def save(self) -> bytes:
+    def save(self, reuse: bytes | None = None) -> bytes:
         return self.component.save()
 
     def restore(self, state: bytes) -> None:

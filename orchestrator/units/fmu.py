@@ -126,7 +126,7 @@ def _companions(variables: Mapping[str, ModelVariable], inputs: Sequence[str]) -
 def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     """The running FMU of a scene's entry; a component of the catalogue is built first if the cache has no FMU of it."""
     if settings.fmu:
-        given = {f"effects.{e}": True for e in settings.effects} | settings.parameters
+        given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects} | settings.parameters
         return FmuUnit(name, settings.fmu, given)
     from fmus.build import built
 
@@ -143,17 +143,19 @@ class FmuUnit:
 
     def __init__(self, name: str, path: str, values: Mapping[str, Any]):
         self.name, self._values = name, dict(values)
-        self._time, self._usable, self._initializing, self._steps = 0.0, False, False, 0
+        self._time, self._steps, self._initializing = 0.0, 0, False
+        self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
         description = _description(path, f"units.{name}")
         self._variables = {v.name: v for v in description.modelVariables}
         self._interpolates = description.coSimulation.canInterpolateInputs
+        self._states: list[ctypes.c_void_p] = []  # the FMU's own memory, freed on close
         self._log: deque[str] = deque(maxlen=3)
         self._folder = extract(path)
         try:
             self._fmu = FMU2Slave(instanceName=name, guid=description.guid, unzipDirectory=self._folder,
                                   modelIdentifier=description.coSimulation.modelIdentifier)
             self._fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
-            self._usable = True
+            self._usable = self._healthy = True
         except Exception as error:  # FMPy raises bare exceptions
             self.close()
             raise BadInput(f"units.{name}", f"{path} cannot be started: {error}{self._said()}",
@@ -192,7 +194,7 @@ class FmuUnit:
         return "".join(f"\n  log: {line}" for line in self._log)
 
     def _failed(self, status: int) -> None:
-        self._usable = status != FATAL
+        self._usable, self._healthy = status != FATAL, False
         raise StepFailed(self.name, self._time, f"the FMU {STATUS.get(status, f'returned status {status}')}{self._said()}")
 
     def _references(self, names: Sequence[str]) -> Any:
@@ -281,9 +283,11 @@ class FmuUnit:
             self._inputs[: self._n] = values
             self._check(self._set_real(self._instance, self._input_references, self._n, self._inputs))
 
-    def save(self) -> ctypes.c_void_p:
-        state = ctypes.c_void_p()
+    def save(self, reuse: ctypes.c_void_p | None = None) -> ctypes.c_void_p:
+        state = reuse or ctypes.c_void_p()
         self._call("fmi2GetFMUstate", ctypes.pointer(state))
+        if reuse is None:
+            self._states.append(state)
         return state
 
     def restore(self, state: ctypes.c_void_p) -> None:
@@ -297,7 +301,10 @@ class FmuUnit:
 
     def close(self) -> None:
         if self._usable:  # after a fatal error the instance must not be touched
-            self._fmu.terminate()
+            if self._healthy:  # after an error only the last of these calls is allowed
+                for state in self._states:
+                    self._function("fmi2FreeFMUstate", ctypes.c_void_p)(self._fmu.component, ctypes.byref(state))
+                self._function("fmi2Terminate")(self._fmu.component)
             self._fmu.freeInstance()
             self._usable = False
         shutil.rmtree(self._folder, ignore_errors=True)

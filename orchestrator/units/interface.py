@@ -72,8 +72,8 @@ class Unit(Protocol):
     def get(self) -> list[float]:
         """Present values of the outputs given to `wire`."""
 
-    def save(self) -> Any:
-        """Everything a repeated step depends on."""
+    def save(self, reuse: Any = None) -> Any:
+        """Everything a repeated step depends on; `reuse`: an older state that may be overwritten."""
 
     def restore(self, state: Any) -> None:
         """Take back a state of `save`."""
