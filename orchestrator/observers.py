@@ -1,8 +1,10 @@
-"""What watches a run without taking part in it: recording and progress. Each is called with the tick and the time."""
+"""What watches a run without taking part in it: recording, progress, Ctrl-C. Each is called with the tick and the time."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter
@@ -55,6 +57,32 @@ def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
         return [values[k] for k in order]
 
     return sample
+
+
+class Interrupt:
+    """Lets Ctrl-C take effect between two macro steps: inside one it would hit an FMU's own Python and look like its failure.
+
+    A second Ctrl-C takes effect at once.
+    """
+
+    def __enter__(self) -> Interrupt:
+        self._wanted = False
+        self._main = threading.current_thread() is threading.main_thread()  # only there handlers can be set
+        if self._main:
+            self._previous = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._main:
+            signal.signal(signal.SIGINT, self._previous)
+
+    def _note(self, *_: object) -> None:
+        self._wanted = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._wanted:
+            raise KeyboardInterrupt
 
 
 class Progress:

@@ -14,7 +14,7 @@ from components.core.errors import StepFailed
 from .algorithms import ALGORITHMS, Master
 from .clock import Clock
 from .coupling import Coupling, settle
-from .observers import Progress, Recorder, reading
+from .observers import Interrupt, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
 from .units import Unit, open_unit
@@ -72,13 +72,15 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         signals = Recorder((lambda: master.signals) if watched else reading(units, ends), len(ends), every, end)
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
-        bar = stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)) if progress else None
+        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), stack.enter_context(Interrupt())]
+        if progress:
+            observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
         loop = Stepping(master, clock, stride, end)
         started, outcome, message = perf_counter(), "failed", ""
         try:
             master.initialize(0.0)
             started = perf_counter()
-            loop.run([signals, *arrays.values(), *([bar] if bar else [])])
+            loop.run(observers)
             outcome = "done"
         except StepFailed as error:
             message = str(error)

@@ -78,8 +78,8 @@ class ComponentUnit:
         y, positions = self.component.y, self.component.output_positions(names)
         first = int(positions[0]) if len(names) else 0
         if positions.tolist() == list(range(first, first + len(names))):
-            view: Any = y[first : first + len(names)]
-            return memoryview(view).tolist  # a quarter of the time of picking elements
+            view: Any = memoryview(y[first : first + len(names)])  # type: ignore[arg-type]
+            return view.tolist  # a quarter of the time of picking elements
         return lambda: y[positions].tolist()
 
     def _set(self, values: list[float]) -> None:

@@ -16,6 +16,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -242,6 +243,8 @@ class FmuUnit:
             self._initializing = True
             self._call("fmi2EnterInitializationMode")
         self.update(values)
+        if not isfinite(sum(self.get())):
+            raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._said()}")
 
     def start(self) -> None:
         self._call("fmi2ExitInitializationMode")

@@ -1,6 +1,9 @@
 """Runs: times, labels, recording, failures, and FMU against in-process."""
 
+import io
 import json
+import signal
+import sys
 
 import numpy as np
 import pytest
@@ -8,7 +11,7 @@ import pytest
 from components.core.errors import BadInput
 from orchestrator.run import run
 from orchestrator.scene import read_scene
-from tests.support import two_masses
+from tests.support import Probe, two_masses
 
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "tests.support:Probe"}}, "master": {"step": 0.1}}
 
@@ -71,20 +74,40 @@ def test_a_diverging_coupling_is_reported_and_not_handed_out():
     assert np.isfinite(np.array(list(result.columns.values()))).all()
 
 
-def test_interrupt_keeps_what_was_computed(monkeypatch):
-    import tests.support
-
-    steps = iter(range(100))
+def test_interrupt_takes_effect_after_the_step_and_keeps_what_was_computed(monkeypatch):
+    steps, handler = iter(range(100)), signal.getsignal(signal.SIGINT)
 
     def interrupted(self, t, h):
-        if next(steps) == 5:
-            raise KeyboardInterrupt
+        if next(steps) == 4:
+            signal.raise_signal(signal.SIGINT)
         return 0
 
-    monkeypatch.setattr(tests.support.Probe, "_step", interrupted)
+    monkeypatch.setattr(Probe, "_step", interrupted)
     result = run(read_scene(PROBE))
     assert (result.outcome, result.message) == ("failed", "interrupted at t = 0.5 s")
     assert len(result.time) == 6
+    assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_progress_shows_only_on_a_terminal(monkeypatch):
+    for terminal in (True, False):
+        stream = io.StringIO()
+        monkeypatch.setattr(stream, "isatty", lambda terminal=terminal: terminal)
+        monkeypatch.setattr(sys, "stderr", stream)
+        run(read_scene({**PROBE, "title": "a probe"}), progress=True)
+        assert ("a probe" in stream.getvalue()) == terminal
+        assert ("x real time" in stream.getvalue()) == terminal
+
+
+def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
+    """Each pantograph stands on the other's head: every sweep lifts both by the compression of a contact spring."""
+    scene = {**PROBE, "units": {"p": {"component": "Pantograph"}, "q": {"component": "Pantograph"}},
+             "connections": ["p.head_height -> q.wire_height", "q.head_height -> p.wire_height"]}
+    result = run(read_scene(scene), in_process=True)
+    assert result.outcome == "failed"
+    assert "did not settle in 30 sweeps" in result.message
+    assert result.info["counters"]["master"]["initial_residual"] > 1e-3
+    assert result.time.size == 0
 
 
 def test_csv_keeps_every_bit(tmp_path):
