@@ -11,7 +11,7 @@ from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
 from .banded import factor_band, solve_band
-from .explicit import explicit_steps
+from .explicit import explicit_steps, move_window
 from .implicit import effective_band, generalized_alpha, implicit_steps
 from .mesh import banded_product, build_mesh, system_bands
 from .statics import loaded_equilibrium
@@ -156,8 +156,8 @@ class Catenary(Component):
             "the defaults: repository ChandraguptSharma07/faraway; script after Liu et al., Appl. Sci. 13 (2023) 6819",
             "verbatim", ("dropper_slackening", "gravity_sag")),
         "EN 50318:2018 AC simple": Preset(
-            {"span_length": 55.0, "contact_wire_tension": 22e3, "contact_wire_mass": 1.35, "messenger_tension": 16e3,
-             "messenger_mass": 1.08, "droppers": 9, **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
+            {"substep": 2.5e-4, "span_length": 55.0, "contact_wire_tension": 22e3, "contact_wire_mass": 1.35,
+             "messenger_tension": 16e3, "messenger_mass": 1.08, "droppers": 9, **{f"dropper_position[{i + 1}]": 4.5 + 5.75 * i for i in range(9)},
              "dropper_stiffness": 200e3, "dropper_mass": 0.117, "contact_clamp_mass": 0.165, "messenger_clamp_mass": 0.195,
              "support_stiffness": 500e3, "support_damping": 1000.0, "pre_sag.depth": 0.055,
              "bending_stiffness.contact_wire": 195.0, "bending_stiffness.messenger": 131.7,
@@ -186,6 +186,10 @@ class Catenary(Component):
                 return OUT_OF_RANGE
         q, taut, residual = loaded_equilibrium(self.mesh, loads, slack is not None)
         self.x = np.concatenate((q, np.zeros(2 * N), taut, [1.0, N // 2 - 2.0]))
+        if window is not None:
+            rear, front = sorted((loads[0][0], loads[-1][0]))
+            _, hi = move_window(front, rear, self.x, self.mesh, window)
+            self.x[2 * hi + 2 : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
         self._work = np.zeros((4, N))
         if implicit:
