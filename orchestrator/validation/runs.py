@@ -17,7 +17,6 @@ from ..scene import Scene, load_scene
 from .case import Options
 
 KMH = 1.0 / 3.6  # m/s
-RECORDED = ("pantograph.contact_force", "pantograph.contact_position", "pantograph.head_height", "catenary.wire_height")
 WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": (), "record.snapshot_interval": None}
 FORCE_PER_MEAN = 1.09  # first guess of static force over mean force: the base spring takes about 8 % of the lift
 
@@ -27,8 +26,7 @@ def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = Non
     given = parameters(scene, "pantograph")["speed"]
     steps = scene.stop_time * given / (speed * KMH) / scene.master.step
     stop = round(steps) * scene.master.step
-    uplift = ("catenary.support_uplift",) if scene.units["catenary"].component == "Catenary" else ()
-    always = {"units.pantograph.parameters.speed": speed * KMH, "stop_time": stop, "record.signals": (*RECORDED, *uplift)}
+    always = {"units.pantograph.parameters.speed": speed * KMH, "stop_time": stop}
     return scene.with_changes({**always, **(changes or {})})
 
 

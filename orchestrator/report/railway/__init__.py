@@ -58,7 +58,7 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = 
     low_pass = low_pass or Filter()
     made = [force_figure(result, found, rows, low_pass)]
     if found[0].supports:
-        made.append(uplift_figure(result, found[0], rows))
+        made.append(uplift_figure(result, found, rows))
     made.append(spectrum_figure(result, found, low_pass))
     name = f"{found[0].catenary}.wire_profile.height"
     if name in result.snapshots:

@@ -172,7 +172,7 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
         fill = {"fill": "tozeroy", "fillcolor": tint(CYCLE[i], 0.12)} if len(found) == 1 else {}
         data.append(line(f[kept], a[kept], p.pantograph, CYCLE[i], 1.6, hover="%{x:.2f} Hz: %{y:.1f} N", **fill))
     shapes = [vertical(low_pass.cutoff, colour=MUTED, dash="dash")]
-    notes = [_frequency_label(f"filter {low_pass.cutoff:g} Hz", low_pass.cutoff, MUTED)]
+    notes = [_frequency_label(f"filter {low_pass.cutoff:g} Hz", low_pass.cutoff, MUTED) | {"yanchor": "top"}]
     speed = found[0].speed
     for what, length, multiples, colour in (("span", span, 5, GREEN), ("dropper", dropper_spacing(result.scene), 3, VERMILION)):
         if length > 0.0:  # false for NaN too
@@ -187,6 +187,7 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
             shapes=shapes,
             annotations=notes,
             showlegend=len(found) > 1,
+            legend={"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "top"},
             xaxis=axis("frequency, Hz", range=[0, HIGHEST]),
             yaxis=axis("amplitude, N", grid=True, rangemode="tozero"),
         ),

@@ -38,12 +38,12 @@ STRIPES = 300  # times of the picture of the waves
 DIVERGING = [[0, "#b35806"], [0.25, "#f1a340"], [0.5, "#f7f7f7"], [0.75, "#67a9cf"], [1, "#053061"]]
 
 
-def uplift_figure(result: Result, passage: Passage, rows: Sequence[Row]) -> Figure:
+def uplift_figure(result: Result, found: list[Passage], rows: Sequence[Row]) -> Figure:
     """Uplift of the contact wire at the supports over time, with the instants of passing."""
     start, end = analysis_window(result.scene)
     shapes, notes, data = [], [], []
-    record = passage.record
-    for k, (x, uplift) in enumerate(zip(passage.supports, record.uplifts, strict=True)):
+    record = found[0].record
+    for k, (x, uplift) in enumerate(zip(found[0].supports, record.uplifts, strict=True)):
         colour, inside = CYCLE[k % len(CYCLE)], start - 1e-6 <= x <= end + 1e-6
         t, u, _ = thin_out(record.time, 1e3 * uplift, 4000)
         data.append(
@@ -57,9 +57,10 @@ def uplift_figure(result: Result, passage: Passage, rows: Sequence[Row]) -> Figu
                 hover="%{x:.3f} s: %{y:.1f} mm",
             )
         )
-        if record.position[0] < x < record.position[-1]:
-            passing = float(np.interp(x, record.position, record.time))
-            shapes.append(vertical(passing, colour=tint(colour, 0.45), dash="dot"))
+        for p in found:
+            if p.record.position[0] < x < p.record.position[-1]:
+                passing = float(np.interp(x, p.record.position, p.record.time))
+                shapes.append(vertical(passing, colour=tint(colour, 0.45), dash="dot"))
     for r in (row.reference for row in rows):
         if r.measure == "uplift_mm" and r.low is not None and r.high is not None:
             shapes.append(rectangle((0, 1), (r.low, r.high), standing_colour(r.standing)))
@@ -73,7 +74,7 @@ def uplift_figure(result: Result, passage: Passage, rows: Sequence[Row]) -> Figu
     return Figure(
         "Uplift of the contact wire at the supports",
         figure,
-        "Dotted vertical lines: the pantograph passes the support of that colour. Dotted curves: supports outside the window.",
+        "Dotted vertical lines: a pantograph passes the support of that colour. Dotted curves: supports outside the window.",
     )
 
 

@@ -125,7 +125,7 @@ def _notes(statistics: Mapping[str, Mapping[float, Mapping[str, float]]]) -> tup
     return (
         "Right: the mean force, and the height of the contact point while the train is slow, because k(x) was fitted to the "
         "static elasticity of the distributed catenary.",
-        f"Wrong: the scatter. At {SPEEDS[0]:g} km/h σ is {m['std']:.1f} N with a lumped mass and {i['std']:.1f} N with an inerter, "
+        f"Wrong: the scatter. At {SPEEDS[0]:g} km/h σ is {m['std']:.1f} N with a lumped mass, {i['std']:.1f} N with an inerter, "
         f"against {d['std']:.1f} N; between 5 and 20 Hz, where the droppers pass, {m['std_5_20']:.1f} and {i['std_5_20']:.1f} N "
         f"against {d['std_5_20']:.1f} N. A mass on a spring has no waves: nothing carries energy away, droppers reflect nothing, "
         "there is no wake and no limit at the wave speed. Where a wire damps the head's mode on the contact spring (13 Hz) by "
