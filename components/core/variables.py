@@ -14,12 +14,16 @@ from .measure import parse
 
 
 class Causality(enum.Enum):
+    """Who sets a variable: the user before the run, a partner during it, or the component itself."""
+
     PARAMETER = "parameter"
     INPUT = "input"
     OUTPUT = "output"
 
 
 class Kind(enum.Enum):
+    """What values a variable takes."""
+
     REAL = "real"
     INTEGER = "integer"
     CHOICE = "choice"

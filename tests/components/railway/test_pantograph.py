@@ -83,7 +83,7 @@ def test_transmissibility_of_the_base():
     last = np.array(response[-1000:])  # three periods
     time = (np.arange(20_000)[-1000:] + 1) * h
     measured = 2.0 * np.mean(last * np.exp(-1j * omega * time)) * 1j
-    assert abs(measured - exact) < 1e-4 * abs(exact)  # start-up is gone (the slowest mode decays by e^-30 in 20 s), step error 1e-5
+    assert abs(measured - exact) < 1e-4 * abs(exact)  # the start has decayed by e^-30 in 20 s; step error 1e-5
 
 
 def test_order_of_the_integrator_is_four():

@@ -53,9 +53,14 @@ def frequencies(element: float, spread: float, bending=None) -> np.ndarray:
     p, _, beam, *_ = catenary._settled()
     mesh = build_mesh(p, None, beam, None, None, None, None, spread)
     mass, stiffness = (band[::2, ::2] for band in system_bands(mesh, 5))
-    dense = [sum(np.diag(b[: b.shape[0] - k, k], k) + (np.diag(b[: b.shape[0] - k, k], -k) if k else 0.0) for k in range(b.shape[1]))
-             for b in (mass, stiffness)]
-    return np.sqrt(scipy.linalg.eigh(dense[1][1:-1, 1:-1], dense[0][1:-1, 1:-1], eigvals_only=True))
+    inner = slice(1, -1)
+    return np.sqrt(scipy.linalg.eigh(full(stiffness)[inner, inner], full(mass)[inner, inner], eigvals_only=True))
+
+
+def full(band: np.ndarray) -> np.ndarray:
+    """The symmetric matrix of an upper band."""
+    upper = sum(np.diag(band[: band.shape[0] - k, k], k) for k in range(band.shape[1]))
+    return upper + upper.T - np.diag(np.diag(upper))
 
 
 @pytest.mark.parametrize(("spread", "order"), [(0.0, 2.0), (0.5, 4.0), (1.0, 2.0)])
@@ -113,7 +118,8 @@ def test_reflection_at_a_mass(method):
 
 def struck(method: str, substep: float, **parameters) -> tuple[Catenary, float]:
     """A taut, undamped catenary hit for 40 ms by a smooth force; returns it and the work done on it, J."""
-    catenary = Catenary([], {"spans": 3, "method": method, "element": 1.0, "substep": substep, "first_watched_support": 0} | parameters)
+    values = {"spans": 3, "method": method, "element": 1.0, "substep": substep, "first_watched_support": 0}
+    catenary = Catenary([], values | parameters)
     catenary.set("contact_position", 77.0)
     catenary.initialize(0.0)
     h, work, n = 5e-4, 0.0, 80
