@@ -1,0 +1,89 @@
+"""Whatever exists is listed, and whatever is listed loads."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+
+import pytest
+
+import components
+import orchestrator.validation.cases as cases_package
+from components.catalogue import CATALOGUE, component_class
+from components.core.component import Component
+from orchestrator.algorithms import ALGORITHMS
+from orchestrator.algorithms.master import Master
+from orchestrator.scene import SHIPPED, load_scene, scene_files
+from orchestrator.validation.case import Case
+from orchestrator.validation.cases import CASES
+from orchestrator.validation.reference import STANDINGS, load_table
+
+TABLES = sorted(p.stem for p in (SHIPPED.parent / "validation" / "tables").glob("*.toml"))
+
+
+def all_modules(package):
+    """Every module below a package, imported."""
+    return [importlib.import_module(m.name) for m in pkgutil.walk_packages(package.__path__, package.__name__ + ".")]
+
+
+def test_every_component_is_in_the_catalogue():
+    """A concrete component has a title; bases of families have none."""
+    written = {
+        (name, module.__name__.removeprefix("components."))
+        for module in all_modules(components) if not module.__name__.startswith("components.core.")
+        for name, cls in vars(module).items()
+        if inspect.isclass(cls) and issubclass(cls, Component) and cls.__module__ == module.__name__ and cls.title
+    }
+    assert written == set(CATALOGUE.items())
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_catalogue_entries_load_under_their_own_name(name):
+    cls = component_class(name)
+    assert cls.__name__ == name
+    assert cls.title
+    assert cls.system
+
+
+def test_every_case_module_is_listed():
+    written = {value.name for module in all_modules(cases_package) for value in vars(module).values() if isinstance(value, Case)}
+    assert written == set(CASES)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_case_names_are_their_keys(name):
+    assert CASES[name].name == name
+    assert CASES[name].title
+
+
+@pytest.mark.parametrize("name", sorted(scene_files()))
+def test_every_shipped_scene_loads(name):
+    scene = load_scene(name)
+    assert scene.name == name
+    assert scene.title
+
+
+def test_every_algorithm_is_reachable_from_a_scene():
+    written = {cls for module in all_modules(importlib.import_module("orchestrator.algorithms"))
+               for cls in vars(module).values() if inspect.isclass(cls) and issubclass(cls, Master) and cls is not Master}
+    assert written == set(ALGORITHMS.values())
+    two = {"stop_time": 1.0, "units": {"p": {"component": "Pantograph"}}}
+    from orchestrator.scene import read_scene
+
+    for name in ALGORITHMS:
+        assert read_scene({**two, "master": {"algorithm": name, "step": 0.1}}).master.algorithm == name
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_every_row_of_every_table_has_standing_and_source(name):
+    rows = load_table(name).rows
+    assert rows
+    assert [r.quantity for r in rows if r.standing not in STANDINGS or not r.source.strip()] == []
+
+
+def test_every_preset_says_where_it_was_read():
+    for name in CATALOGUE:
+        for title, preset in component_class(name).presets.items():
+            assert preset.standing in STANDINGS, (name, title)
+            assert preset.source.strip(), (name, title)
