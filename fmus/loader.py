@@ -91,4 +91,4 @@ def end_in_order(resources):
             atexit.register(ctypes.PyDLL(library).finalizePythonInterpreter)
 
 
-_ENDED = set()
+_ENDED: set[str] = set()

@@ -12,6 +12,7 @@ def messages(unit, status):
     return [text for s, text in unit.log if s == status]
 
 
+@pytest.mark.filterwarnings("ignore:invalid value encountered in dot")
 @pytest.mark.parametrize(("values", "reason"), [
     ({"gain": -1.0}, "gain = -1.0; expected a value in [0, 10]"),
     ({"gain": math.nan}, "gain = nan; expected"),

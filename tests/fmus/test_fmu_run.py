@@ -25,9 +25,9 @@ INPUTS = {
 
 
 def selected(effects, stride):
-    """Every stride-th effect with what it needs, leaving out what is excluded by those before."""
+    """Every stride-th effect (0: none) with what it needs, leaving out what is excluded by those before."""
     chosen = []
-    for name in list(effects)[::stride]:
+    for name in list(effects)[::stride] if stride else ():
         new = [n for n in (name, *effects[name].requires) if n not in chosen]
         if not any(x in effects[y].excludes for a in chosen for b in new for x, y in ((a, b), (b, a))):
             chosen += new
@@ -38,7 +38,7 @@ def smooth(component, t):
     return {n: INPUTS[n.rpartition(".")[2]](t) for n in component.inputs}
 
 
-@pytest.mark.parametrize("stride", [1, 2, 1000], ids=["all effects", "every second", "first only"])
+@pytest.mark.parametrize("stride", [1, 2, 0], ids=["all effects", "every second", "none"])
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_fmu_is_the_component_to_the_last_bit(name, stride):
     effects = selected(component_class(name).effects, stride)
