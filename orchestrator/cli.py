@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulat
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +27,7 @@ Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory f
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
+    logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     try:
         app(arguments)
     except BadInput as error:

@@ -6,6 +6,8 @@ because FMPy builds new arrays in each call and then costs more than the FMU.
 Inputs that change over a step are given in the best of three ways: by companion inputs "der(x)" and "der(x,2)" (our own
 FMUs have them); by fmi2SetRealInputDerivatives where the FMU says canInterpolateInputs; else the mean of the polynomial
 over the step is held: the unit then receives the right impulse, and the second order of the coupling survives.
+
+Only Real inputs and outputs can be connected and recorded; parameters may be of any type.
 """
 
 from __future__ import annotations
@@ -106,6 +108,8 @@ def _check_value(where: str, name: str, value: Any, variables: Mapping[str, Mode
     wanted = {"Real": (int, float), "Boolean": (bool,), "String": (str,)}.get(variable.type, (int,))
     if not isinstance(value, wanted) or (isinstance(value, bool) and bool not in wanted):
         raise BadInput(where, f"{name} = {value!r}", f"a value of type {variable.type}")
+    if isinstance(value, float) and not isfinite(value):
+        raise BadInput(where, f"{name} = {value!r}", "a finite number")
     for bound, beyond in ((variable.min, float.__lt__), (variable.max, float.__gt__)):
         if bound is not None and beyond(float(value), float(bound)):
             raise BadInput(where, f"{name} = {value!r}", f"a value in [{variable.min}, {variable.max}]")
@@ -165,9 +169,9 @@ class FmuUnit:
             self._set_values(values)
             self._call("fmi2SetupExperiment", ctypes.c_int(0), ctypes.c_double(0.0), ctypes.c_double(0.0), ctypes.c_int(0),
                        ctypes.c_double(0.0))
-        except StepFailed:
+        except StepFailed as error:
             self.close()
-            raise
+            raise BadInput(f"units.{name}", error.reason, "parameter values the FMU accepts") from None
 
     def _callbacks(self) -> fmi2CallbackFunctions:
         def log(_environment, _instance, _status, _category, message):

@@ -106,7 +106,7 @@ def test_a_discarded_step_names_unit_time_and_log(foreign):
 
 @pytest.mark.parametrize(("parameters", "named"), [
     ({"limt": 1.0}, ["'limt'", "'limit'"]), ({"limit": -1.0}, ["limit = -1.0", "[0, None]"]),
-    ({"limit": "high"}, ["'high'", "Real"]),
+    ({"limit": float("nan")}, ["limit = nan", "finite"]), ({"limit": "high"}, ["'high'", "Real"]),
     ({"sign": 0.5}, ["sign = 0.5", "Integer"]), ({"sign": True}, ["sign = True", "Integer"]), ({"x": 1.0}, ["'x'"]),
 ])
 def test_bad_parameters(foreign, parameters, named):

@@ -10,7 +10,7 @@ import pytest
 
 from components.core.errors import BadInput
 from orchestrator.run import run
-from orchestrator.scene import read_scene
+from orchestrator.scene import load_scene, read_scene, scene_files
 from tests.support import Probe, two_masses
 
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "tests.support:Probe"}}, "master": {"step": 0.1}}
@@ -67,6 +67,7 @@ def test_a_failing_unit_leaves_a_partial_result(tmp_path):
     assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + 5
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
 def test_a_diverging_coupling_is_reported_and_not_handed_out():
     scene = read_scene({**two_masses("jacobi", 0.2, 2), "stop_time": 200.0})
     result = run(scene)
@@ -135,6 +136,15 @@ def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
 def test_missing_column_names_the_near_ones():
     with pytest.raises(BadInput, match=r"p\.time"):
         run(read_scene(PROBE))["p.tine"]
+
+
+@pytest.mark.parametrize("name", scene_files())
+def test_shipped_scenes_run_alike_as_fmus_and_in_process(name):
+    scene = load_scene(name).with_changes({"stop_time": 0.05})
+    fmu, here = run(scene), run(scene, in_process=True)
+    assert (fmu.outcome, here.outcome) == ("done", "done"), (fmu.message, here.message)
+    for column in here.columns:
+        assert fmu[column].tobytes() == here[column].tobytes(), column
 
 
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
