@@ -104,7 +104,7 @@ def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: M
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
         "scene": {"name": scene.name, **scene.model_dump(mode="json")},
-        "units": {n: {"kind": type(unit).__name__, "title": interfaces[n].title, "parameters": unit.parameters()}
+        "units": {n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
                   for n, unit in units.items()},
         "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},
                         "off": {e: "not named in the scene" for e, why in i.effects.items() if not why}}

@@ -79,6 +79,7 @@ class Master:
             for node in nodes:
                 node.unit.initialize(t, node.inputs(signals))
                 signals[node.place] = node.unit.get()
+            self._check_finite(t)
             changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(signals, before, nominals, strict=True)]
             self.sweeps, self.residual = sweep, max(changes, default=0.0)
             if self.residual <= CONVERGED:
@@ -117,7 +118,10 @@ class Master:
             if node.sources:
                 node.history.push(node.inputs(signals), h)
         self.steps += 1
-        if not isfinite(sum(signals)):
-            for (unit, name), value in zip(self.positions, signals, strict=True):
+        self._check_finite(t + h)
+
+    def _check_finite(self, t: float) -> None:
+        if not isfinite(sum(self.signals)):  # one cheap look at all; a sum of finite numbers may still overflow
+            for (unit, name), value in zip(self.positions, self.signals, strict=True):
                 if not isfinite(value):
-                    raise StepFailed(unit, t + h, f"output {name} is {value}", "Reduce the macro step")
+                    raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")

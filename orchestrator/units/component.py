@@ -44,7 +44,6 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
     preset = cls.presets[settings.preset].effects if settings.preset else ()
     named, by_preset = dict.fromkeys(settings.effects, "named in the scene"), dict.fromkeys(preset, f"preset {settings.preset!r}")
     return Interface(
-        kind="component",
         title=cls.title,
         inputs={n: Signal(n, v.unit, component[n], v.nominal) for n in component.inputs for v in [variables[n]]},
         outputs={
@@ -63,6 +62,8 @@ def _feeds(name: str, declared: tuple[str, ...]) -> bool:
 
 class ComponentUnit:
     """A component as a unit; inputs and outputs are views of the component's own arrays."""
+
+    kind = "in process"
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component

@@ -79,7 +79,6 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     direct = {u.variable.name: u.dependencies for u in found.outputs}
     inputs = {v.name: _signal(v, ()) for v in real if v.causality == "input" and not v.name.startswith("der(")}
     return Interface(
-        kind="fmu",
         title=found.description or found.modelName,
         inputs=inputs,
         outputs={v.name: _signal(v, _depends(direct.get(v.name), inputs)) for v in real if v.causality == "output"},
@@ -117,7 +116,7 @@ def _check_value(where: str, name: str, value: Any, variables: Mapping[str, Mode
 
 def _signal(v: ModelVariable, feedthrough: tuple[str, ...] | None) -> Signal:
     unit = v.unit or (v.declaredType.unit if v.declaredType else None) or ""
-    return Signal(v.name, unit, float(v.start or 0.0), float(v.nominal or 1.0), feedthrough)
+    return Signal(v.name, unit, float(v.start or 0.0), abs(float(v.nominal or 1.0)) or 1.0, feedthrough)
 
 
 def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal]) -> tuple[str, ...] | None:
@@ -145,6 +144,8 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
 
 class FmuUnit:
     """An FMU that is extracted, instantiated and has its parameters; see `Unit` for the order of calls."""
+
+    kind = "FMU"
 
     def __init__(self, name: str, path: str, values: Mapping[str, Any]):
         self.name, self._values = name, dict(values)

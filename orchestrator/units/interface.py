@@ -22,7 +22,6 @@ class Signal:
 class Interface:
     """Names, units of measure and capabilities of one unit."""
 
-    kind: str  # "component" or "fmu"
     title: str
     inputs: Mapping[str, Signal]
     outputs: Mapping[str, Signal]
@@ -47,6 +46,7 @@ class Unit(Protocol):
     """
 
     name: str
+    kind: str  # "in process" or "FMU"
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         """Fix the names of the driven inputs and of the outputs that `get` returns."""
