@@ -110,6 +110,7 @@ def documentation(name: str, component: Any) -> bytes:
 <html lang="en"><head><meta charset="utf-8"><title>{name}</title></head><body>
 <h1>{name}: {html.escape(component.title)}</h1>
 <pre>{html.escape(inspect.getdoc(component) or "")}</pre>
+<p>The host needs Python 3.11 or newer with NumPy{" and SciPy" if component.needs_scipy else ""}; Numba makes the FMU fast.</p>
 <p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true. For each input <code>v</code> the inputs
 <code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold for the next step, then they are 0 again.</p>
 <table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>

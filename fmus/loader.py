@@ -26,7 +26,7 @@ def cache_root():
         base = os.path.join(home, "Library", "Caches")
     else:
         base = os.environ.get("XDG_CACHE_HOME") or os.path.join(home, ".cache")
-    return os.environ.get("COSIMO_CACHE") or os.path.join(base, "cosimo")
+    return os.path.abspath(os.environ.get("COSIMO_CACHE") or os.path.join(base, "cosimo"))
 
 
 def same_sources(one, other):

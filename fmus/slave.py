@@ -234,11 +234,12 @@ class ComponentSlave(Fmi2Slave):
     def _fail(self, message: str) -> None:
         self._failure = message
         self._say(message, Fmi2Status.error)
-        if self.component is None:
-            self._set_outputs(nan)
+        if self.component is None or not self.running:
+            self._set_outputs(nan)  # there is no earlier result that could be read
 
     def _set_outputs(self, value: float) -> None:
-        """What outputs read while no component stands behind them."""
+        if self.component is not None:
+            self._y[:] = value
         for reference, scalar in enumerate(self._scalars):
             if scalar.causality == "output":
                 self._values[reference] = value

@@ -43,6 +43,13 @@ def test_a_refused_value_is_not_taken_and_a_good_one_heals(new_probe):
     assert unit["level"] == 4.5
 
 
+def test_after_a_failed_initialization_there_are_no_results(new_probe):
+    unit = new_probe().start({"gain": 7.0, "signal": 1.0})
+
+    assert all(math.isnan(v) for v in unit.reals(["level", "total"]))
+    assert "gain 7 cannot be initialized" in messages(unit, ERROR)[0]
+
+
 def test_an_effect_that_needs_another_heals_when_that_comes(new_probe):
     unit = new_probe()
     unit.set({"effects.needy": True})
