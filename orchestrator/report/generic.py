@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..results import Result
     from ..validation.case import Row
 
-KINDS = {"ComponentUnit": "components in process", "FmuUnit": "FMUs"}
+KINDS = {"in process": "components in process", "FMU": "FMUs"}
 SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
 
 
