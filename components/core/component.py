@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from .errors import BadInput, StepFailed, nearest
-from .kernels import DONE, REASONS
+from .kernels import DONE, REASONS, kernel_tuple
 from .variables import Causality, Variable
 
 
@@ -26,15 +26,10 @@ def _declared(cls: type) -> tuple[Variable, ...]:
 
 
 def _values_type(owner: type, fields: Iterable[str]) -> type:
-    """A NamedTuple for kernels, reachable as `owner.Values`, because Numba's disk cache refers to it by module and name.
-
-    The class name is made unique by module and owner: with several classes of one name and equal field types Numba leaves
-    its fast path at every call (300 us instead of 10 were measured), and files kernels on disk under the wrong module.
-    """
-    unique = f"{owner.__module__}_{owner.__qualname__}_Values".replace(".", "_")
-    values = namedtuple(unique, tuple(fields))  # type: ignore[misc]
+    """A NamedTuple for kernels, reachable as `owner.Values`, because Numba's disk cache refers to it by module and name."""
+    values = namedtuple("Values", tuple(fields))  # type: ignore[misc]
     values.__module__, values.__qualname__ = owner.__module__, f"{owner.__qualname__}.Values"
-    return values
+    return kernel_tuple(values)
 
 
 class Effect:

@@ -61,6 +61,17 @@ def bind(template, module: str, **names):
     return kernel(bound)
 
 
+def kernel_tuple(cls: type) -> type:
+    """Class decorator for every NamedTuple that a kernel is given.
+
+    Numba recognises a NamedTuple's type by the class's bare name, its fields' names and types. Classes that agree in
+    those, such as one component's in two FMUs of one process, are confused for one another, and every call then leaves
+    the fast path (300 us instead of 10 were measured). Here the name is made unique by module and place.
+    """
+    cls.__name__ = f"{cls.__module__}.{cls.__qualname__}".replace(".", "_")
+    return cls
+
+
 @kernel
 def hold_inputs(u, h):
     """End of a step of length h: inputs keep the value they have reached, their slopes are used up; u: (3, m)."""

@@ -14,11 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.errors import BadInput
+from ..core.kernels import kernel_tuple
 from .banded import factor_band, solve_band
 
 GRAVITY = 9.81  # m/s²
 
 
+@kernel_tuple
 class Mesh(NamedTuple):
     """Arrays for the kernels; n nodes, N = 2 n degrees of freedom, d droppers, s supports."""
 
