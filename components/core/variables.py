@@ -8,6 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, replace
+from numbers import Real
 
 from .errors import BadInput
 from .measure import parse
@@ -65,7 +66,8 @@ class Variable:
             if value not in self.choices:
                 raise BadInput(where, came, "one of " + ", ".join(self.choices))
             return value
-        if isinstance(value, bool | str) or (self.kind is Kind.INTEGER and value != int(value)):
+        number = isinstance(value, Real) and not isinstance(value, bool)
+        if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
             raise BadInput(where, came, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
         if not self.low <= value <= self.high or not math.isfinite(value):
             unit = "" if self.unit == "1" else f" {self.unit}"

@@ -55,7 +55,8 @@ class LumpedCatenary(OdeComponent):
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
-    wire_height = output("m", "height of the wire at the contact point", nominal=0.05)
+    wire_height = output("m", "height of the wire at the contact point", nominal=0.05,
+                         feedthrough=("contact_position",))  # through the static line of `inerter`
     wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1)
     wire_stiffness = output("N/m", "stiffness at the contact point", nominal=1e3, feedthrough=("contact_position",))
 

@@ -56,12 +56,12 @@ def first_at_or_after(nodes, node):
 
 @kernel
 def element_at(position, mesh):
-    """Number of the element that holds a position between the second and the last but one node."""
+    """Number of the element that holds a position on the wire, its ends included."""
     cell = min(max(int(position / mesh.cell), 0), mesh.node_of.size - 1)
     i = mesh.node_of[cell]
-    while i < mesh.position.size - 3 and mesh.position[i + 1] <= position:
+    while i < mesh.position.size - 2 and mesh.position[i + 1] <= position:
         i += 1
-    return max(i, 1)
+    return min(i, mesh.position.size - 2)  # the last node starts no element
 
 
 @kernel

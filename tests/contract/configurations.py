@@ -1,0 +1,84 @@
+"""What the contract tests run over: every component of the catalogue in every configuration of its effects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from components.catalogue import CATALOGUE, component_class
+from components.core.component import Component
+
+# A shorter wire than the default is quicker and the same code. What is not listed runs with its defaults.
+SMALL: dict[str, dict[str, Any]] = {"Catenary": {"spans": 2}}
+# A second way through a component that a parameter chooses; the effects are those that change this way.
+OTHER_WAYS: dict[str, list[tuple[dict[str, Any], tuple[str, ...]]]] = {
+    "Catenary": [({"method": "implicit"}, ("dropper_slackening", "gravity_sag", "damping"))],
+}
+
+
+class Configuration(NamedTuple):
+    """A component with some effects on and some parameters given."""
+
+    component: str
+    effects: tuple[str, ...]
+    parameters: dict[str, Any]
+
+    @property
+    def label(self) -> str:
+        """Name of the test case."""
+        way = [str(v) for k, v in self.parameters.items() if k not in SMALL.get(self.component, {})]
+        return "-".join([self.component, *way, "+".join(self.effects) or "none"])
+
+    def make(self) -> Component:
+        """A new instance with its parameters; not initialized."""
+        return component_class(self.component)(self.effects, self.parameters)
+
+
+def with_required(cls: type[Component], effect: str) -> tuple[str, ...]:
+    """An effect and everything it requires, in the order of declaration."""
+    needed, pending = set(), [effect]
+    while pending:
+        needed.add(name := pending.pop())
+        pending += set(cls.effects[name].requires) - needed
+    return tuple(n for n in cls.effects if n in needed)
+
+
+def compatible(cls: type[Component]) -> tuple[str, ...]:
+    """As many effects as go together, the earlier declared ones first."""
+    on: tuple[str, ...] = ()
+    for effect in cls.effects:
+        group = with_required(cls, effect)
+        if not any(a in cls.effects[b].excludes or b in cls.effects[a].excludes for a in group for b in on):
+            on = tuple(n for n in cls.effects if n in {*on, *group})
+    return on
+
+
+def _configurations() -> Iterator[Configuration]:
+    for name in CATALOGUE:
+        cls, small = component_class(name), SMALL.get(name, {})
+        sets = [(), *(with_required(cls, e) for e in cls.effects), compatible(cls)]
+        yield from (Configuration(name, effects, small) for effects in dict.fromkeys(sets))
+        yield from (Configuration(name, effects, small | way) for way, effects in OTHER_WAYS.get(name, []))
+
+
+CONFIGURATIONS = list(_configurations())
+
+
+def excite(component: Component, share: float = 0.3) -> None:
+    """Set every input away from its start by a share of its nominal value."""
+    for name in component.inputs:
+        variable = component.variables[name]
+        component.set(name, variable.start + share * variable.nominal)
+
+
+def slope_inputs(component: Component, rate: float = 0.5, half: float = -0.2) -> None:
+    """Give every input a first and a second derivative for the next step: nominal values per s and s²."""
+    nominal = np.array([component.variables[n].nominal for n in component.inputs])
+    component.u[1], component.u[2] = rate * nominal, half * nominal
+
+
+def bits(component: Component) -> bytes:
+    """Everything that must be equal where two components are to be the same: time, inputs, outputs, state."""
+    return np.concatenate(([component.t], component.u.ravel(), component.y, component.x)).tobytes()

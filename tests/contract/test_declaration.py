@@ -1,0 +1,122 @@
+"""What a component declares: names, units, descriptions, limits, presets."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+
+from components.catalogue import CATALOGUE, component_class
+from components.core.errors import BadInput
+from components.core.measure import parse
+from components.core.variables import Causality, Kind
+
+from .configurations import SMALL, compatible
+
+VARIABLES = [(c, v) for c in CATALOGUE for v in component_class(c).variables]
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_variables_are_described(component):
+    for name, variable in component_class(component).variables.items():
+        assert variable.name == name
+        assert variable.text.strip(), f"{name} has no description"
+        assert not variable.text.endswith("."), f"{name}: a description is no sentence"
+        assert "\n" not in variable.text
+        parse(variable.unit)  # raises for an unknown symbol
+        assert variable.nominal > 0.0
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_names_are_snake_case(component):
+    pattern = re.compile(r"([a-z][a-z0-9_]*\.)?[a-z][a-z0-9_]*(\[\d+\])?")
+    assert [n for n in component_class(component).variables if not pattern.fullmatch(n)] == []
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_starts_are_within_their_limits(component):
+    for name, variable in component_class(component).variables.items():
+        if variable.kind is Kind.CHOICE:
+            assert variable.start in variable.choices, name
+        else:
+            assert variable.low <= variable.start <= variable.high, name
+            assert math.isfinite(variable.start), name
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_feedthrough_names_inputs(component):
+    cls = component_class(component)
+    inputs = {n for n, v in cls.variables.items() if v.causality is Causality.INPUT}
+    for name, variable in cls.variables.items():
+        assert set(variable.feedthrough) <= inputs, name
+        assert variable.causality is Causality.OUTPUT or not variable.feedthrough, name
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_effects_are_described_and_know_each_other(component):
+    cls = component_class(component)
+    for name, effect in cls.effects.items():
+        assert effect.__doc__, name
+        assert {*effect.requires, *effect.excludes} <= cls.effects.keys() - {name}
+
+
+@pytest.mark.parametrize(("component", "preset"), [(c, p) for c in CATALOGUE for p in component_class(c).presets])
+def test_presets_start_from_rest(component, preset):
+    made = component_class(component)(preset=preset, parameters=SMALL.get(component))
+    for name, value in component_class(component).presets[preset].parameters.items():
+        assert made[name] == value
+    made.initialize(0.0)
+    before = made.y.copy()
+    made.step(0.0, 1e-3)
+    # An equilibrium stays one: what moves in a step is at most rounding of the largest forces, far below 1e-6 nominal,
+    # and outputs that are functions of time move with their own speed.
+    for i, name in enumerate(made.outputs):
+        if not name.endswith("position"):
+            assert abs(made.y[i] - before[i]) <= 1e-6 * made.variables[name].nominal, name
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_misspelt_names_are_refused_with_the_near_ones(component):
+    cls = component_class(component)
+    parameter = next(n for n, v in cls.variables.items() if v.causality is Causality.PARAMETER and v.kind is Kind.REAL)
+    with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(parameter)}'"):
+        cls(parameters={parameter + "x": 1.0})
+    with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(parameter)}'"):
+        cls().get(parameter + "x")
+    for effect in list(cls.effects)[:1]:
+        with pytest.raises(BadInput, match=f"did you mean.*'{effect}'"):
+            cls([effect + "x"])
+    for preset in list(cls.presets)[:1]:
+        with pytest.raises(BadInput, match=f"did you mean.*'{re.escape(preset)}'"):
+            cls(preset=preset + "x")
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_variables_of_an_effect_that_is_off_are_refused(component):
+    cls = component_class(component)
+    for name in (n for n in cls.variables if "." in n):
+        effect = name.partition(".")[0]
+        with pytest.raises(BadInput, match=f"needs the effect '{effect}'"):
+            cls().get(name)
+        with pytest.raises(BadInput, match=f"needs the effect '{effect}'"):
+            cls(parameters={name: 1.0})
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_values_outside_the_limits_are_refused(component):
+    cls = component_class(component)
+    made = cls(compatible(cls))
+    for name, variable in cls.variables.items():
+        if variable.causality is not Causality.PARAMETER or name not in made.parameters:
+            continue
+        wrong = ["nonsense"] if variable.kind is Kind.CHOICE else [math.nan, math.inf, "1", True, None, [1.0]]
+        wrong += [variable.start + 0.5] if variable.kind is Kind.INTEGER else []
+        if math.isfinite(variable.low):
+            wrong.append(variable.low - 1.0)
+        if math.isfinite(variable.high):
+            wrong.append(variable.high + 1.0)
+        for value in wrong:
+            with pytest.raises(BadInput, match=re.escape(name)):
+                made.set(name, value)
+        assert made[name] == variable.start  # the refused value left nothing behind

@@ -1,0 +1,95 @@
+"""An effect that is off is absent: no state, no variable, no trace in the result."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from components.catalogue import CATALOGUE, component_class
+from components.core.component import Effect
+
+from .configurations import SMALL, bits, compatible, excite, slope_inputs, with_required
+
+SINGLE = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
+
+
+class Undeclared(Effect):
+    """Stands where an effect was declared; it declares nothing, and kernels get None for it."""
+
+
+def stripped(cls, *effects):
+    """The component written without these effects: their variables exist nowhere."""
+    body = {v.name: v for v in cls.own_variables} | {n: Undeclared if n in effects else e for n, e in cls.effects.items()}
+    bare = type(cls.__name__, (cls,), body)
+    assert bare.Values._fields == cls.Values._fields
+    bare.Values = cls.Values  # the same type of parameters: the same machine code, not compiled once more
+    return bare
+
+
+def trajectory(component) -> list[bytes]:
+    """Ten steps with moving inputs, every bit of them."""
+    excite(component)
+    component.initialize(0.0)
+    rows = [bits(component)]
+    for k in range(10):
+        slope_inputs(component, rate=0.5 + 0.1 * k)
+        component.step(k * 1e-3, 1e-3)
+        rows.append(bits(component))
+    return rows
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_nothing_of_an_effect_is_there_while_it_is_off(component):
+    cls = component_class(component)
+    off = cls(parameters=SMALL.get(component))
+    off.initialize(0.0)
+    assert [n for n in (*off.parameters, *off.inputs, *off.outputs) if "." in n] == []
+    assert off.u.shape == (3, len(off.inputs))
+    assert off.y.shape == (len(off.outputs),)
+    bare = stripped(cls, *cls.effects)(parameters=SMALL.get(component))
+    bare.initialize(0.0)
+    assert (off.x.size, off.inputs, off.outputs) == (bare.x.size, bare.inputs, bare.outputs)
+    assert off.parameters == bare.parameters
+    assert set(off.settled[1:]) == {None}  # what kernels get, and Numba prunes
+
+
+@pytest.mark.parametrize(("component", "effect"), SINGLE)
+def test_one_effect_adds_its_own_and_nothing_else(component, effect):
+    cls = component_class(component)
+    on = with_required(cls, effect)
+    off, one = cls(), cls(on)
+    for before, after in ((off.parameters, one.parameters), (off.inputs, one.inputs), (off.outputs, one.outputs)):
+        added = set(after) - set(before)
+        assert set(before) <= set(after)
+        assert {n.partition(".")[0] for n in added} <= set(on)
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_off_is_the_component_without_the_declaration_to_the_last_bit(component):
+    cls = component_class(component)
+    here, bare = cls(parameters=SMALL.get(component)), stripped(cls, *cls.effects)(parameters=SMALL.get(component))
+    assert trajectory(here) == trajectory(bare)
+
+
+@pytest.mark.parametrize(("component", "effect"), SINGLE)
+def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
+    """Everything else on, one effect off, against the component that never had it."""
+    cls = component_class(component)
+    others = [e for e in compatible(cls) if effect not in with_required(cls, e)]
+    here = cls(others, SMALL.get(component))
+    bare = stripped(cls, effect)(others, SMALL.get(component))
+    here.initialize(0.0)
+    bare.initialize(0.0)
+    assert bits(here) == bits(bare)
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_effects_take_part_once_they_are_on(component):
+    """The counterpart of the tests above: they would pass, too, if effects never did anything."""
+    cls = component_class(component)
+    off = cls(parameters=SMALL.get(component))
+    trajectory(off)
+    on = cls(compatible(cls), SMALL.get(component))
+    trajectory(on)
+    if cls.effects:
+        assert not np.array_equal(off.y, on.y[: off.y.size])

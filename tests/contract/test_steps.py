@@ -1,0 +1,169 @@
+"""What every configuration of every component keeps: initialization, steps, saved states, outputs, counters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from components.core.errors import BadInput
+from components.core.integrators import OdeComponent
+
+from .configurations import CONFIGURATIONS, bits, excite, slope_inputs
+
+H = 2e-3  # s, two or more internal steps of every component's default
+configurations = pytest.mark.parametrize("configuration", CONFIGURATIONS, ids=lambda c: c.label)
+
+
+def started(configuration, steps=3):
+    """An instance that has made some steps with moving inputs."""
+    component = configuration.make()
+    excite(component)
+    component.initialize(0.0)
+    for k in range(steps):
+        slope_inputs(component, rate=0.5 + 0.3 * k)
+        component.step(k * H, H)
+    return component
+
+
+@configurations
+def test_initialize_is_repeatable(configuration):
+    component = started(configuration)
+    assert any(component.work.values())
+    excite(component)
+    component.initialize(0.0)
+    fresh = configuration.make()
+    excite(fresh)
+    fresh.initialize(0.0)
+    assert bits(component) == bits(fresh)
+    assert not any(component.work.values())
+    assert np.isfinite(component.x).all()
+    assert np.isfinite(component.y).all()
+
+
+@configurations
+def test_initialize_follows_inputs_that_still_change(configuration):
+    """A master initializes again and again until the inputs settle: only the last ones count."""
+    component, fresh = configuration.make(), configuration.make()
+    for share in (0.1, -0.05, 0.3):
+        excite(component, share)
+        component.initialize(0.0)
+    excite(fresh, 0.3)
+    fresh.initialize(0.0)
+    assert bits(component) == bits(fresh)
+
+
+@configurations
+def test_a_repeated_step_is_the_same_to_the_last_bit(configuration):
+    component = started(configuration)
+    state = component.save()
+    slope_inputs(component)
+    component.step(3 * H, H)
+    once, t = bits(component), component.t
+    slope_inputs(component, rate=-2.0, half=3.0)
+    component.step(4 * H, H)
+    assert bits(component) != once
+    component.restore(state)
+    assert component.save() == state
+    slope_inputs(component)
+    component.step(3 * H, H)
+    assert bits(component) == once
+    assert component.t == t
+
+
+@configurations
+def test_a_state_holds_everything_a_step_depends_on(configuration):
+    """Restored into an instance that has another past, and with another step length before."""
+    component = started(configuration)
+    state = component.save()
+    slope_inputs(component)
+    component.step(3 * H, H)
+    other = configuration.make()
+    excite(other, -0.1)
+    other.initialize(0.0)
+    other.step(0.0, 0.7 * H)
+    other.restore(state)
+    slope_inputs(other)
+    other.step(3 * H, H)
+    assert bits(other) == bits(component)
+
+
+@configurations
+def test_a_state_of_another_size_is_refused(configuration):
+    component = started(configuration, 0)
+    with pytest.raises(BadInput, match="numbers"):
+        component.restore(component.save()[:-8])
+
+
+@configurations
+def test_refresh_without_a_change_changes_nothing(configuration):
+    component = started(configuration)
+    before = bits(component)
+    component.refresh()
+    assert bits(component) == before
+
+
+@configurations
+def test_outputs_follow_their_declared_inputs_only(configuration):
+    """After `refresh` an output may differ only if it declares one of the changed inputs as feed-through."""
+    component = started(configuration)
+    before = component.y.copy()
+    for name in component.inputs:
+        state = component.save()
+        component.set(name, component[name] + 0.1 * component.variables[name].nominal)
+        component.refresh()
+        changed = [n for n, a, b in zip(component.outputs, component.y, before, strict=True) if a != b]
+        assert [n for n in changed if name not in component.variables[n].feedthrough] == [], name
+        component.restore(state)
+
+
+@configurations
+def test_one_step_is_two_of_half_its_length(configuration):
+    """The macro step belongs to the master: it must not show, where the internal steps are the same ones.
+
+    The inputs are the same polynomial, developed again in the middle. What is left is rounding of the times at which it is
+    evaluated, 1e-16 relative, times the largest force per output, 1e5 in the stiff springs; 1e-8 nominal leaves room.
+    """
+    whole, halves = started(configuration, 0), started(configuration, 0)
+    for component in (whole, halves):
+        slope_inputs(component, rate=2.0, half=-30.0)
+    nominal = np.array([whole.variables[n].nominal for n in whole.inputs])
+    whole.step(0.0, 2 * H)
+    halves.step(0.0, H)
+    halves.u[1], halves.u[2] = (2.0 - 2 * 30.0 * H) * nominal, -30.0 * nominal
+    halves.step(H, H)
+    assert whole.work["steps"] == halves.work["steps"]
+    for name, a, b in zip(whole.outputs, whole.y, halves.y, strict=True):
+        assert abs(a - b) <= 1e-8 * whole.variables[name].nominal, name
+
+
+@configurations
+def test_inputs_end_where_their_polynomials_lead(configuration):
+    component = started(configuration, 0)
+    start = component.u[0].copy()
+    slope_inputs(component, rate=2.0, half=-30.0)
+    slope, half = component.u[1].copy(), component.u[2].copy()
+    component.step(0.0, H)
+    np.testing.assert_allclose(component.u[0], start + H * slope + H * H * half, rtol=1e-15, atol=0.0)  # two roundings
+    assert not component.u[1:].any()
+
+
+@configurations
+def test_work_is_counted(configuration):
+    component = started(configuration, 1)
+    once = component.work
+    assert set(once) == set(component.counters)
+    assert once["steps"] == max(1, math.ceil(H / component["substep"] * (1.0 - 1e-9)))
+    component.step(H, H)
+    assert component.work["steps"] == 2 * once["steps"]
+    if isinstance(component, OdeComponent):
+        assert component.work["derivative_calls"] == 4 * component.work["steps"]  # stages of RK4
+
+
+@configurations
+def test_energy_and_stable_step_are_numbers(configuration):
+    component = started(configuration)
+    assert math.isfinite(component.energy())
+    assert component.stable_step() > 0.0
+    assert component["substep"] <= component.stable_step()  # the defaults are stable
