@@ -10,7 +10,7 @@ from components.core.variables import Causality
 
 from .configurations import SMALL
 
-STEPS, H = 30, 1e-3
+STEPS, H = 100, 1e-3
 # Component, the other numbers of the effect, and its strength: small enough that the next order does not show.
 CASES = {
     "aerodynamic_uplift.coefficient": ("Pantograph", {}, 1e-4),
@@ -39,7 +39,7 @@ def disturbed(component: str, effects, parameters) -> np.ndarray:
     made = cls(effects, SMALL.get(component, {}) | parameters)
     own = [i for i, n in enumerate(made.outputs) if "." not in n and n != "static_residual"]
     made.initialize(0.0)
-    for name, value in {"wire_height": 0.003, "contact_position": 40.0, "contact_force": 100.0}.items():
+    for name, value in {"wire_height": 0.003, "contact_position": 52.0, "contact_force": 100.0}.items():
         if name in made.inputs:
             made.set(name, value)
     rows = []
