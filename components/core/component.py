@@ -35,8 +35,8 @@ def _values_type(owner: type, fields: Iterable[str]) -> type:
 class Effect:
     """An optional part of a component's physics. Off means absent: no state, no variable, no call.
 
-    A subclass declares its own variables. Kernels get `Values` (the parameters, plus `u` and `y`, the positions of the
-    effect's first input and output) or None.
+    A subclass declares its own variables. Kernels get `Values` or None: the parameters, `u` and `y`, the positions of
+    the effect's first input and first output where it has such, and `on` where there is nothing else to hold.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
@@ -46,7 +46,8 @@ class Effect:
 
     def __init_subclass__(cls) -> None:
         cls.variables = _declared(cls)
-        cls.Values = _values_type(cls, ["u", "y"] + [v.name for v in cls.variables if v.causality is Causality.PARAMETER])
+        ports = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
+        cls.Values = _values_type(cls, ports + [v.name for v in cls.variables if v.causality is Causality.PARAMETER] or ["on"])
 
 
 @dataclass(frozen=True)
@@ -186,9 +187,9 @@ class Component:
                 values.append(None)
                 continue
             fields = [self._value(_prefixed(v, name)) for v in effect.variables if v.causality is Causality.PARAMETER]
-            u = next((i for i, n in enumerate(self.inputs) if n.startswith(name + ".")), -1)
-            y = next((i for i, n in enumerate(self.outputs) if n.startswith(name + ".")), -1)
-            values.append(effect.Values(u, y, *fields))
+            for names in (self.outputs, self.inputs):
+                fields[:0] = [i for i, n in enumerate(names) if n.startswith(name + ".")][:1]
+            values.append(effect.Values(*(fields or [True])))
         return tuple(values)
 
     def _value(self, variable: Variable) -> Any:

@@ -16,6 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .component import Component
+from .errors import BadInput
 from .kernels import DONE, NOT_FINITE, hold_inputs
 
 
@@ -73,7 +74,8 @@ def rk4(t, h, n, x, u, y, work, counts, p, *effects):
 class OdeComponent(Component):
     """A component that is an ordinary differential equation, advanced by a bound template.
 
-    A subclass gives `advance` and `output_kernel` (kernels), `initial_state()`, and has a parameter `substep` in s.
+    A subclass gives `advance` and `output_kernel` (kernels), `initial_state()`, `stable_step()`, and has a parameter
+    `substep` in s, which is refused above the stable step.
     """
 
     advance: Callable[..., int]
@@ -84,6 +86,10 @@ class OdeComponent(Component):
         raise NotImplementedError
 
     def _initialize(self, t: float) -> int:
+        if self.parameters["substep"] > (limit := self.stable_step()):
+            # with a unilateral contact the run would stay finite, and be wrong without a word
+            raise BadInput(self.name, f"substep = {self.parameters['substep']:g} s", f"at most {limit:.3g} s, the limit of RK4",
+                           "Reduce substep.")
         self.settled = self._settled()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
         self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import types
 from pathlib import Path
+from zlib import crc32
 
 try:
     from numba import njit
@@ -68,7 +69,8 @@ def kernel_tuple(cls: type) -> type:
     those, such as one component's in two FMUs of one process, are confused for one another, and every call then leaves
     the fast path (300 us instead of 10 were measured). Here the name is made unique by module and place.
     """
-    cls.__name__ = f"{cls.__module__}.{cls.__qualname__}".replace(".", "_")
+    place = crc32(f"{cls.__module__}.{cls.__qualname__}".encode())  # short: Numba looks at every letter at every call
+    cls.__name__ = f"{cls.__qualname__.replace('.', '_')}_{place:08x}"
     return cls
 
 

@@ -13,7 +13,7 @@ from ..core.variables import choice, input_, integer, output, parameter
 from .banded import factor_band, solve_band
 from .explicit import explicit_steps, move_window
 from .implicit import effective_band, generalized_alpha, implicit_steps
-from .mesh import banded_product, build_mesh, system_bands
+from .mesh import banded_product, build_mesh, packed, system_bands, unpacked
 from .statics import loaded_equilibrium
 from .wires import in_range, local_compliance, wire_height, wire_velocity
 
@@ -176,6 +176,7 @@ class Catenary(Component):
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
         self.mesh = self._mesh_for(self.settled)
+        self._packed = packed(self.mesh)
         if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, damping)):
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
@@ -205,19 +206,19 @@ class Catenary(Component):
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, slack, bending,
+            return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, slack, bending,
                                     damping, second, window, profile)
         if h / n != self._method.step:
             self._method = generalized_alpha(h / n, p.spectral_radius)
             alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
             self._band = effective_band(self._method, *self._bands, self.mesh, alpha, beta)
             self._factored[:] = -1.0
-        return advance_implicit(h, n, self.x, self.u, self.y, self.mesh, self._work, self.counts, watched, self._method,
+        return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, self._method,
                                 self._band, self._factors, self._factored, slack, bending, damping, second, profile)
 
     def _outputs(self, t: float) -> None:
         p, *_, second, _, profile = self.settled
-        catenary_outputs(self.x, self.u[0], self.y, self.mesh, p.first_watched_support, second, profile)
+        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, second, profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -322,8 +323,15 @@ def catenary_outputs(x, u, y, mesh, watched, second, profile):
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, mesh, work, counts, watched, slack, bending, damping, second, window, profile):
+def refresh_outputs(x, u, y, numbers, indices, watched, second, profile):
+    """`catenary_outputs` for a packed mesh."""
+    catenary_outputs(x, u, y, unpacked(numbers, indices), watched, second, profile)
+
+
+@kernel
+def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, slack, bending, damping, second, window, profile):
     """One macro step with the explicit method, then the outputs."""
+    mesh = unpacked(numbers, indices)
     status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window)
     hold_inputs(u, h)
     catenary_outputs(x, u[0], y, mesh, watched, second, profile)
@@ -331,9 +339,10 @@ def advance_explicit(h, n, x, u, y, mesh, work, counts, watched, slack, bending,
 
 
 @kernel
-def advance_implicit(h, n, x, u, y, mesh, work, counts, watched, method, band, factors, factored, slack, bending, damping, second,
-                     profile):
+def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, method, band, factors, factored, slack, bending,
+                     damping, second, profile):
     """One macro step with the implicit method, then the outputs."""
+    mesh = unpacked(numbers, indices)
     status = implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second)
     hold_inputs(u, h)
     catenary_outputs(x, u[0], y, mesh, watched, second, profile)

@@ -1,0 +1,185 @@
+"""Speed of the railway pair: whole runs, ratios within one process, errors against a converged reference.
+
+Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+"""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from components.railway.catenary import Catenary
+from components.railway.pantograph import Pantograph
+from orchestrator.analysis.railway import passages
+from orchestrator.analysis.signals import Filter, uniform
+from orchestrator.run import run
+from orchestrator.scene import load_scene
+
+pytestmark = pytest.mark.benchmark
+
+EFFECTS = ["dropper_slackening", "gravity_sag", "damping"]
+SIGNALS = ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height"]
+WINDOW = np.linspace(240.0, 360.0, 1201)
+
+
+def scene(step=1e-3, effects=(), spans=10, **parameters):
+    """The EN 50318:2002 scene without pictures: only what the statistics need is recorded."""
+    changes = {"units.catenary.effects": [*EFFECTS, *effects], "record": {"signals": SIGNALS}, "master.step": step}
+    changes |= {f"units.catenary.parameters.{n}": v for n, v in {"spans": spans, **parameters}.items()}
+    return load_scene("en50318-2002").with_changes(changes)
+
+
+def best(scene, in_process=True, runs=5):
+    """Result and shortest stepping time of several warm runs, s."""
+    results = [run(scene, in_process=in_process) for _ in range(runs + 1)][1:]
+    return results[-1], min(r.info["timing"]["run"] for r in results)
+
+
+def filtered(result):
+    """20 Hz-filtered contact force over spans 5 and 6 on a fixed grid of positions, N."""
+    record = passages(result)[0].record
+    rate, _, (position, force) = uniform(record.time, record.position, record.force)
+    return np.interp(WINDOW, position, Filter().apply(force, rate))
+
+
+@pytest.fixture(scope="module")
+def reference():
+    """History of a run with elements of 12.5 cm, steps of 0.1 ms and a macro step of 0.2 ms."""
+    return filtered(run(scene(2e-4, element=0.125, substep=1e-4), in_process=True))
+
+
+def error(result, reference):
+    """rms difference of the filtered force over its standard deviation."""
+    return float(np.sqrt(np.mean((filtered(result) - reference) ** 2)) / reference.std())
+
+
+def report(label, result, seconds, reference):
+    factor, e = result.scene.stop_time / seconds, error(result, reference)
+    print(f"  {label:58s} {factor:7.0f} x real time   history error {100.0 * e:5.2f} %")
+    return factor, e
+
+
+def test_accuracy_costs(reference):
+    """Through FMUs at least 20 times faster than real time at 2 %; in process 100 times at 2.5 % with the explicit method."""
+    print()
+    settings = {
+        "explicit 0.25 m, 0.5 ms, macro step 1 ms": scene(1e-3, element=0.25, substep=5e-4),
+        "explicit 0.5 m, 1 ms, macro step 1 ms": scene(),
+        "explicit 0.5 m, 1 ms, macro step 2 ms": scene(2e-3),
+        "explicit 0.5 m, 1 ms, window, macro step 1 ms": scene(1e-3, ["moving_window"]),
+        "explicit 0.5 m, 1 ms, window, macro step 2 ms": scene(2e-3, ["moving_window"]),
+        "explicit 0.5 m, 1.25 ms, window, macro step 2.5 ms": scene(2.5e-3, ["moving_window"], substep=1.25e-3),
+        "implicit 0.5 m, 1 ms, macro step 1 ms": scene(method="implicit"),
+        "implicit 1 m, 1 ms, macro step 1 ms": scene(method="implicit", element=1.0),
+        "implicit beams 0.5 m, 1 ms, macro step 1 ms": scene(1e-3, ["bending_stiffness"], method="implicit"),
+    }
+    measured = {label: report(label, *best(s), reference) for label, s in settings.items()}
+    measured |= {f"FMUs, {label}": report(f"FMUs, {label}", *best(settings[label], in_process=False), reference)
+                 for label in list(settings)[:3]}
+    assert any(e <= 0.02 and factor >= 20.0 for label, (factor, e) in measured.items() if label.startswith("FMUs"))
+    assert any(e <= 0.025 and factor >= 100.0 for label, (factor, e) in measured.items() if label.startswith("explicit"))
+
+
+def test_cost_over_the_number_of_spans():
+    """Linear without the window, flat with it; stepping time of equal runs near the start of longer and longer lines."""
+    print()
+    seconds = {}
+    for effects in ([], ["moving_window"]):
+        for spans in (10, 20, 60):
+            _, seconds[spans, bool(effects)] = best(scene(1e-3, effects, spans, element=0.25, substep=5e-4), runs=3)
+            print(f"  {spans} spans, {'window' if effects else 'whole line'}: {seconds[spans, bool(effects)]:.3f} s")
+    growth = (seconds[60, False] - seconds[20, False]) / (seconds[20, False] - seconds[10, False])
+    assert 2.5 < growth < 6.5  # 4 if linear; the caches of the processor hold the short lines better
+    assert seconds[60, True] < 1.25 * seconds[10, True]
+
+
+def test_memory_of_sixty_spans():
+    program = ("import resource; from orchestrator.run import run; from orchestrator.scene import load_scene\n"
+               "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
+               "assert run(s).outcome == 'done'; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)")
+    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    megabytes = int(out.split()[-1]) / 1024.0
+    print(f"\n  60 spans through FMUs: {megabytes:.0f} MB")
+    assert megabytes < 400.0
+
+
+def test_second_process_start_compiles_nothing():
+    program = """
+import time
+start = time.perf_counter()
+from orchestrator.run import run
+from orchestrator.scene import load_scene
+run(load_scene("en50318-2002").with_changes({"stop_time": 0.05}), in_process=True)
+ready = time.perf_counter() - start
+from components.core.kernels import compiled_from_cache
+from components.railway import catenary, pantograph
+print(*compiled_from_cache(catenary.advance_explicit, catenary.catenary_outputs, pantograph.Pantograph.advance), ready)
+"""
+    subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    print(f"\n  second process: {out[0]} kernels from the cache, {out[1]} compiled, ready after {float(out[2]):.2f} s")
+    assert int(out[1]) == 0
+    assert int(out[0]) >= 3
+
+
+def test_price_of_the_packaging():
+    """Microseconds of a macro step, split by running the same scene at four depths."""
+    import time
+
+    s = scene()
+    n = round(s.stop_time / s.master.step)
+    _, in_process = best(s)
+    _, fmu = best(s, in_process=False)
+    units = {"catenary": Catenary(EFFECTS, {"damping.beta": 1e-3}), "pantograph": Pantograph(["contact_loss"])}
+    physics, direct = {}, {}
+    for name, unit in units.items():
+        unit.set("contact_position" if name == "catenary" else "wire_height", 300.0 if name == "catenary" else 0.0)
+        unit.initialize(0.0)
+        batches = []
+        for _ in range(20):
+            start = time.perf_counter()
+            for _ in range(500):
+                unit.step(0.0, 1e-3)
+            batches.append((time.perf_counter() - start) / 500)
+        physics[name] = min(batches)
+        direct[name] = fmu_step(type(unit), unit.on)
+    print(f"\n  a macro step of two FMUs: {1e6 * fmu / n:.1f} us, of which")
+    print("    physics, called from Python: " + ", ".join(f"{name} {1e6 * s:.1f} us" for name, s in physics.items()))
+    packaging = sum(direct.values()) - sum(physics.values())
+    print(f"    pythonfmu and ctypes around the two steps: {1e6 * packaging:.1f} us")
+    print(f"    reading and setting through FMI: {1e6 * (fmu - in_process) / n - 1e6 * packaging:.1f} us")
+    print(f"    master and recording: {1e6 * (in_process / n - sum(physics.values())):.1f} us")
+    assert fmu > in_process > n * sum(physics.values()) * 0.5
+
+
+def fmu_step(cls, effects):
+    """Shortest mean time of fmi2DoStep through FMPy's ctypes binding, s."""
+    import shutil
+    import time
+
+    from fmpy import extract, read_model_description
+    from fmpy.fmi2 import FMU2Slave
+
+    from fmus.build import built
+
+    path = built(cls.__name__)
+    description, folder = read_model_description(path), extract(str(path))
+    references = {v.name: v.valueReference for v in description.modelVariables}
+    slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="timed",
+                      modelIdentifier=description.coSimulation.modelIdentifier)
+    slave.instantiate()
+    slave.setupExperiment(startTime=0.0)
+    slave.setBoolean([references[f"effects.{e}"] for e in effects], [True] * len(effects))
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    batches = []
+    for _ in range(20):
+        start = time.perf_counter()
+        for _ in range(500):
+            slave.doStep(0.0, 1e-3)
+        batches.append((time.perf_counter() - start) / 500)
+    slave.terminate()
+    slave.freeInstance()
+    shutil.rmtree(folder, ignore_errors=True)
+    return min(batches)
