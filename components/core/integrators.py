@@ -86,9 +86,10 @@ class OdeComponent(Component):
         raise NotImplementedError
 
     def _initialize(self, t: float) -> int:
-        if self.parameters["substep"] > (limit := self.stable_step()):
+        self._substep = float(self.get("substep"))
+        if self._substep > (limit := self.stable_step()):
             # with a unilateral contact the run would stay finite, and be wrong without a word
-            raise BadInput(self.name, f"substep = {self.parameters['substep']:g} s", f"at most {limit:.3g} s, the limit of RK4",
+            raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
                            "Reduce substep.")
         self.settled = self._settled()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)

@@ -10,10 +10,12 @@ from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint, Link
 from ..units import Unit
-from .polynomial import History, Row
+from .polynomial import History, Row, Terms
 
 SWEEPS = 30
 CONVERGED = 1e-12  # relative change of an output from one sweep to the next
+RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
+ROUNDING = 1e-12  # of the nominal value: an input this near to where it was led to has not moved
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 
 
@@ -26,6 +28,8 @@ class Node:
         converted = any((link.factor, link.offset) != (1.0, 0.0) for link in links)
         self._conversions = [(link.factor, link.offset) for link in links] if converted else None
         self.history = History(degree)
+        self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, what counts as no change
+        self.reached: Row | None = None  # where the polynomials of the last step have taken all inputs, if that is known
 
     def inputs(self, signals: Row) -> Row:
         """Present values of the driven inputs, in the order of `links`."""
@@ -33,6 +37,23 @@ class Node:
         if self._conversions is not None:
             values = [factor * v + offset for v, (factor, offset) in zip(values, self._conversions)]  # noqa: B905 - slow
         return values
+
+
+    def drive(self, terms: Terms, h: float) -> None:
+        """Give the unit its inputs over the coming step, and note where they will end."""
+        self.unit.drive(*terms, h)
+        values, slopes, halves = terms
+        if halves is not None:
+            self.reached = [v + h * (s + h * c) for v, s, c in zip(values, slopes or (), halves)]  # noqa: B905 - slow
+        elif slopes is not None:
+            self.reached = [v + h * s for v, s in zip(values, slopes)]  # noqa: B905 - slow
+        else:
+            self.reached = values
+
+    def stands(self, values: Row) -> bool:
+        """Whether the outputs hold for these inputs as they are: none that they depend on at once has moved."""
+        reached = self.reached
+        return reached is not None and all(abs(values[k] - reached[k]) <= change for k, change in self.direct)
 
 
 class Master:
@@ -50,6 +71,7 @@ class Master:
         self.coupling = coupling
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
         self.signals: Row = [0.0] * len(read)
+        self._suspicious = RUNAWAY * min((coupling.interfaces[u].outputs[n].nominal for u, n in read), default=1.0)
         self.sweeps, self.residual, self.steps = 0, 0.0, 0
         nodes = {}
         for name, unit in units.items():
@@ -60,6 +82,13 @@ class Master:
             nodes[name] = Node(unit, place, links, [self.positions[link.source] for link in links], degree)
         self.nodes = [nodes[name] for name in order or units]
         self._passes = [nodes[name] for name in coupling.passes] if feedthrough == "fresh" else []
+        for node in self._passes:
+            interface = coupling.interfaces[node.unit.name]
+            at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
+            for k, link in enumerate(node.links):
+                if link.target[1] in at_once or interface.input_degree < degree:  # held inputs do not end at the polynomial
+                    change = ROUNDING * interface.inputs[link.target[1]].nominal if interface.input_degree >= degree else -1.0
+                    node.direct.append((k, change))
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """The links into one unit in the order the algorithm wants to have them."""
@@ -112,8 +141,10 @@ class Master:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
         signals = self.signals
         for node in self._passes:
-            node.unit.update(node.inputs(signals))
-            signals[node.place] = node.unit.get()
+            values = node.inputs(signals)
+            if not node.stands(values):
+                node.unit.update(values)
+                signals[node.place] = node.unit.get()
         for node in self.nodes:
             if node.sources:
                 node.history.push(node.inputs(signals), h)
@@ -121,7 +152,10 @@ class Master:
         self._check_finite(t + h)
 
     def _check_finite(self, t: float) -> None:
-        if not isfinite(sum(self.signals)):  # one cheap look at all; a sum of finite numbers may still overflow
+        """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
+        if not abs(sum(self.signals)) < self._suspicious:  # one cheap look at all before each is compared with its own size
             for (unit, name), value in zip(self.positions, self.signals, strict=True):
                 if not isfinite(value):
                     raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
+                if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
+                    raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", "Reduce the macro step")

@@ -1,0 +1,117 @@
+"""Hard cases of pantograph and catenary together: near the wave speed, past the coupling's limit, off the wire's end."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from orchestrator.cli import main
+from orchestrator.run import run
+from orchestrator.scene import load_scene
+
+EFFECTS = ["dropper_slackening", "gravity_sag", "damping", "wire_profile"]  # of the catenary in the scene
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("en50318-2002").with_changes({"record.snapshot_interval": 0.5})
+
+
+@pytest.fixture(scope="module")
+def reference(scene):
+    """The scene as shipped."""
+    return run(scene, in_process=True)
+
+
+def values(result) -> np.ndarray:
+    """Every recorded number."""
+    return np.array(list(result.columns.values()))
+
+
+def test_near_the_wave_speed_the_run_ends_and_stays_bounded():
+    result = run(load_scene("critical-speed"), in_process=True)
+    assert result.outcome == "done"
+    assert result.time[-1] == 7.0
+    assert np.isfinite(values(result)).all()
+    force, height = result["pantograph.contact_force"], result["catenary.wire_height"]
+    assert force.min() >= 0.0
+    # The work the pantograph has done bounds the energy in wire and pantograph from above; the wire's own share of it
+    # cannot exceed what the mean force lifts: 400 N and 0.5 m are twice the largest numbers published for such speeds.
+    assert force.max() < 400.0
+    assert np.abs(height).max() < 0.5
+    wave = result.snapshots["catenary.wire_profile.height"].values
+    assert np.abs(wave).max() < 0.5
+
+
+@pytest.mark.parametrize(("algorithm", "degree", "step"), [
+    ("jacobi", 0, 0.02), ("jacobi", 1, 0.02), ("jacobi", 2, 0.02), ("gauss-seidel", 0, 0.02), ("gauss-seidel", 1, 0.05)])
+def test_past_the_couplings_limit_a_linear_contact_fails_with_a_message(scene, algorithm, degree, step):
+    """Without contact loss the coupling is linear, so past its limit it grows without bound."""
+    wild = scene.with_changes({"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step,
+                               "units.pantograph.effects": []})
+    result = run(wild, in_process=True)
+    assert result.outcome == "failed"
+    assert "Reduce the macro step" in result.message
+    assert 0.0 < result.time[-1] < wild.stop_time
+    assert len(result.time) == round(result.time[-1] / step) + 1
+    assert np.isfinite(values(result)).all()
+
+
+def test_past_the_limit_a_unilateral_contact_stays_finite_and_is_plainly_wrong(scene, reference):
+    """Loss of contact limits the growth: no number says "failed", but the force does."""
+    result = run(scene.with_changes({"master.step": 0.05, "master.algorithm": "jacobi"}), in_process=True)
+    assert np.isfinite(values(result)).all()
+    assert result["pantograph.contact_force"].max() > 4.0 * reference["pantograph.contact_force"].max()
+    assert result["pantograph.contact_force"].min() == 0.0 < reference["pantograph.contact_force"].min()
+
+
+def test_exit_code_and_partial_files_of_a_failed_run(tmp_path, capsys):
+    """Off the end of the wire: 10 spans are 600 m, reached after 8.2 s from 30 m at 69.4 m/s."""
+    with pytest.raises(SystemExit) as stopped:
+        main(["run", "en50318-2002", "--in-process", "--stop", "9", "-o", str(tmp_path)])
+    assert stopped.value.code == 3
+    message = capsys.readouterr().err
+    assert "catenary failed at t = 8.2" in message
+    assert "Traceback" not in message
+    rows = (tmp_path / "result.csv").read_text().splitlines()
+    last = float(rows[-1].split(",")[0])
+    assert last == pytest.approx(8.2, abs=0.02)  # the last element is 0.5 m long and not for the contact: 7 ms
+    info = json.loads((tmp_path / "run.json").read_text())
+    assert (info["outcome"], info["timing"]["simulated"]) == ("failed", last)
+    assert "left the range" in info["message"]
+
+
+def test_at_zero_speed_the_static_equilibrium_is_kept(scene):
+    result = run(scene.with_changes({"units.pantograph.parameters.speed": 0.0, "stop_time": 1.0}), in_process=True)
+    assert result.outcome == "done"
+    # Rounding of heights near 0.05 m (7e-18 each) through a contact spring of 5e4 N/m, 1000 steps of a damped system.
+    assert np.ptp(result["pantograph.contact_force"]) < 1e-9
+    assert np.ptp(result["catenary.wire_height"]) < 1e-13
+
+
+def test_without_static_force_nothing_pulls_and_nothing_breaks(scene):
+    result = run(scene.with_changes({"units.pantograph.parameters.static_force": 0.0, "stop_time": 2.0}), in_process=True)
+    assert result.outcome == "done"
+    assert np.isfinite(values(result)).all()
+    assert result["pantograph.contact_force"].min() == 0.0
+    # Only the wire's own sag (2 cm between droppers 6.5 m apart) touches the head that rests at dropper level.
+    assert result["pantograph.contact_force"].mean() < 20.0
+
+
+def test_the_error_of_a_moving_window_grows_as_it_shrinks(scene, reference):
+    deviation = []
+    for length in (120.0, 60.0, 30.0, 15.0):
+        cut = scene.with_changes({"units.catenary.effects": [*EFFECTS, "moving_window"],
+                                  "units.catenary.parameters.moving_window.ahead": length,
+                                  "units.catenary.parameters.moving_window.behind": length})
+        result = run(cut, in_process=True)
+        assert result.outcome == "done"
+        assert np.isfinite(values(result)).all()
+        deviation.append(float(np.std(result["pantograph.contact_force"] - reference["pantograph.contact_force"])))
+    assert deviation == sorted(deviation)
+    # Waves run out through the edges; what the first reflection at supports further away would bring back is missing.
+    spread = float(np.std(reference["pantograph.contact_force"]))
+    assert deviation[0] < 0.03 * spread
+    assert deviation[-1] > 0.5 * spread
