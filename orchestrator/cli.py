@@ -41,7 +41,7 @@ def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any
 
     table = Table(*columns, title=title or None, title_justify="left")
     for row in rows:
-        table.add_row(*(f"{cell:.6g}" if isinstance(cell, float) else str(cell) for cell in row))
+        table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
     # rich takes 80 columns where there is no terminal, and cuts names
     Console(width=None if sys.stdout.isatty() else 160).print(table, markup=False)
 
@@ -151,7 +151,13 @@ def run(
         loaded = loaded.with_changes(changes)
     result = run_scene(loaded, in_process=in_process, progress=True)
     if output is not None:
-        print(result.save(output) / "result.csv")
+        from . import report
+
+        result.save(output)
+        written = ["result.csv", "run.json"]
+        if result.time.size > 1:
+            written.append(report.for_run(result, output).name)
+        print("wrote " + ", ".join(str(output / name) for name in written))
     _print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
         (name, result.measures[name], float(c.min()), float(c.max()), float(c[-1]))
         for name, c in result.columns.items() if c.size
@@ -179,7 +185,7 @@ def _change(text: str) -> tuple[str, Any]:
 
 @app.command()
 def validate(
-    cases: Annotated[list[str], typer.Argument(help="names of cases; see cosimo list cases")],
+    cases: Annotated[list[str] | None, typer.Argument(help="names of cases, see cosimo list cases; all without it")] = None,
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
     as_json: AsJson = False,
@@ -188,20 +194,28 @@ def validate(
     from .validation import validate as validate_cases
     from .validation.case import to_json
 
-    results = validate_cases(cases, output, in_process=in_process, progress=not as_json)
+    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json)
     if as_json:
         print(to_json(results))
     else:
         for result in results:
             columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
             _print_table(result.case.title, columns, [
-                (r["quantity"], r["condition"], r["unit"], r["measured"], f"{r['low']} ... {r['high']}", row.margin,
+                (r["quantity"], r["condition"], r["unit"], row.measured, _range(r["low"], r["high"]), row.margin,
                  r["standing"], "yes" if r["inside"] else "NO")
                 for row in result.findings.rows for r in [row.to_json()]
             ])
-            print(f"{result.case.name}: {result.verdict}\nreport: {result.report}")
+            print(f"{result.case.name}: {result.verdict}")
+        print(f"report: {results[0].report}")
     if any(result.outcome == "failed" for result in results):
         raise SystemExit(FAILED_CHECK)
+
+
+def _range(low: float | None, high: float | None) -> str:
+    """A range of a table; an open end is left out."""
+    if low is None or high is None:
+        return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
+    return f"{low:.6g} ... {high:.6g}"
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ class GaussSeidel(Master):
                     terms = node.history.towards(node.inputs(signals), h)
                 else:
                     terms = _joined(node.history, node.inputs(signals), late, h)
-                unit.drive(*terms, h)
+                node.drive(terms, h)
             unit.step(t, h)
             signals[node.place] = unit.get()
         self._finish(t, h)

@@ -23,7 +23,7 @@ class Jacobi(Master):
         for node in self.nodes:
             unit = node.unit
             if node.sources:
-                unit.drive(*node.history.ahead(), h)
+                node.drive(node.history.ahead(), h)
             unit.step(t, h)
             # inputs are taken from the histories, so the others do not see these values before all have stepped
             signals[node.place] = unit.get()
