@@ -35,14 +35,17 @@ def test_near_the_wave_speed_the_run_ends_and_stays_bounded():
     assert result.outcome == "done"
     assert result.time[-1] == 7.0
     assert np.isfinite(values(result)).all()
-    force, height = result["pantograph.contact_force"], result["catenary.wire_height"]
+    t, force, frame = result.time, result["pantograph.contact_force"], result["pantograph.frame_height"]
     assert force.min() >= 0.0
-    # The work the pantograph has done bounds the energy in wire and pantograph from above; the wire's own share of it
-    # cannot exceed what the mean force lifts: 400 N and 0.5 m are twice the largest numbers published for such speeds.
-    assert force.max() < 400.0
-    assert np.abs(height).max() < 0.5
-    wave = result.snapshots["catenary.wire_profile.height"].values
-    assert np.abs(wave).max() < 0.5
+    # No growth: neither the spread of the force nor the wire's height rises once the wave in front of the pantograph has
+    # formed. 5 % is the scatter between windows of 3.9 spans, which do not hold whole spans.
+    early, late, height = (t >= 1.0) & (t < 3.0), t >= 5.0, np.abs(result["catenary.wire_height"])
+    assert force[late].std() <= 1.05 * force[early].std()
+    assert height[late].max() <= 1.05 * height[early].max()
+    # Momentum of the pantograph: the impulse of the contact force is that of the static force and of the base spring and
+    # damper (50 N/m, 90 N.s/m). 1 N of mean force is 7 N.s, what the pantograph's 22 kg take up at 0.3 m/s.
+    lift = 120.0 - 50.0 * frame.mean() - 90.0 * (frame[-1] - frame[0]) / t[-1]
+    assert force.mean() == pytest.approx(lift, abs=1.0)
 
 
 @pytest.mark.parametrize(("algorithm", "degree", "step"), [
