@@ -15,7 +15,7 @@ from .polynomial import History, Row, Terms
 SWEEPS = 30
 CONVERGED = 1e-12  # relative change of an output from one sweep to the next
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
-ROUNDING = 1e-12  # of the nominal value: an input this near to where it was led to has not moved
+ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 
 
@@ -28,7 +28,7 @@ class Node:
         converted = any((link.factor, link.offset) != (1.0, 0.0) for link in links)
         self._conversions = [(link.factor, link.offset) for link in links] if converted else None
         self.history = History(degree)
-        self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, what counts as no change
+        self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
         self.reached: Row | None = None  # where the polynomials of the last step have taken all inputs, if that is known
 
     def inputs(self, signals: Row) -> Row:
@@ -53,7 +53,9 @@ class Node:
     def stands(self, values: Row) -> bool:
         """Whether the outputs hold for these inputs as they are: none that they depend on at once has moved."""
         reached = self.reached
-        return reached is not None and all(abs(values[k] - reached[k]) <= change for k, change in self.direct)
+        return reached is not None and all(
+            abs(values[k] - reached[k]) <= change * abs(values[k]) for k, change in self.direct
+        )
 
 
 class Master:
@@ -86,9 +88,8 @@ class Master:
             interface = coupling.interfaces[node.unit.name]
             at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
             for k, link in enumerate(node.links):
-                if link.target[1] in at_once or interface.input_degree < degree:  # held inputs do not end at the polynomial
-                    change = ROUNDING * interface.inputs[link.target[1]].nominal if interface.input_degree >= degree else -1.0
-                    node.direct.append((k, change))
+                if link.target[1] in at_once:  # an input that is held at the mean does not end where the polynomial does
+                    node.direct.append((k, ROUNDING if interface.input_degree >= degree else -1.0))
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """The links into one unit in the order the algorithm wants to have them."""

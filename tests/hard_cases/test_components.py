@@ -100,7 +100,7 @@ def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
 ])
 def test_an_undamped_wire_keeps_its_energy(method, ripple, drift, effects):
     """Released from a static load of 200 N and left alone for 5 s."""
-    catenary = Catenary(effects, {"spans": 3, "method": method})
+    catenary = Catenary(effects, {"spans": 3, "element": 1.0, "method": method})
     catenary.set("contact_position", 90.0)
     catenary.set("contact_force", 200.0)
     catenary.initialize(0.0)

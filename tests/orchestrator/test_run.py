@@ -53,7 +53,8 @@ def test_units_of_measure_are_converted():
     result = run(read_scene(scene))
     # the mass moves freely: x = 2 t in m, and the probe sees it in mm; one rounding of the conversion
     np.testing.assert_allclose(result["p.profile[1]"], 2000.0 * result.time, rtol=1e-14)
-    np.testing.assert_array_equal(result["p.profile[1]"], 1000.0 * result["m.x_out"])
+    # an input that its polynomial has led to the fresh value but for rounding is left there
+    np.testing.assert_allclose(result["p.profile[1]"], 1000.0 * result["m.x_out"], rtol=1e-14)
 
 
 def test_a_failing_unit_leaves_a_partial_result(tmp_path):
