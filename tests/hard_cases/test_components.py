@@ -91,14 +91,16 @@ def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
     catenary.initialize(0.0)
 
 
-@pytest.mark.parametrize("effects", [(), ("dropper_slackening",)], ids=["bilateral", "slack"])
-@pytest.mark.parametrize(("method", "ripple", "drift"), [
-    # Verlet conserves a neighbouring energy: E swings by (omega h)²/8 of the share of the modes that take part; no drift.
-    ("explicit", 2e-3, 1e-3),
-    # The midpoint rule conserves a quadratic energy exactly: rounding, and the energy in a dropper that changes within a step.
-    ("implicit", 1e-8, 1e-8),
+@pytest.mark.parametrize(("method", "effects", "ripple"), [
+    # Verlet conserves a neighbouring energy: E swings by (omega h)²/8 of the share of the modes that take part.
+    ("explicit", (), 2e-3),
+    ("explicit", ("dropper_slackening",), 2e-3),
+    # The midpoint rule conserves a quadratic energy exactly: rounding of 5000 steps.
+    ("implicit", (), 1e-8),
+    # A dropper that changes within a step costs or gains k (v h)²/2, 5e-4 J of 9 J at 0.1 m/s; ten in a row of one sign.
+    ("implicit", ("dropper_slackening",), 5e-4),
 ])
-def test_an_undamped_wire_keeps_its_energy(method, ripple, drift, effects):
+def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     """Released from a static load of 200 N and left alone for 5 s."""
     catenary = Catenary(effects, {"spans": 3, "element": 1.0, "method": method})
     catenary.set("contact_position", 90.0)
@@ -111,7 +113,7 @@ def test_an_undamped_wire_keeps_its_energy(method, ripple, drift, effects):
         energy.append(catenary.energy())
     energy = np.array(energy) / energy[0]
     assert np.abs(energy - 1.0).max() <= ripple
-    assert abs(energy[-500:].mean() - energy[1:501].mean()) <= drift
+    assert abs(energy[-500:].mean() - energy[1:501].mean()) <= 0.5 * ripple  # it swings or wanders, and does not grow
     assert np.abs(catenary.x[: catenary.mesh.mass.size]).max() > 0.01  # m; it still swings
 
 
