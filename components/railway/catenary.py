@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
+from ..core.banded import banded_product, factor_band, solve_band
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
-from .banded import factor_band, solve_band
 from .explicit import explicit_steps, move_window
 from .implicit import effective_band, generalized_alpha, implicit_steps
-from .mesh import banded_product, build_mesh, packed, system_bands, unpacked
+from .mesh import build_mesh, packed, system_bands, unpacked
 from .statics import loaded_equilibrium
 from .wires import in_range, local_compliance, wire_height, wire_velocity
 
@@ -286,13 +286,18 @@ class Catenary(Component):
 
 
 def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
-    """Largest omega² of the lumped-and-spread system, 1/s², by power iteration; 2 % are added for what is still missing."""
+    """Largest omega² of the lumped-and-spread system, 1/s², by power iteration; 2 % are added for what is still missing.
+
+    With the widest spread that the method takes, so that the limit does not move with the step it is a limit for.
+    """
+    spread = np.zeros(mesh.mass.size)  # m L / 12, halfway between lumped and consistent; T m over 12 T / L
+    spread[:-2] = np.resize(mesh.impedance**2, spread.size - 2) / (12.0 * mesh.tension[:-2])
     x = (-1.0) ** (np.arange(mesh.mass.size) // 2) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
     x[1::2] *= -1.0  # the wires swing against each other: droppers take part
     value = 0.0
     for _ in range(60):
         y = mesh.inverse_mass * banded_product(stiffness, x)
-        shared = mesh.spread[:-2] * (y[:-2] - y[2:])
+        shared = spread[:-2] * (y[:-2] - y[2:])
         y[:-2] += shared * mesh.inverse_mass[:-2]
         y[2:] -= shared * mesh.inverse_mass[2:]
         value = float(np.linalg.norm(y))

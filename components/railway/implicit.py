@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.banded import factor_band, solve_band
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel, kernel_tuple
-from .banded import factor_band, solve_band
 from .wires import WHISPER, add_contact, add_wire_force, element_at, in_range
 
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual

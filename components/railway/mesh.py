@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.banded import factor_band, solve_band
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
-from .banded import factor_band, solve_band
 
 GRAVITY = 9.81  # m/s²
 
@@ -211,12 +211,3 @@ def system_bands(mesh: Mesh, width: int) -> tuple[np.ndarray, np.ndarray]:
         band = stiffness_band(mesh.tension[wire::2], mesh.curvature[wire::2], mesh.length)
         stiffness[wire::2, ::2] = band[:, : (width + 1) // 2]
     return mass, stiffness
-
-
-def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """A x for the upper band of a symmetric matrix, (N,)."""
-    y = band[:, 0] * x
-    for k in range(1, band.shape[1]):
-        y[:-k] += band[:-k, k] * x[k:]
-        y[k:] += band[:-k, k] * x[:-k]
-    return y

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import StepFailed
-from .banded import factor_band, solve_band
-from .mesh import GRAVITY, Mesh, banded_product, system_bands
+from .mesh import GRAVITY, Mesh, system_bands
 from .wires import add_contact, local_compliance, wire_height
 
 

@@ -38,6 +38,8 @@ from components.core.errors import BadInput, StepFailed, nearest
 from .interface import Interface, Signal
 
 if TYPE_CHECKING:
+    from components.core.component import Component
+
     from ..scene import UnitSettings
 
 WARNING, FATAL = 1, 4
@@ -139,7 +141,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     component = make(name, settings)
     starts = dict(zip(component.inputs, component.u[0].tolist(), strict=True))
     given = {f"effects.{e}": e in component.on for e in component.effects} | component.parameters | starts
-    return FmuUnit(name, str(built(settings.component)), given)
+    return FmuUnit(name, str(built(settings.component)), given, component)
 
 
 class FmuUnit:
@@ -147,8 +149,9 @@ class FmuUnit:
 
     kind = "FMU"
 
-    def __init__(self, name: str, path: str, values: Mapping[str, Any]):
-        self.name, self._values = name, dict(values)
+    def __init__(self, name: str, path: str, values: Mapping[str, Any], twin: Component | None = None):
+        """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons."""
+        self.name, self._values, self._twin = name, dict(values), twin
         self._time, self._steps, self._initializing = 0.0, 0, False
         self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
         description = _description(path, f"units.{name}")
@@ -216,7 +219,7 @@ class FmuUnit:
             self._call(call, self._references([name]), ctypes.c_size_t(1), array)
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        n, pointer = len(inputs), ctypes.c_void_p
+        n, pointer, self._input_names = len(inputs), ctypes.c_void_p, tuple(inputs)
         companions = _companions(self._variables, inputs)
         self._n, self._companions = n, companions
         self._inputs: Any = (ctypes.c_double * (3 * n))()
@@ -247,9 +250,16 @@ class FmuUnit:
         if not self._initializing:
             self._initializing = True
             self._call("fmi2EnterInitializationMode")
-        self.update(values)
-        if not isfinite(sum(self.get())):
-            raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._said()}")
+        try:
+            self.update(values)
+            if not isfinite(sum(self.get())):
+                raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._said()}")
+        except StepFailed:
+            if self._twin is not None:
+                for name, value in zip(self._input_names, values, strict=True):
+                    self._twin.set(name, value)
+                self._twin.initialize(t)  # raises with the component's own words, which may be `BadInput`
+            raise
 
     def start(self) -> None:
         self._call("fmi2ExitInitializationMode")

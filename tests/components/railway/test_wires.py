@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 
 from components.railway.catenary import Catenary
-from components.railway.mesh import build_mesh, packed, system_bands
+from components.railway.mesh import Mesh, build_mesh, packed, system_bands, unpacked
 
 METHODS = ["explicit", "implicit"]
 
@@ -198,3 +198,11 @@ def test_stiffness_proportional_damping_grows_with_the_square_of_the_frequency()
         omega2 = (n * np.pi / 60.0) ** 2 * 20e3 / 1.35
         rates.append(-np.log(catenary.energy() / start) / 4.0)
         assert rates[-1] == pytest.approx(1e-3 * omega2, rel=0.02)  # the energy ripples by beta omega = 1 to 2.5 %
+
+
+def test_packed_mesh_comes_back_whole():
+    catenary = Catenary(["gravity_sag", "bending_stiffness"], {"spans": 2, "first_watched_support": 0})
+    catenary.initialize(0.0)
+    back = unpacked(*packed(catenary.mesh))
+    for name in Mesh._fields:
+        assert np.array_equal(getattr(back, name), getattr(catenary.mesh, name)), name

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from components.railway.banded import factor_band, solve_band
-from components.railway.catenary import Catenary
-from components.railway.mesh import Mesh, banded_product, packed, unpacked
+from components.core.banded import banded_product, factor_band, solve_band
 
 
 def random_system(n: int, width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -41,11 +39,3 @@ def test_partial_factorisation_has_the_same_bits():
     complete = band.copy()
     factor_band(complete, 0, 0, 60)
     assert np.array_equal(factors, complete)
-
-
-def test_packed_mesh_comes_back_whole():
-    catenary = Catenary(["gravity_sag", "bending_stiffness"], {"spans": 2, "first_watched_support": 0})
-    catenary.initialize(0.0)
-    back = unpacked(*packed(catenary.mesh))
-    for name in Mesh._fields:
-        assert np.array_equal(getattr(back, name), getattr(catenary.mesh, name)), name

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ..core.kernels import kernel
+import numpy as np
+
+from .kernels import kernel
 
 
 @kernel
@@ -35,3 +37,12 @@ def solve_band(band, b, start, end):
         for k in range(1, min(width, end - i)):
             value -= band[i, k] * b[i + k]
         b[i] = value * band[i, 0]
+
+
+def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """A x for the upper band of a symmetric matrix, (N,)."""
+    y = band[:, 0] * x
+    for k in range(1, band.shape[1]):
+        y[:-k] += band[:-k, k] * x[k:]
+        y[k:] += band[:-k, k] * x[:-k]
+    return y
