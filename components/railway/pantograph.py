@@ -25,7 +25,7 @@ class ContactLoss(Effect):
 
 
 class LowerFrame(Effect):
-    """A third mass between the frame and the base (three-mass model)."""
+    """A third mass between the frame and the base (three-mass model); values of the EN 50318:2018 pantograph."""
 
     mass = parameter(6.0, "kg", "mass of the lower frame", low=1e-6)
     stiffness = parameter(160.0, "N/m", "stiffness from the lower frame to the base", low=0.0)
@@ -39,14 +39,14 @@ class AerodynamicUplift(Effect):
 
 
 class BumpStops(Effect):
-    """Stiff springs at both ends of the head's travel relative to the frame."""
+    """Stiff springs at both ends of the head's travel relative to the frame; travel and stiffness are choices of ours."""
 
     travel = parameter(0.05, "m", "free travel of the head to either side of its relaxed position", low=0.0)
     stiffness = parameter(1e5, "N/m", "stiffness of a stop", low=0.0)
 
 
 class FrameFriction(Effect):
-    """Dry friction of the frame's joints, smoothed: level * tanh(velocity / width)."""
+    """Dry friction of the frame's joints, smoothed: level * tanh(velocity / width); both numbers are choices of ours."""
 
     level = parameter(5.0, "N", "friction force at the frame", low=0.0)
     width = parameter(0.01, "m/s", "velocity over which the friction changes sign", low=1e-6)
