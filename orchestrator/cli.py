@@ -164,6 +164,8 @@ def run(
     ])
     timing = result.info["timing"]
     print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start")
+    for warning in result.info["warnings"]:
+        print(f"cosimo: warning: {warning}", file=sys.stderr)
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)

@@ -1,4 +1,7 @@
-"""What watches a run without taking part in it: recording, progress, Ctrl-C. Each is called with the tick and the time."""
+"""What watches a run without taking part in it: recording, missed inputs, progress, Ctrl-C.
+
+Each is called with the tick and the time.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from .algorithms.master import Node
 from .coupling import Endpoint
 from .units import Unit
 
@@ -57,6 +61,46 @@ def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
         return [values[k] for k in order]
 
     return sample
+
+
+class Misses:
+    """How far the inputs that units were led to missed those that the other units then gave.
+
+    rms of the miss over the standard deviation of the input, sampled now and then. It counts every ripple, also such as a
+    unit's own inertia smooths out: no measure of the results' error. But at 1 and beyond, the extrapolation foretells
+    nothing, and where the coupled system limits itself (a contact that opens) nothing else would tell that.
+    """
+
+    EVERY = 29  # macro steps from one sample to the next; a prime, so as not to keep step with the system
+
+    def __init__(self, nodes: Sequence[Node]):
+        self._nodes = [n for n in nodes if n.links]
+        self._calls = self._samples = 0
+        self._sums = [np.zeros((3, len(n.links))) for n in self._nodes]  # of missed², value, value²
+
+    def __call__(self, tick: int, t: float) -> None:
+        self._calls += 1
+        if self._calls % self.EVERY:
+            return
+        self._samples += 1
+        for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
+            if node.reached is not None:
+                values = np.array(node.history.present)
+                missed2 += (values - node.reached) ** 2
+                total += values
+                total2 += values**2
+
+    @property
+    def relative(self) -> dict[str, float]:
+        """Relative miss by "unit.input", for the inputs that vary at all."""
+        result = {}
+        for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
+            n = max(self._samples, 1)
+            variance = np.maximum(total2 / n - (total / n) ** 2, 0.0)
+            for link, m, v, square in zip(node.links, missed2 / n, variance, total2 / n, strict=True):
+                if v > 1e-20 * square:  # below it the variance is rounding
+                    result[".".join(link.target)] = float(np.sqrt(m / v))
+        return result
 
 
 class Interrupt:

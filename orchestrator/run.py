@@ -14,11 +14,12 @@ from components.core.errors import StepFailed
 from .algorithms import ALGORITHMS, Master
 from .clock import Clock
 from .coupling import Coupling, settle
-from .observers import Interrupt, Progress, Recorder, reading
+from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
 from .units import Unit, open_unit
 
+TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 
 
@@ -72,7 +73,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         signals = Recorder((lambda: master.signals) if watched else reading(units, ends), len(ends), every, end)
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
-        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), stack.enter_context(Interrupt())]
+        misses = Misses(master.nodes)
+        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, stack.enter_context(Interrupt())]
         if progress:
             observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
         loop = Stepping(master, clock, stride, end)
@@ -88,6 +90,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
             message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
+        info |= {"input_misses": misses.relative, "warnings": _warnings(misses.relative)}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
@@ -95,6 +98,15 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals},
         info, outcome, message,
     )
+
+
+def _warnings(misses: Mapping[str, float]) -> list[str]:
+    """What a user should know of a run that reached its end."""
+    worst = max(misses, key=misses.__getitem__, default="")
+    if not worst or misses[worst] < TOO_FAR:
+        return []
+    return [f"input {worst} was led to values that missed by {100.0 * misses[worst]:.0f} % of its spread (rms): "
+            "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation"]
 
 
 def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:

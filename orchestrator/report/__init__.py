@@ -24,6 +24,8 @@ def for_run(result: Result, directory: str | Path) -> Path:
     blocks: list[Block] = []
     if result.outcome != "done":
         blocks.append(Text([f"This run failed and is shown as far as it went: {result.message}"], "warning"))
+    if warnings := result.info.get("warnings"):
+        blocks.append(Text(list(warnings), "warning"))
     special = SYSTEMS.get(scene.analysis.get("system", ""))
     sections = []
     if special is not None and result.outcome == "done":

@@ -63,11 +63,13 @@ def test_past_the_couplings_limit_a_linear_contact_fails_with_a_message(scene, a
 
 
 def test_past_the_limit_a_unilateral_contact_stays_finite_and_is_plainly_wrong(scene, reference):
-    """Loss of contact limits the growth: no number says "failed", but the force does."""
+    """Loss of contact limits the growth: the run ends, and says that the macro step was too long."""
     result = run(scene.with_changes({"master.step": 0.05, "master.algorithm": "jacobi"}), in_process=True)
     assert np.isfinite(values(result)).all()
     assert result["pantograph.contact_force"].max() > 4.0 * reference["pantograph.contact_force"].max()
     assert result["pantograph.contact_force"].min() == 0.0 < reference["pantograph.contact_force"].min()
+    assert "macro step is too long" in result.info["warnings"][0]
+    assert not reference.info["warnings"]
 
 
 def test_exit_code_and_partial_files_of_a_failed_run(tmp_path, capsys):
