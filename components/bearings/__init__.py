@@ -1,0 +1,1 @@
+"""Rolling bearings: contact mechanics and geometry."""

@@ -1,0 +1,68 @@
+"""Geometry and kinematics of a ball bearing with grooved races."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..core.errors import BadInput
+from .hertz import PointContact, exact_ellipse, in_series, point_contact
+
+
+@dataclass(frozen=True)
+class BallBearing:
+    """Lengths in m, angle in rad. Clearances are not part of it: each model says whether its own is diametral or radial."""
+
+    balls: int
+    ball_diameter: float
+    pitch_diameter: float
+    inner_conformity: float = 0.52  # groove radius over ball diameter
+    outer_conformity: float = 0.52
+    contact_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.balls < 1:
+            raise BadInput("ball bearing", f"{self.balls} balls", "at least one")
+        if not 0.0 < self.ball_diameter < self.pitch_diameter:
+            raise BadInput("ball bearing", f"balls of {self.ball_diameter:g} m on a pitch diameter of {self.pitch_diameter:g} m",
+                           "balls smaller than the pitch diameter")
+        if min(self.inner_conformity, self.outer_conformity) <= 0.5:
+            came = f"groove radii of {self.inner_conformity:g} and {self.outer_conformity:g} ball diameters"
+            raise BadInput("ball bearing", came, "more than half a ball diameter")
+
+    @property
+    def gamma(self) -> float:
+        """d cos(alpha) / dm."""
+        return self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
+
+    def radii(self, race: str) -> tuple[float, float]:
+        """Relative radii (Rx, Ry) of ball and race, m; race: "inner" or "outer"."""
+        sign, conformity = (-1.0, self.inner_conformity) if race == "inner" else (1.0, self.outer_conformity)
+        return 0.5 * self.ball_diameter * (1.0 + sign * self.gamma), conformity * self.ball_diameter / (2.0 * conformity - 1.0)
+
+    def curvature(self, race: str) -> tuple[float, float]:
+        """Curvature sum, 1/m, and curvature difference F(rho) of ball and race."""
+        across, along = (1.0 / r for r in self.radii(race))
+        return across + along, (across - along) / (across + along)
+
+    def contact(self, race: str, modulus: float, ellipse=exact_ellipse) -> PointContact:
+        """Hertzian contact of ball and race for E' in Pa."""
+        return point_contact(*self.radii(race), modulus, ellipse)
+
+    def stiffness(self, modulus: float, ellipse=exact_ellipse) -> float:
+        """Stiffness of a ball between both races, N/m^1.5."""
+        return in_series(*(self.contact(race, modulus, ellipse).stiffness for race in ("inner", "outer")))
+
+    def defect_frequencies(self, rotation: float) -> dict[str, float]:
+        """Characteristic frequencies in the unit of `rotation`, that of the inner ring with the outer one at rest.
+
+        cage: of the ball set (FTF); outer, inner: of a ball over a defect of that race (BPFO, BPFI); ball: of a ball's spin
+        (BSF), whose defect meets a race twice a turn.
+        """
+        g = self.gamma
+        return {
+            "cage": 0.5 * rotation * (1.0 - g),
+            "outer": 0.5 * self.balls * rotation * (1.0 - g),
+            "inner": 0.5 * self.balls * rotation * (1.0 + g),
+            "ball": 0.5 * rotation * self.pitch_diameter / self.ball_diameter * (1.0 - g * g),
+        }
