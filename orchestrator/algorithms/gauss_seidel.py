@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from ..coupling import Coupling, Endpoint, Link
 from ..units import Unit
-from .master import Master, Node
+from .master import Master
 from .polynomial import History, Row, Terms
 
 
@@ -24,35 +24,23 @@ class GaussSeidel(Master):
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), **settings):
         super().__init__(units, coupling, watched, **settings)
         ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
-        self._passes = self._needed_passes(ranks)
         self._late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """Links from later units first, so that both groups are contiguous."""
         return sorted(links, key=lambda link: order.index(link.source[0]) < order.index(link.target[0]))
 
-    def _needed_passes(self, ranks: Mapping[str, int]) -> list[Node]:
-        """Without the updates of units whose inputs were interpolated to values that still stand when all have stepped."""
-        needed: list[Node] = []
-        for node in self._passes:
-            updated = {n.unit.name for n in needed}
-            final = all(ranks[link.source[0]] < ranks[link.target[0]] and link.source[0] not in updated for link in node.links)
-            if not final or self.coupling.interfaces[node.unit.name].input_degree < node.history.degree:
-                needed.append(node)
-        return needed
-
     def step(self, t: float, h: float) -> None:
         signals = self.signals
         for node, late in zip(self.nodes, self._late, strict=True):
             unit = node.unit
             if node.sources:
-                if late == len(node.sources):
-                    terms = node.history.ahead()
-                elif late == 0:
-                    terms = node.history.towards(node.inputs(signals), h)
+                if late == 0 and node.follows:
+                    node.lead(node.inputs(signals), h)
+                elif late == len(node.sources):
+                    node.drive(node.history.ahead(), h)
                 else:
-                    terms = _joined(node.history, node.inputs(signals), late, h)
-                node.drive(terms, h)
+                    node.drive(_joined(node.history, node.inputs(signals), late, h), h)
             unit.step(t, h)
             signals[node.place] = unit.get()
         self._finish(t, h)

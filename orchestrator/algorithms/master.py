@@ -22,14 +22,16 @@ ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with i
 class Node:
     """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
 
-    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], degree: int):
+    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], degree: int, follows: bool):
         self.unit, self.place = unit, place
+        self.follows = follows  # inputs end where their polynomials do; a unit that holds their mean does not
         self.links, self.sources = tuple(links), tuple(sources)
         converted = any((link.factor, link.offset) != (1.0, 0.0) for link in links)
         self._conversions = [(link.factor, link.offset) for link in links] if converted else None
         self.history = History(degree)
         self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
-        self.reached: Row | None = None  # where the polynomials of the last step have taken all inputs, if that is known
+        self.reached: Row | None = None  # where extrapolation has taken the inputs in the last step
+        self.fresh: Row | None = None  # or what they were interpolated to: values that others had reached already
 
     def inputs(self, signals: Row) -> Row:
         """Present values of the driven inputs, in the order of `links`."""
@@ -42,6 +44,7 @@ class Node:
     def drive(self, terms: Terms, h: float) -> None:
         """Give the unit its inputs over the coming step, and note where they will end."""
         self.unit.drive(*terms, h)
+        self.fresh = None
         values, slopes, halves = terms
         if halves is not None:
             self.reached = [v + h * (s + h * c) for v, s, c in zip(values, slopes or (), halves)]  # noqa: B905 - slow
@@ -49,6 +52,11 @@ class Node:
             self.reached = [v + h * s for v, s in zip(values, slopes)]  # noqa: B905 - slow
         else:
             self.reached = values
+
+    def lead(self, fresh: Row, h: float) -> None:
+        """Give the unit inputs over the coming step that end at values which are known already."""
+        self.unit.drive(*self.history.towards(fresh, h), h)
+        self.fresh, self.reached = fresh, None
 
     def stands(self, values: Row) -> bool:
         """Whether the outputs hold for these inputs as they are: none that they depend on at once has moved."""
@@ -81,15 +89,16 @@ class Master:
             place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
             links = self.sorted_links([link for link in coupling.links if link.target[0] == name], tuple(order) or tuple(units))
             unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
-            nodes[name] = Node(unit, place, links, [self.positions[link.source] for link in links], degree)
+            follows = coupling.interfaces[name].input_degree >= degree
+            nodes[name] = Node(unit, place, links, [self.positions[link.source] for link in links], degree, follows)
         self.nodes = [nodes[name] for name in order or units]
         self._passes = [nodes[name] for name in coupling.passes] if feedthrough == "fresh" else []
         for node in self._passes:
             interface = coupling.interfaces[node.unit.name]
             at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
             for k, link in enumerate(node.links):
-                if link.target[1] in at_once:  # an input that is held at the mean does not end where the polynomial does
-                    node.direct.append((k, ROUNDING if interface.input_degree >= degree else -1.0))
+                if link.target[1] in at_once:
+                    node.direct.append((k, ROUNDING if node.follows else -1.0))
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """The links into one unit in the order the algorithm wants to have them."""
@@ -140,15 +149,17 @@ class Master:
 
     def _finish(self, t: float, h: float) -> None:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
-        signals = self.signals
+        signals, updated = self.signals, False
         for node in self._passes:
-            values = node.inputs(signals)
-            if not node.stands(values):
-                node.unit.update(values)
-                signals[node.place] = node.unit.get()
+            if node.fresh is None or updated:
+                values = node.inputs(signals)
+                if not node.stands(values):
+                    node.unit.update(values)
+                    signals[node.place] = node.unit.get()
+                    updated = True
         for node in self.nodes:
             if node.sources:
-                node.history.push(node.inputs(signals), h)
+                node.history.push(node.inputs(signals) if node.fresh is None or updated else node.fresh, h)
         self.steps += 1
         self._check_finite(t + h)
 
