@@ -203,7 +203,9 @@ class Catenary(Component):
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
         q, taut, residual = loaded_equilibrium(self.mesh, loads, slack is not None)
-        self.x = np.concatenate((q, np.zeros(2 * N), taut, [1.0, N // 2 - 2.0]))
+        # displacement, velocity, acceleration; then what only one method or effect remembers
+        edges = [1.0, N // 2 - 2.0] if window is not None else []
+        self.x = np.concatenate((q, np.zeros(2 * N), taut if implicit else [], edges))
         if window is not None:
             rear, front = sorted((loads[0][0], loads[-1][0]))
             _, hi = move_window(front, rear, self.x, self.mesh, window)

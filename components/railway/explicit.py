@@ -55,7 +55,7 @@ def kick(d, v, a, z, force, inverse_mass, spread, alpha):
 
 @kernel
 def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window):
-    """n equal velocity-Verlet steps over h.  x: displacement, velocity, acceleration, (N,) each, ...  work: (3, N).
+    """n equal velocity-Verlet steps over h.  x: displacement, velocity, acceleration, (N,) each[, window (2,)].  work: (3, N).
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
     Source: Verlet in kick-drift-kick form; S is that of a mass between lumped and consistent.

@@ -62,7 +62,7 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 @kernel
 def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second):
-    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration (N,), taut (d,), ...
+    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, taut (d,).
 
     factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.

@@ -159,7 +159,8 @@ def test_stable_step_is_the_limit(element, beta):
                 catenary.step(0.0, factor * limit)
         except StepFailed:
             return np.inf
-        return catenary.energy() / start
+        with np.errstate(over="ignore"):  # what has blown up may be beyond the largest number
+            return catenary.energy() / start
 
     assert growth(1.0) < 1.1
     assert growth(1.18) > 2.0
