@@ -90,7 +90,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
             message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
-        info |= {"input_misses": misses.relative, "warnings": _warnings(misses.relative)}
+        missed = misses.relative
+        info |= {"input_misses": missed, "warnings": _warnings(missed)}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},

@@ -4,7 +4,7 @@ A component declares its variables and effects on the class. An instance is made
 `initialize(t)`, then any number of `step(t, h)`; `refresh()` recomputes the outputs after an input was set between steps;
 `save()` and `restore()` may surround a repeated step. After `StepFailed` only `restore` is allowed.
 
-A component written for this contract gives `_settle` or the defaults below, and three hooks: `_initialize`, `_step`, `_outputs`.
+A component written for this contract gives three hooks, `_initialize`, `_step` and `_outputs`, besides its declarations.
 """
 
 from __future__ import annotations

@@ -94,7 +94,6 @@ class OdeComponent(Component):
         self.settled = self._settled()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
         self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))
-        self._substep = float(self.settled[0].substep)
         return DONE
 
     def _step(self, t: float, h: float) -> int:

@@ -13,7 +13,7 @@ from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
 from .explicit import explicit_steps, move_window
 from .implicit import effective_band, generalized_alpha, implicit_steps
-from .mesh import build_mesh, packed, system_bands, unpacked
+from .mesh import add_droppers, build_mesh, packed, system_bands, unpacked
 from .statics import loaded_equilibrium
 from .wires import in_range, local_compliance, wire_height, wire_velocity
 
@@ -288,9 +288,7 @@ class Catenary(Component):
         _, wires = system_bands(mesh, 5)
         taut = wires.copy()
         taut[:, 0] += mesh.ground
-        np.add.at(taut[:, 0], 2 * mesh.dropper, mesh.dropper_stiffness)
-        np.add.at(taut[:, 0], 2 * mesh.dropper + 1, mesh.dropper_stiffness)
-        np.subtract.at(taut[:, 1], 2 * mesh.dropper, mesh.dropper_stiffness)
+        add_droppers(taut, mesh, 1.0)
         omega2 = _highest_eigenvalue(taut, mesh)
         b = 2.0 * float(np.max(mesh.ground_damping * mesh.inverse_mass))
         if damping is not None:

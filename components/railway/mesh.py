@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import factor_band, solve_band
+from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
 
@@ -123,9 +123,9 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     if pre_sag is not None:  # parabola through the first and the last dropper of a span
         a, b = within[0], within[-1]
         clamp_height = np.tile(-4.0 * pre_sag.depth * (within - a) * (b - within) / (b - a) ** 2, p.spans)
-    height = _contact_wire_shape(tension[:, 0], curvature[:, 0], L, weight[:, 0], at_dropper, clamp_height, inner, level)
-    force = _nodal_force(tension[:, 0], curvature[:, 0], L, height)
-    preload = (weight[:, 0] - force)[at_dropper]
+    contact_wire = stiffness_band(tension[:, 0], curvature[:, 0], L)
+    height = _contact_wire_shape(contact_wire, weight[:, 0], at_dropper, clamp_height, inner, level)
+    preload = (weight[:, 0] + banded_product(contact_wire, height))[at_dropper]
     if slack is not None and np.any(preload <= 0.0):
         k = int(np.argmin(preload))
         came = f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest"
@@ -145,23 +145,12 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
                 height, bow)
 
 
-def _nodal_force(tension: np.ndarray, curvature: np.ndarray, L: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Restoring force of one wire at its nodes for heights y, (n,) N."""
-    slope = np.append(np.diff(y) / L[:-1], 0.0)
-    moment = curvature * (slope - np.roll(slope, 1))
-    shear = tension * L * slope
-    shear[:-1] += (moment[:-1] - moment[1:]) / L[:-1]
-    force = shear - np.roll(shear, 1)
-    force[[0, -1]] = 0.0
-    return force
-
-
-def _contact_wire_shape(tension, curvature, L, weight, at_dropper, clamp_height, inner, level) -> np.ndarray:
-    """Height of the contact wire hanging from its clamps under its own weight, (n,) m.
+def _contact_wire_shape(stiffness, weight, at_dropper, clamp_height, inner, level) -> np.ndarray:
+    """Height of the contact wire hanging from its clamps under its own weight, (n,) m; stiffness: its band, (n, 3).
 
     `level` (an effect or None) holds the wire at height 0 at the supports; without it the wire hangs free there.
     """
-    n = tension.size
+    n = weight.size
     held = np.zeros(n, dtype=bool)
     y = np.zeros(n)
     held[[0, -1]] = True
@@ -169,8 +158,8 @@ def _contact_wire_shape(tension, curvature, L, weight, at_dropper, clamp_height,
     y[at_dropper] = clamp_height
     if level is not None:
         held[inner] = True
-    band = stiffness_band(tension, curvature, L)
-    load = np.where(held, 0.0, _nodal_force(tension, curvature, L, y) - weight)
+    load = np.where(held, 0.0, -banded_product(stiffness, y) - weight)
+    band = stiffness.copy()
     band[held, 0] = 1.0  # rows and columns of held nodes become those of the identity
     for offset in (1, 2):
         band[held, offset] = 0.0
@@ -211,3 +200,11 @@ def system_bands(mesh: Mesh, width: int) -> tuple[np.ndarray, np.ndarray]:
         band = stiffness_band(mesh.tension[wire::2], mesh.curvature[wire::2], mesh.length)
         stiffness[wire::2, ::2] = band[:, : (width + 1) // 2]
     return mass, stiffness
+
+
+def add_droppers(band: np.ndarray, mesh: Mesh, taut) -> None:
+    """Add the droppers' stiffness to a band of both wires; taut: 1 or (d,), 0 where a dropper is slack."""
+    at, stiffness = 2 * mesh.dropper, mesh.dropper_stiffness * taut
+    np.add.at(band[:, 0], at, stiffness)
+    np.add.at(band[:, 0], at + 1, stiffness)
+    np.subtract.at(band[:, 1], at, stiffness)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import StepFailed
-from .mesh import GRAVITY, Mesh, system_bands
+from .mesh import GRAVITY, Mesh, add_droppers, system_bands
 from .wires import add_contact, local_compliance, wire_height
 
 
@@ -26,9 +26,7 @@ def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral:
     taut = np.ones(at.size)
     for _ in range(100):
         band, q = stiffness.copy(), force.copy()
-        np.add.at(band[:, 0], at, k * taut)
-        np.add.at(band[:, 0], at + 1, k * taut)
-        np.subtract.at(band[:, 1], at, k * taut)
+        add_droppers(band, mesh, taut)
         np.subtract.at(q, at, mesh.preload * (1.0 - taut))
         np.add.at(q, at + 1, mesh.preload * (1.0 - taut))
         q[:2], q[-2:] = 0.0, 0.0

@@ -5,6 +5,7 @@ Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about anothe
 
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -131,8 +132,6 @@ print(*compiled_from_cache(catenary.advance_explicit, catenary.refresh_outputs, 
 
 def test_price_of_the_packaging():
     """Microseconds of a macro step, split by running the same scene at four depths."""
-    import time
-
     s = scene()
     n = round(s.stop_time / s.master.step)
     _, in_process = best(s)
@@ -142,13 +141,7 @@ def test_price_of_the_packaging():
     for name, unit in units.items():
         unit.set("contact_position" if name == "catenary" else "wire_height", 300.0 if name == "catenary" else 0.0)
         unit.initialize(0.0)
-        batches = []
-        for _ in range(20):
-            start = time.perf_counter()
-            for _ in range(500):
-                unit.step(0.0, 1e-3)
-            batches.append((time.perf_counter() - start) / 500)
-        physics[name] = min(batches)
+        physics[name] = shortest_mean(unit.step)
         direct[name] = fmu_step(type(unit), unit.on)
     print(f"\n  a macro step of two FMUs: {1e6 * fmu / n:.1f} us, of which")
     print("    physics, called from Python: " + ", ".join(f"{name} {1e6 * s:.1f} us" for name, s in physics.items()))
@@ -159,10 +152,20 @@ def test_price_of_the_packaging():
     assert fmu > in_process > n * sum(physics.values()) * 0.5
 
 
+def shortest_mean(step):
+    """Shortest mean time of 500 calls step(t, h), s."""
+    batches = []
+    for _ in range(20):
+        start = time.perf_counter()
+        for _ in range(500):
+            step(0.0, 1e-3)
+        batches.append((time.perf_counter() - start) / 500)
+    return min(batches)
+
+
 def fmu_step(cls, effects):
     """Shortest mean time of fmi2DoStep through FMPy's ctypes binding, s."""
     import shutil
-    import time
 
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
@@ -179,13 +182,8 @@ def fmu_step(cls, effects):
     slave.setBoolean([references[f"effects.{e}"] for e in effects], [True] * len(effects))
     slave.enterInitializationMode()
     slave.exitInitializationMode()
-    batches = []
-    for _ in range(20):
-        start = time.perf_counter()
-        for _ in range(500):
-            slave.doStep(0.0, 1e-3)
-        batches.append((time.perf_counter() - start) / 500)
+    seconds = shortest_mean(slave.doStep)
     slave.terminate()
     slave.freeInstance()
     shutil.rmtree(folder, ignore_errors=True)
-    return min(batches)
+    return seconds
