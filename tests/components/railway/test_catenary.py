@@ -83,6 +83,28 @@ def test_window_follows_the_contact_and_forgets_the_rest():
     assert np.abs(full.x[:N][outside]).max() > 1e-4  # the full model still swings there
 
 
+@pytest.mark.parametrize(("first", "second"), [(350.0, 250.0), (250.0, 350.0)])
+def test_window_spans_both_contact_points(first, second):
+    """Its ends follow the foremost and the rearmost one, whichever input that is."""
+    def height(effects):
+        catenary = Catenary([*REFERENCE, "second_pantograph", *effects], {"spans": 12})
+        catenary.set("contact_position", first)
+        catenary.set("second_pantograph.contact_position", second)
+        catenary.set("contact_force", 120.0)
+        catenary.set("second_pantograph.contact_force", 90.0)
+        catenary.initialize(0.0)
+        found = []
+        for i in range(1500):
+            catenary.u[:2, 0] = first + 69.4 * i * 1e-3, 69.4
+            catenary.u[:2, 2] = second + 69.4 * i * 1e-3, 69.4
+            catenary.step(i * 1e-3, 1e-3)
+            found.append((catenary["wire_height"], catenary["second_pantograph.wire_height"]))
+        return np.array(found)
+
+    full, windowed = height([]), height(["moving_window"])
+    assert np.abs(windowed - full).max() < 0.02 * np.ptp(full)  # what the edges do not send back within 1.5 s
+
+
 def test_window_needs_the_explicit_method():
     with pytest.raises(BadInput, match="explicit"):
         Catenary(["moving_window"], {"method": "implicit"}).initialize(0.0)
