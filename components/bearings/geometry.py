@@ -10,7 +10,7 @@ from .hertz import PointContact, exact_ellipse, in_series, point_contact
 
 
 @dataclass(frozen=True)
-class BallBearing:
+class BallGeometry:
     """Lengths in m, angle in rad. Clearances are not part of it: each model says whether its own is diametral or radial."""
 
     balls: int

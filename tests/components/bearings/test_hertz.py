@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from components.bearings.geometry import BallBearing
+from components.bearings.geometry import BallGeometry
 from components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, in_series, point_contact
 from components.core.errors import BadInput
 
@@ -65,7 +65,7 @@ def test_no_load_no_contact_and_no_nan(load):
 def test_lubrication_textbook_bearing():
     """Hamrock and Dowson's example: d = 12.7 mm, races of 52.291 and 77.706 mm, grooves of 6.604 mm, E = 200 GPa."""
     modulus = effective_modulus(2e11, 0.3, 2e11, 0.3)
-    bearing = BallBearing(9, 0.0127, 0.5 * (0.052291 + 0.077706), 0.52, 0.52)
+    bearing = BallGeometry(9, 0.0127, 0.5 * (0.052291 + 0.077706), 0.52, 0.52)
     inner, outer = (bearing.contact(race, modulus) for race in ("inner", "outer"))
     assert (inner.ellipse.k, inner.ellipse.second, inner.ellipse.first) == pytest.approx((9.285, 1.0181, 3.6223), rel=PRINTED)
     assert (inner.stiffness, outer.stiffness) == pytest.approx((3.1138e10, 3.2921e10), rel=PRINTED)
@@ -79,8 +79,8 @@ def test_lubrication_textbook_bearing():
 @pytest.mark.parametrize(
     ("bearing", "sums"),
     [
-        (BallBearing(9, 0.0127, 0.065, 0.52, 0.52), ((0.2018, 0.9400), (0.1378, 0.9121))),
-        (BallBearing(16, 0.022225, 0.12526, 0.5232, 0.5232, math.radians(40.0)), ((0.1081, 0.9262), (0.0832, 0.9041))),
+        (BallGeometry(9, 0.0127, 0.065, 0.52, 0.52), ((0.2018, 0.9400), (0.1378, 0.9121))),
+        (BallGeometry(16, 0.022225, 0.12526, 0.5232, 0.5232, math.radians(40.0)), ((0.1081, 0.9262), (0.0832, 0.9041))),
     ],
     ids=["Harris 209", "Harris 218"],
 )
@@ -101,7 +101,7 @@ def test_mistake_one_e_prime_is_twice_e_star():
 
 def test_mistake_two_newton_per_millimetre_to_the_three_halves():
     """Harris 209 with E = 206.85 GPa: 1.1704e10 N/m^1.5 are 3.701e5 N/mm^1.5, a factor of 10^4.5 and not of 10^3."""
-    stiffness = BallBearing(9, 0.0127, 0.065).stiffness(effective_modulus(2.0685e11, 0.3, 2.0685e11, 0.3))
+    stiffness = BallGeometry(9, 0.0127, 0.065).stiffness(effective_modulus(2.0685e11, 0.3, 2.0685e11, 0.3))
     assert stiffness == pytest.approx(1.1704e10, rel=PRINTED)
     assert stiffness / 10.0**4.5 == pytest.approx(3.701e5, rel=PRINTED)
 
@@ -115,7 +115,7 @@ def test_contacts_in_series_share_the_load_and_add_their_deflections():
 
 def test_defect_frequencies():
     """Deep groove bearing 6205 with 9 balls of 7.94 mm on 39.04 mm: public multiples of the shaft speed, and identities."""
-    bearing = BallBearing(9, 7.94e-3, 39.04e-3)
+    bearing = BallGeometry(9, 7.94e-3, 39.04e-3)
     found = bearing.defect_frequencies(1.0)
     lines = (found["inner"], found["outer"], found["cage"], 2.0 * found["ball"])
     assert lines == pytest.approx((5.4152, 3.5848, 0.39828, 4.7135), rel=PRINTED)
@@ -126,9 +126,9 @@ def test_defect_frequencies():
 @pytest.mark.parametrize(
     "build",
     [
-        lambda: BallBearing(0, 0.01, 0.05),
-        lambda: BallBearing(9, 0.06, 0.05),
-        lambda: BallBearing(9, 0.01, 0.05, inner_conformity=0.5),
+        lambda: BallGeometry(0, 0.01, 0.05),
+        lambda: BallGeometry(9, 0.06, 0.05),
+        lambda: BallGeometry(9, 0.01, 0.05, inner_conformity=0.5),
         lambda: exact_ellipse(0.5),
         lambda: exact_ellipse(float("nan")),
         lambda: point_contact(-0.01, 0.1, STEEL),
