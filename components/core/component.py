@@ -9,6 +9,7 @@ A component written for this contract gives three hooks, `_initialize`, `_step` 
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -253,12 +254,12 @@ class Component:
         raise NotImplementedError
 
     def energy(self) -> float:
-        """Mechanical energy of the present state, J."""
+        """Mechanical energy of the present state, J; of components that hold some."""
         raise NotImplementedError
 
     def stable_step(self) -> float:
-        """Largest internal step that is stable without the interface, s."""
-        raise NotImplementedError
+        """Largest internal step that is stable without the interface, s; infinite where nothing is integrated explicitly."""
+        return math.inf
 
 
 def _names(variables: Iterable[Variable], causality: Causality) -> list[str]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -81,6 +82,10 @@ class OdeComponent(Component):
     advance: Callable[..., int]
     output_kernel: Callable[..., None]
 
+    def settle(self) -> tuple[Any, ...]:
+        """What the kernels get as `p, *effects`. Override it to hand over what follows from the parameters instead of them."""
+        return self._settled()
+
     def initial_state(self) -> np.ndarray:
         """State at the start for the present inputs and `self.settled`, shape (n,)."""
         raise NotImplementedError
@@ -91,7 +96,7 @@ class OdeComponent(Component):
             # with a unilateral contact the run would stay finite, and be wrong without a word
             raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
                            "Reduce substep.")
-        self.settled = self._settled()
+        self.settled = self.settle()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
         self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))
         return DONE

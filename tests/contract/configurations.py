@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -10,12 +11,10 @@ import numpy as np
 from components.catalogue import CATALOGUE, component_class
 from components.core.component import Component
 
-# A shorter wire than the default is quicker and the same code. What is not listed runs with its defaults.
-SMALL: dict[str, dict[str, Any]] = {"Catenary": {"spans": 2}}
-# A second way through a component that a parameter chooses; the effects are those that change this way.
-OTHER_WAYS: dict[str, list[tuple[dict[str, Any], tuple[str, ...]]]] = {
-    "Catenary": [({"method": "implicit"}, ("dropper_slackening", "gravity_sag", "damping"))],
-}
+from .families import Facts, all_facts
+
+FACTS = defaultdict(Facts, all_facts())
+SMALL = {name: dict(FACTS[name].small) for name in CATALOGUE}
 
 
 class Configuration(NamedTuple):
@@ -28,7 +27,7 @@ class Configuration(NamedTuple):
     @property
     def label(self) -> str:
         """Name of the test case."""
-        way = [str(v) for k, v in self.parameters.items() if k not in SMALL.get(self.component, {})]
+        way = [str(v) for k, v in self.parameters.items() if k not in SMALL[self.component]]
         return "-".join([self.component, *way, "+".join(self.effects) or "none"])
 
     def make(self) -> Component:
@@ -57,10 +56,10 @@ def compatible(cls: type[Component]) -> tuple[str, ...]:
 
 def _configurations() -> Iterator[Configuration]:
     for name in CATALOGUE:
-        cls, small = component_class(name), SMALL.get(name, {})
+        cls, small = component_class(name), SMALL[name]
         sets = [(), *(with_required(cls, e) for e in cls.effects), compatible(cls)]
         yield from (Configuration(name, effects, small) for effects in dict.fromkeys(sets))
-        yield from (Configuration(name, effects, small | way) for way, effects in OTHER_WAYS.get(name, []))
+        yield from (Configuration(name, effects, small | way) for way, effects in FACTS[name].other_ways)
 
 
 CONFIGURATIONS = list(_configurations())
@@ -77,6 +76,12 @@ def slope_inputs(component: Component, rate: float = 0.5, half: float = -0.2) ->
     """Give every input a first and a second derivative for the next step: nominal values per s and s²."""
     nominal = np.array([component.variables[n].nominal for n in component.inputs])
     component.u[1], component.u[2] = rate * nominal, half * nominal
+
+
+def span(component: Component) -> float:
+    """A macro step of at least two internal steps, as many as fit into 2 ms, s."""
+    substep = component.parameters.get("substep", 1e-3)
+    return substep * max(2, round(2e-3 / substep))
 
 
 def bits(component: Component) -> bytes:

@@ -8,52 +8,34 @@ import pytest
 from components.catalogue import CATALOGUE, component_class
 from components.core.variables import Causality
 
-from .configurations import SMALL
+from .configurations import FACTS, SMALL, with_required
 
-STEPS, H = 100, 1e-3
-# Component, the other numbers of the effect, and its strength: small enough that the next order does not show.
-CASES = {
-    "aerodynamic_uplift.coefficient": ("Pantograph", {}, 1e-4),
-    "bump_stops.stiffness": ("Pantograph", {"bump_stops.travel": 0.0}, 1.0),
-    "frame_friction.level": ("Pantograph", {}, 1e-3),
-    "base_excitation.height": ("Pantograph", {}, 1e-4),
-    "inerter.reference_force": ("LumpedCatenary", {}, 1.0),
-    "damping.alpha": ("Catenary", {"damping.beta": 0.0}, 1e-3),
-    "damping.beta": ("Catenary", {"damping.alpha": 0.0}, 1e-7),
-    "bending_stiffness.contact_wire": ("Catenary", {"bending_stiffness.messenger": 0.0}, 1e-2),
-    "bending_stiffness.messenger": ("Catenary", {"bending_stiffness.contact_wire": 0.0}, 1e-2),
-    "steady_arm.stiffness": ("Catenary", {}, 1e-1),
-    "pre_sag.depth": ("Catenary", {}, 1e-4),
-    "second_pantograph.contact_force": ("Catenary", {"second_pantograph.contact_position": 50.0}, 1.0),
-}
-# Effects that change what the model is and have no number that makes them vanish, and numbers that are none of strength.
-STRUCTURAL = {"contact_loss", "lower_frame", "dropper_slackening", "gravity_sag", "level_support", "moving_window",
-              "wire_profile"}
-FORM = {"bump_stops.travel", "frame_friction.width", "base_excitation.velocity", "steady_arm.mass",
-        "second_pantograph.contact_position"}
+STEPS = 100
+CASES = [(c, s) for c in CATALOGUE for s in FACTS[c].strengths]
 
 
 def disturbed(component: str, effects, parameters) -> np.ndarray:
     """Outputs of the component without effects at every step after a change of its inputs, (STEPS, k)."""
     cls = component_class(component)
-    made = cls(effects, SMALL.get(component, {}) | parameters)
+    facts = FACTS[component]
+    made = cls(effects, SMALL[component] | parameters)
     own = [i for i, n in enumerate(made.outputs) if "." not in n and n != "static_residual"]
     made.initialize(0.0)
-    for name, value in {"wire_height": 0.003, "contact_position": 52.0, "contact_force": 100.0}.items():
-        if name in made.inputs:
-            made.set(name, value)
+    for name, value in facts.disturbance.items():
+        made.set(name, value)
     rows = []
     for k in range(STEPS):
-        made.step(k * H, H)
+        made.step(k * facts.step, facts.step)
         rows.append(made.y[own].copy())
     return np.array(rows)
 
 
-@pytest.mark.parametrize("strength", CASES)
-def test_a_vanishing_effect_tends_to_no_effect(strength):
-    component, parameters, small = CASES[strength]
-    off = disturbed(component, (), {})
-    on = [strength.partition(".")[0]]
+@pytest.mark.parametrize(("component", "strength"), CASES)
+def test_a_vanishing_effect_tends_to_no_effect(component, strength):
+    parameters, small = FACTS[component].strengths[strength]
+    effect = strength.partition(".")[0]
+    on = with_required(component_class(component), effect)
+    off = disturbed(component, [e for e in on if e != effect], {})
 
     def difference(value: float) -> float:
         return float(np.abs(disturbed(component, on, parameters | {strength: value}) - off).max())
@@ -65,8 +47,11 @@ def test_a_vanishing_effect_tends_to_no_effect(strength):
     assert one / tenth == pytest.approx(10.0, rel=0.05)
 
 
-def test_every_number_of_every_effect_is_in_one_of_the_lists():
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_every_number_of_every_effect_is_in_one_of_the_lists(component):
     """So that a new effect is either shown to vanish with its strength, or said to have none."""
-    found = {n for c in CATALOGUE for n, v in component_class(c).variables.items()
-             if "." in n and v.causality is not Causality.OUTPUT and n.partition(".")[0] not in STRUCTURAL}
-    assert found == CASES.keys() | FORM
+    facts, cls = FACTS[component], component_class(component)
+    found = {n.partition("[")[0] for n, v in cls.variables.items()
+             if "." in n and v.causality is not Causality.OUTPUT and n.partition(".")[0] not in facts.structural}
+    assert found == {n.partition("[")[0] for n in facts.strengths} | facts.form
+    assert facts.structural <= cls.effects.keys()

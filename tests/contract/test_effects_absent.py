@@ -41,12 +41,12 @@ def trajectory(component) -> list[bytes]:
 @pytest.mark.parametrize("component", CATALOGUE)
 def test_nothing_of_an_effect_is_there_while_it_is_off(component):
     cls = component_class(component)
-    off = cls(parameters=SMALL.get(component))
+    off = cls(parameters=SMALL[component])
     off.initialize(0.0)
     assert [n for n in (*off.parameters, *off.inputs, *off.outputs) if "." in n] == []
     assert off.u.shape == (3, len(off.inputs))
     assert off.y.shape == (len(off.outputs),)
-    bare = stripped(cls, *cls.effects)(parameters=SMALL.get(component))
+    bare = stripped(cls, *cls.effects)(parameters=SMALL[component])
     bare.initialize(0.0)
     assert (off.x.size, off.inputs, off.outputs) == (bare.x.size, bare.inputs, bare.outputs)
     assert off.parameters == bare.parameters
@@ -67,7 +67,7 @@ def test_one_effect_adds_its_own_and_nothing_else(component, effect):
 @pytest.mark.parametrize("component", CATALOGUE)
 def test_off_is_the_component_without_the_declaration_to_the_last_bit(component):
     cls = component_class(component)
-    here, bare = cls(parameters=SMALL.get(component)), stripped(cls, *cls.effects)(parameters=SMALL.get(component))
+    here, bare = cls(parameters=SMALL[component]), stripped(cls, *cls.effects)(parameters=SMALL[component])
     assert trajectory(here) == trajectory(bare)
 
 
@@ -76,8 +76,8 @@ def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
     """Everything else on, one effect off, against the component that never had it."""
     cls = component_class(component)
     others = [e for e in compatible(cls) if effect not in with_required(cls, e)]
-    here = cls(others, SMALL.get(component))
-    bare = stripped(cls, effect)(others, SMALL.get(component))
+    here = cls(others, SMALL[component])
+    bare = stripped(cls, effect)(others, SMALL[component])
     here.initialize(0.0)
     bare.initialize(0.0)
     assert bits(here) == bits(bare)
@@ -87,9 +87,9 @@ def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
 def test_effects_take_part_once_they_are_on(component):
     """The counterpart of the tests above: they would pass, too, if effects never did anything."""
     cls = component_class(component)
-    off = cls(parameters=SMALL.get(component))
+    off = cls(parameters=SMALL[component])
     trajectory(off)
-    on = cls(compatible(cls), SMALL.get(component))
+    on = cls(compatible(cls), SMALL[component])
     trajectory(on)
     if cls.effects:
         assert not np.array_equal(off.y, on.y[: off.y.size])

@@ -14,6 +14,8 @@ import pytest
 from components.catalogue import CATALOGUE
 from components.core.kernels import COMPILED
 
+from .configurations import FACTS, SMALL
+
 ROOT = Path(__file__).resolve().parents[2]
 
 SHORT_RUNS = """
@@ -31,24 +33,20 @@ def run(component, effects, parameters, steps):
     return [*made.y.tolist(), *made.x.tolist()]
 """
 
-SECOND_PROCESS = SHORT_RUNS + """
+SECOND_PROCESS = SHORT_RUNS + f"\nSMALL = {SMALL!r}" + """
 for name in CATALOGUE:
-    run(name, (), {"spans": 1, "element": 5.0} if name == "Catenary" else {}, 1)
+    run(name, (), SMALL[name], 1)
 kernels = {id(k): k for m in list(sys.modules.values()) if m.__name__.startswith("components.")
            for space in (vars(m), *(vars(c) for c in vars(m).values() if isinstance(c, type)))
            for k in space.values() if hasattr(k, "stats")}
 print(json.dumps(compiled_from_cache(*kernels.values())))
 """
 
-RUNS = {
-    "Pantograph": ("Pantograph", ["contact_loss", "bump_stops", "frame_friction", "lower_frame"],
-                   {"bump_stops.travel": 0.001}, 100),
-    "LumpedCatenary": ("LumpedCatenary", ["inerter"], {}, 100),
-    "Catenary, explicit": ("Catenary", ["dropper_slackening", "damping", "bending_stiffness"],
-                           {"spans": 1, "element": 5.0}, 20),
-    "Catenary, implicit": ("Catenary", ["dropper_slackening", "gravity_sag"],
-                           {"spans": 1, "element": 5.0, "method": "implicit"}, 20),
-}
+RUNS = {name: (name, list(FACTS[name].plain[0]), {**FACTS[name].plain[1]}, FACTS[name].plain[2]) for name in CATALOGUE}
+for name in CATALOGUE:
+    for way, effects in FACTS[name].other_ways:
+        _, parameters, steps = FACTS[name].plain
+        RUNS[f"{name}, {way}"] = (name, list(effects), {**parameters, **way}, steps)
 
 
 def python(source: str, **environment: str) -> str:

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from components.core.component import Component
 from components.core.errors import BadInput
 from components.core.integrators import OdeComponent
 
-from .configurations import CONFIGURATIONS, bits, excite, slope_inputs
+from .configurations import CONFIGURATIONS, bits, excite, slope_inputs, span
 
-H = 2e-3  # s, two or more internal steps of every component's default
 configurations = pytest.mark.parametrize("configuration", CONFIGURATIONS, ids=lambda c: c.label)
 
 
@@ -21,9 +21,10 @@ def started(configuration, steps=3):
     component = configuration.make()
     excite(component)
     component.initialize(0.0)
+    h = span(component)
     for k in range(steps):
         slope_inputs(component, rate=0.5 + 0.3 * k)
-        component.step(k * H, H)
+        component.step(k * h, h)
     return component
 
 
@@ -57,17 +58,18 @@ def test_initialize_follows_inputs_that_still_change(configuration):
 @configurations
 def test_a_repeated_step_is_the_same_to_the_last_bit(configuration):
     component = started(configuration)
+    h = span(component)
     state = component.save()
     slope_inputs(component)
-    component.step(3 * H, H)
+    component.step(3 * h, h)
     once, t = bits(component), component.t
     slope_inputs(component, rate=-2.0, half=3.0)
-    component.step(4 * H, H)
+    component.step(4 * h, h)
     assert bits(component) != once
     component.restore(state)
     assert component.save() == state
     slope_inputs(component)
-    component.step(3 * H, H)
+    component.step(3 * h, h)
     assert bits(component) == once
     assert component.t == t
 
@@ -76,16 +78,17 @@ def test_a_repeated_step_is_the_same_to_the_last_bit(configuration):
 def test_a_state_holds_everything_a_step_depends_on(configuration):
     """Restored into an instance that has another past, and with another step length before."""
     component = started(configuration)
+    h = span(component)
     state = component.save()
     slope_inputs(component)
-    component.step(3 * H, H)
+    component.step(3 * h, h)
     other = configuration.make()
     excite(other, -0.1)
     other.initialize(0.0)
-    other.step(0.0, 0.7 * H)
+    other.step(0.0, 0.7 * h)
     other.restore(state)
     slope_inputs(other)
-    other.step(3 * H, H)
+    other.step(3 * h, h)
     assert bits(other) == bits(component)
 
 
@@ -126,13 +129,14 @@ def test_one_step_is_two_of_half_its_length(configuration):
     evaluated, 1e-16 relative, times the largest force per output, 1e5 in the stiff springs; 1e-8 nominal leaves room.
     """
     whole, halves = started(configuration, 0), started(configuration, 0)
+    h = span(whole)
     for component in (whole, halves):
         slope_inputs(component, rate=2.0, half=-30.0)
     nominal = np.array([whole.variables[n].nominal for n in whole.inputs])
-    whole.step(0.0, 2 * H)
-    halves.step(0.0, H)
-    halves.u[1], halves.u[2] = (2.0 - 2 * 30.0 * H) * nominal, -30.0 * nominal
-    halves.step(H, H)
+    whole.step(0.0, 2 * h)
+    halves.step(0.0, h)
+    halves.u[1], halves.u[2] = (2.0 - 2 * 30.0 * h) * nominal, -30.0 * nominal
+    halves.step(h, h)
     assert whole.work["steps"] == halves.work["steps"]
     for name, a, b in zip(whole.outputs, whole.y, halves.y, strict=True):
         assert abs(a - b) <= 1e-8 * whole.variables[name].nominal, name
@@ -141,21 +145,24 @@ def test_one_step_is_two_of_half_its_length(configuration):
 @configurations
 def test_inputs_end_where_their_polynomials_lead(configuration):
     component = started(configuration, 0)
+    h = span(component)
     start = component.u[0].copy()
     slope_inputs(component, rate=2.0, half=-30.0)
     slope, half = component.u[1].copy(), component.u[2].copy()
-    component.step(0.0, H)
-    np.testing.assert_allclose(component.u[0], start + H * slope + H * H * half, rtol=1e-15, atol=0.0)  # two roundings
+    component.step(0.0, h)
+    np.testing.assert_allclose(component.u[0], start + h * slope + h * h * half, rtol=1e-15, atol=0.0)  # two roundings
     assert not component.u[1:].any()
 
 
 @configurations
 def test_work_is_counted(configuration):
     component = started(configuration, 1)
+    h = span(component)
     once = component.work
     assert set(once) == set(component.counters)
-    assert once["steps"] == max(1, math.ceil(H / component["substep"] * (1.0 - 1e-9)))
-    component.step(H, H)
+    if "substep" in component.parameters:
+        assert once["steps"] == max(1, math.ceil(h / component["substep"] * (1.0 - 1e-9)))
+    component.step(h, h)
     assert component.work["steps"] == 2 * once["steps"]
     if isinstance(component, OdeComponent):
         assert component.work["derivative_calls"] == 4 * component.work["steps"]  # stages of RK4
@@ -164,6 +171,7 @@ def test_work_is_counted(configuration):
 @configurations
 def test_energy_and_stable_step_are_numbers(configuration):
     component = started(configuration)
-    assert math.isfinite(component.energy())
+    if type(component).energy is not Component.energy:
+        assert math.isfinite(component.energy())
     assert component.stable_step() > 0.0
-    assert component["substep"] <= component.stable_step()  # the defaults are stable
+    assert component.parameters.get("substep", 0.0) <= component.stable_step()  # the defaults are stable
