@@ -76,26 +76,41 @@ def _links(scene: Scene, interfaces: Mapping[str, Interface]) -> tuple[Link, ...
     links: dict[Endpoint, Link] = {}
     for text in scene.connections:
         where = f"connection {text!r}"
-        match = _CONNECTION.fullmatch(text)
-        if not match:
-            raise BadInput("connections", repr(text), '"unit.output -> unit.input"')
-        source, target = (_endpoint(f"{u}.{v}", where, interfaces) for u, v in (match.group(1, 2), match.group(3, 4)))
-        if source[0] == target[0]:
-            raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
-        outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
-        if source[1] not in outputs:
-            raise _no_variable(where, source, "output", interfaces)
-        if target[1] not in inputs:
-            raise _no_variable(where, target, "input", interfaces)
-        if target in links:
-            raise BadInput(where, f"input {'.'.join(target)} driven a second time",
-                           f"one source; {'.'.join(links[target].source)} drives it already")
-        if target[1] in interfaces[target[0]].set_inputs:
-            raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
-                           "none; the connection drives it and the value would have no effect", "Remove one of them.")
-        units = outputs[source[1]].unit, inputs[target[1]].unit
-        links[target] = Link(source, target, *(conversion(*units, where) if all(units) else (1.0, 0.0)))
+        for source, target in _pairs(text, where, interfaces):
+            outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
+            if source[1] not in outputs:
+                raise _no_variable(where, source, "output", interfaces)
+            if target[1] not in inputs:
+                raise _no_variable(where, target, "input", interfaces)
+            if target in links:
+                raise BadInput(where, f"input {'.'.join(target)} driven a second time",
+                               f"one source; {'.'.join(links[target].source)} drives it already")
+            if target[1] in interfaces[target[0]].set_inputs:
+                raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
+                               "none; the connection drives it and the value would have no effect", "Remove one of them.")
+            units = outputs[source[1]].unit, inputs[target[1]].unit
+            links[target] = Link(source, target, *(conversion(*units, where) if all(units) else (1.0, 0.0)))
     return tuple(links.values())
+
+
+def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
+    """(source, target) of one connection, or with * at both ends of all that agree in what stands for it."""
+    match = _CONNECTION.fullmatch(text)
+    if not match or text.count("*") not in (0, 2) or (text.count("*") and not (match[2][-1] == match[4][-1] == "*")):
+        raise BadInput("connections", repr(text), '"unit.output -> unit.input", or "unit.* -> unit.*" for all of the same name')
+    source, target = (_endpoint(f"{u}.{v}", where, interfaces) for u, v in (match.group(1, 2), match.group(3, 4)))
+    if source[0] == target[0]:
+        raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
+    if "*" not in text:
+        return [(source, target)]
+    before, after = source[1][:-1], target[1][:-1]
+    rests = [n.removeprefix(before) for n in interfaces[source[0]].outputs if n.startswith(before)]
+    found = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
+    if not found:
+        inputs = [n for n in interfaces[target[0]].inputs if n.startswith(after)]
+        raise BadInput(where, f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
+                       "at least one name on both sides", "Switch on the effect that has them, or name the variables.")
+    return found
 
 
 def _no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str, Interface]) -> BadInput:

@@ -96,7 +96,8 @@ class Scene(_Model):
 
     title: str = ""
     stop_time: Seconds = Field(description="s; every run starts at 0")
-    connections: tuple[str, ...] = Field(default=(), description='"unit.output -> unit.input"')
+    connections: tuple[str, ...] = Field(
+        default=(), description='"unit.output -> unit.input"; * at both ends: all of the same name')
     units: dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_]*$")], UnitSettings] = Field(min_length=1)
     master: MasterSettings
     record: RecordSettings = RecordSettings()

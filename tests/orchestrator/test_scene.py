@@ -3,19 +3,30 @@
 import copy
 from functools import reduce
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from components.core.errors import BadInput
+from components.core.variables import input_
 from orchestrator.cli import main
 from orchestrator.coupling import settle
 from orchestrator.scene import Scene, load_scene, read_scene, scene_files
-from tests.support import two_masses
+from tests.support import Linear, two_masses
 
 GOOD = two_masses("gauss-seidel", 1e-2, 1) | {"record": {}}
 PANTOGRAPH = {"component": "Pantograph"}
 PROBE = {"component": "tests.support:Probe"}
 NAN, INF = float("nan"), float("inf")
+
+class Shelf(Linear):
+    """Takes an array."""
+
+    profile = input_(0.0, "mm", "three lengths", size=3)
+
+    def matrices(self):
+        return np.zeros((0, 0)), np.zeros((0, 3)), np.zeros((0, 0)), np.zeros((0, 3)), np.zeros(0)
+
 
 # (place, bad value, what the message must name)
 BAD = [
@@ -60,6 +71,9 @@ BAD = [
     ("connections", ["a.x_out -> a.force"], ["connected with itself"]),
     ("connections", ["a.x_out -> b.velocity"], ["'m'", "'m/s'"]),
     ("connections", "a.x_out -> b.position", ["connections", "list"]),
+    ("connections", ["b.* -> a.force"], ["b.* -> a.force", "unit.* -> unit.*"]),
+    ("connections", ["b.x* -> a.*"], ["b.x* -> a.*", "outputs _out and inputs force", "at least one name on both sides"]),
+    ("connections", ["b.* -> a.*", "b.force -> a.force"], ["a.force", "second time"]),
     ("master", None, ["master", "table"]),
     ("master.step", 0, ["master.step", "0"]),
     ("master.step", -1e-3, ["master.step", "-0.001"]),
@@ -104,6 +118,15 @@ def test_bad_scenes_give_one_message_that_names_the_fault(place, value, named):
 def test_what_is_missing_is_named(missing):
     with pytest.raises(BadInput, match=f"{missing}: nothing; expected a value. Add {missing} = "):
         read_scene({k: v for k, v in GOOD.items() if k != missing})
+
+
+def test_a_star_connects_all_of_the_same_name():
+    scene = read_scene(GOOD)
+    starred = read_scene({**GOOD, "connections": ["b.* -> a.*", *GOOD["connections"][1:]]})
+    assert settle(starred).links == settle(scene).links
+    units = {"a": {"component": "tests.support:Probe"}, "b": {"component": "tests.orchestrator.test_scene:Shelf"}}
+    links = settle(read_scene({**GOOD, "units": units, "connections": ["a.prof* -> b.prof*"]})).links
+    assert [(k.source[1], k.target[1]) for k in links] == [(f"profile[{i}]", f"profile[{i}]") for i in (1, 2, 3)]
 
 
 def test_algebraic_loops_are_refused_and_named():
