@@ -35,6 +35,16 @@ class BallGeometry:
         """d cos(alpha) / dm."""
         return self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
 
+    @property
+    def cage_ratio(self) -> float:
+        """Speed of the balls round the shaft over that of the inner ring, the outer one at rest."""
+        return 0.5 * (1.0 - self.gamma)
+
+    @property
+    def spin_ratio(self) -> float:
+        """Speed of a ball about its own axis, seen from the cage, over that of the inner ring, the outer one at rest."""
+        return 0.5 * self.pitch_diameter / self.ball_diameter * (1.0 - self.gamma**2)
+
     def radii(self, race: str) -> tuple[float, float]:
         """Relative radii (Rx, Ry) of ball and race, m; race: "inner" or "outer"."""
         sign, conformity = (-1.0, self.inner_conformity) if race == "inner" else (1.0, self.outer_conformity)
@@ -59,10 +69,10 @@ class BallGeometry:
         cage: of the ball set (FTF); outer, inner: of a ball over a defect of that race (BPFO, BPFI); ball: of a ball's spin
         (BSF), whose defect meets a race twice a turn.
         """
-        g = self.gamma
+        cage = self.cage_ratio * rotation
         return {
-            "cage": 0.5 * rotation * (1.0 - g),
-            "outer": 0.5 * self.balls * rotation * (1.0 - g),
-            "inner": 0.5 * self.balls * rotation * (1.0 + g),
-            "ball": 0.5 * rotation * self.pitch_diameter / self.ball_diameter * (1.0 - g * g),
+            "cage": cage,
+            "outer": self.balls * cage,
+            "inner": self.balls * (rotation - cage),
+            "ball": self.spin_ratio * rotation,
         }

@@ -80,7 +80,7 @@ def parameter(start: float | tuple[float, ...], unit: str, text: str, **limits) 
     return Variable(Causality.PARAMETER, Kind.REAL, start, unit, text, **limits)
 
 
-def integer(start: int, text: str, **limits) -> Variable:
+def integer(start: int | tuple[int, ...], text: str, **limits) -> Variable:
     """A whole number, fixed before the run."""
     return Variable(Causality.PARAMETER, Kind.INTEGER, start, "1", text, **limits)
 

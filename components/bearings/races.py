@@ -1,0 +1,144 @@
+"""Races and balls that are not perfect: waviness by order, and localized defects with a smooth profile.
+
+Everything here ends in the gap of each ball, the length by which the surfaces of ball and races are farther apart than on a
+perfect bearing; a bearing model subtracts it from its contact deformation. Ball j stands at angle + 2 pi j / Z, j = 0 ... Z - 1.
+
+How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, `settle` hands the kernels
+`race_waves(...)` and `smooth_pit(...)` in their place, and a kernel calls, with `gap` and `rate` of shape (Z,) filled beforehand,
+
+    add_waves(gap, rate, cage - inner, cage_speed - speed, inner_waves)         race fixed to the inner ring
+    add_waves(gap, rate, cage, cage_speed, outer_waves)                         race at rest
+    add_pit(gap, rate, cage - inner, cage_speed - speed, inner_pit)             a pit turns with its ring
+    add_pit(gap, rate, cage, cage_speed, outer_pit)
+    add_ball_pit(gap, rate, spin, spin_speed, ball_pit)                         meets the inner, half a turn later the outer race
+
+`rate` gets the time derivative of the gap, for contact damping; hand over None where nobody asks for it. The angle `spin` is
+that of the ball against the cage and needs a state of its own: spin_speed = spin_ratio * speed with `BallGeometry.spin_ratio`,
+no whole multiple of any other angle, so that it cannot be had from a wrapped one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.kernels import kernel, kernel_tuple
+from ..core.variables import integer, parameter
+
+ORDERS = 8
+TWO_PI = 2.0 * math.pi
+
+
+class Waviness(Effect):
+    """Waves of a race: the surface lies deeper by the sum of amplitude * cos(order * angle + phase), angle along the race."""
+
+    order = integer((2, 3, 4, 5, 6, 7, 8, 9), "number of waves along the race; amplitude 0 leaves an order out", size=ORDERS,
+                    low=1, high=10000)
+    amplitude = parameter((1e-6, *[0.0] * (ORDERS - 1)), "m", "amplitude of the order", size=ORDERS, nominal=1e-6)
+    phase = parameter(0.0, "rad", "phase of the order at the race's own angle 0", size=ORDERS)
+
+
+class Defect(Effect):
+    """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
+
+    depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
+    width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
+    position = parameter(0.0, "rad", "middle of the pit on its race")
+
+
+class BallDefect(Effect):
+    """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
+
+    depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
+    width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)
+    position = parameter(0.0, "rad", "turn of the ball from its start at which the pit meets the inner race")
+    ball = integer(1, "number of the ball, counted from 1", low=1)
+
+
+@kernel_tuple
+class Waves(NamedTuple):
+    """Waves of a race, developed for balls at equal distances."""
+
+    order: np.ndarray  # (n,)
+    cosine: np.ndarray  # (n, Z), m: amplitude * cos(order * 2 pi j / Z + phase)
+    sine: np.ndarray  # (n, Z), m
+
+
+@kernel_tuple
+class Pit(NamedTuple):
+    """A raised-cosine pit; ball: index of the ball that carries it, for one on a ball."""
+
+    depth: float  # m
+    half_width: float  # rad
+    position: float  # rad
+    ball: int
+
+
+def race_waves(order, amplitude, phase, balls: int) -> Waves:
+    """Waves for `balls` balls from arrays (n,): order, amplitude (m), phase (rad); orders without amplitude are left out."""
+    used = np.flatnonzero(amplitude)
+    number, a, start = (np.asarray(v, dtype=float)[used] for v in (order, amplitude, phase))
+    angles = np.outer(number, TWO_PI * np.arange(balls) / balls) + start[:, None]
+    return Waves(number, a[:, None] * np.cos(angles), a[:, None] * np.sin(angles))
+
+
+def smooth_pit(depth: float, width: float, position: float, ball: int = 1) -> Pit:
+    """A pit from its depth (m), full width and position (rad); `ball`, counted from 1, for one on a ball."""
+    return Pit(float(depth), 0.5 * float(width), float(position), int(ball) - 1)
+
+
+@kernel
+def wrapped(angle):
+    """The angle in [0, 2 pi), rad."""
+    angle -= TWO_PI * math.floor(angle / TWO_PI)
+    # a tiny negative angle rounds to 2 pi itself
+    return angle if angle < TWO_PI else 0.0
+
+
+@kernel
+def add_waves(gap, rate, angle, speed, waves):
+    """gap[j] += sum over l of A_l cos(l (angle + 2 pi j / Z) + phase_l), m; rate[j] += its derivative, angle' = speed."""
+    for i in range(waves.order.size):
+        order = waves.order[i]
+        c, s = math.cos(order * angle), math.sin(order * angle)
+        for j in range(gap.size):
+            gap[j] += waves.cosine[i, j] * c - waves.sine[i, j] * s
+        if rate is not None:
+            c, s = order * speed * c, order * speed * s
+            for j in range(gap.size):
+                rate[j] -= waves.cosine[i, j] * s + waves.sine[i, j] * c
+
+
+@kernel
+def pit_profile(angle, pit):
+    """(depth in m, slope in m/rad) of a pit at an angle of its race: depth/2 (1 + cos(pi s / half_width)), s from its middle."""
+    s = angle - pit.position
+    s -= TWO_PI * math.floor(s / TWO_PI + 0.5)
+    if abs(s) >= pit.half_width:
+        return 0.0, 0.0
+    scale = math.pi / pit.half_width
+    return 0.5 * pit.depth * (1.0 + math.cos(scale * s)), -0.5 * pit.depth * scale * math.sin(scale * s)
+
+
+@kernel
+def add_pit(gap, rate, angle, speed, pit):
+    """Gap of every ball that stands in the pit of a race; angle: of ball 0 along the race, angle' = speed."""
+    spacing = TWO_PI / gap.size
+    for j in range(gap.size):
+        depth, slope = pit_profile(angle + spacing * j, pit)
+        gap[j] += depth
+        if rate is not None:
+            rate[j] += slope * speed
+
+
+@kernel
+def add_ball_pit(gap, rate, spin, speed, pit):
+    """Gap of the ball that carries a pit; spin: turn of the ball against the cage, spin' = speed."""
+    inner_depth, inner_slope = pit_profile(spin, pit)
+    outer_depth, outer_slope = pit_profile(spin + math.pi, pit)
+    gap[pit.ball] += inner_depth + outer_depth
+    if rate is not None:
+        rate[pit.ball] += (inner_slope + outer_slope) * speed
