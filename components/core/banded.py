@@ -1,4 +1,8 @@
-"""Symmetric banded systems, U' D⁻¹ U in place: a hand loop beats LAPACK's column-wise solver for such narrow bands."""
+"""Banded systems, factored in place: hand loops beat LAPACK's column-wise solver for such narrow bands.
+
+Symmetric ones as U' D⁻¹ U from their upper band, general ones as L U from their whole band. Neither exchanges rows: the
+matrices must not need it, as those of structures with inertia do not.
+"""
 
 from __future__ import annotations
 
@@ -46,3 +50,46 @@ def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
         y[:-k] += band[:-k, k] * x[k:]
         y[k:] += band[:-k, k] * x[:-k]
     return y
+
+
+@kernel
+def factor_general(band):
+    """Factor a general banded matrix in place.
+
+    band: (N, 2 w + 1), band[i, w + k] = A[i, i + k]; afterwards L without its unit diagonal and U, 1 / U[i, i] at band[i, w].
+    """
+    n, w = band.shape[0], band.shape[1] // 2
+    for i in range(n):
+        for m in range(max(0, i - w), i):
+            scale = band[i, w + m - i] * band[m, w]
+            band[i, w + m - i] = scale
+            for k in range(1, min(w, n - 1 - m) + 1):
+                band[i, w + m - i + k] -= scale * band[m, w + k]
+        band[i, w] = 1.0 / band[i, w]
+
+
+@kernel
+def solve_general(band, b):
+    """Solve A x = b with the factors of `factor_general`; b becomes x."""
+    n, w = band.shape[0], band.shape[1] // 2
+    for i in range(n):
+        value = b[i]
+        for k in range(max(-w, -i), 0):
+            value -= band[i, w + k] * b[i + k]
+        b[i] = value
+    for i in range(n - 1, -1, -1):
+        value = b[i]
+        for k in range(1, min(w, n - 1 - i) + 1):
+            value -= band[i, w + k] * b[i + k]
+        b[i] = value * band[i, w]
+
+
+@kernel
+def add_product(band, x, b):
+    """b += A x for a general band."""
+    n, w = band.shape[0], band.shape[1] // 2
+    for i in range(n):
+        value = 0.0
+        for k in range(max(-w, -i), min(w, n - 1 - i) + 1):
+            value += band[i, w + k] * x[i + k]
+        b[i] += value

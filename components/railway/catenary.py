@@ -9,10 +9,11 @@ import numpy as np
 from ..core.banded import banded_product, factor_band, solve_band
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
+from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
 from .explicit import explicit_steps, move_window
-from .implicit import effective_band, generalized_alpha, implicit_steps
+from .implicit import effective_band, implicit_steps
 from .mesh import add_droppers, build_mesh, packed, system_bands, unpacked
 from .statics import loaded_equilibrium
 from .wires import in_range, local_compliance, wire_height, wire_velocity

@@ -3,36 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..core.banded import factor_band, solve_band
-from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel, kernel_tuple
+from ..core.generalized_alpha import Method
+from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
 from .wires import WHISPER, add_contact, add_wire_force, element_at, in_range
 
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
-
-
-@kernel_tuple
-class Method(NamedTuple):
-    """Coefficients of the generalised-alpha method for one step length."""
-
-    step: float  # s
-    alpha_m: float
-    alpha_f: float
-    gamma: float
-    beta: float
-
-
-def generalized_alpha(step: float, spectral_radius: float) -> Method:
-    """Second-order coefficients with a given damping of the highest frequencies (1: none, the midpoint rule).
-
-    Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375, eqs. (17), (18), (25).
-    """
-    alpha_m = (2.0 * spectral_radius - 1.0) / (spectral_radius + 1.0)
-    alpha_f = spectral_radius / (spectral_radius + 1.0)
-    return Method(step, alpha_m, alpha_f, 0.5 - alpha_m + alpha_f, 0.25 * (1.0 - alpha_m + alpha_f) ** 2)
 
 
 def effective_band(method: Method, mass, stiffness, mesh, alpha: float, beta: float) -> np.ndarray:

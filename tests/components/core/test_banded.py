@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from components.core.banded import banded_product, factor_band, solve_band
+from components.core.banded import add_product, banded_product, factor_band, factor_general, solve_band, solve_general
 
 
 def random_system(n: int, width: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -39,3 +39,21 @@ def test_partial_factorisation_has_the_same_bits():
     complete = band.copy()
     factor_band(complete, 0, 0, 60)
     assert np.array_equal(factors, complete)
+
+
+@pytest.mark.parametrize("half_width", [1, 3, 7])
+def test_general_solution_and_product_equal_the_dense_ones(half_width):
+    n, rng = 30, np.random.default_rng(half_width)
+    dense = np.where(np.abs(np.subtract.outer(range(n), range(n))) <= half_width, rng.normal(size=(n, n)), 0.0)
+    dense += 4.0 * half_width * np.eye(n)  # no exchange of rows needed
+    band = np.zeros((n, 2 * half_width + 1))
+    for k in range(-half_width, half_width + 1):
+        band[max(0, -k) : n - max(0, k), half_width + k] = np.diag(dense, k)
+    x = rng.normal(size=n)
+    b = np.ones(n)
+    add_product(band, x, b)
+    assert b == pytest.approx(1.0 + dense @ x, rel=1e-12)  # rounding of sums of at most 15 terms of either sign
+    factor_general(band)
+    b -= 1.0
+    solve_general(band, b)
+    assert b == pytest.approx(x, rel=1e-12)
