@@ -1,0 +1,172 @@
+"""Static equilibrium of a ball bearing: displacement, ball loads and contact angles under given forces and moments.
+
+The equilibrium is the minimum of the potential less the work of the load. That function is convex (see contacts.py), but
+only just: no stiffness at all in free play, none across the line of a single loaded ball, and for a contact angle of 0 without
+clearance none along the shaft, where the energy grows with z^5. So Newton's matrix gets a multiple of the identity
+(Levenberg, Marquardt), which starts large and is let go on the way: far from contact the steps grow by a factor of ten each until a
+ball is met, near the solution it is Newton's method, and where nothing resists nothing moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.errors import BadInput
+from ..core.kernels import DONE, NOT_CONVERGED, kernel
+from .contacts import LOAD, BallContacts, contact_forces, place_balls
+
+COORDINATES = ("x", "y", "z", "tilt_x", "tilt_y")
+ITERATIONS = 300
+TOLERANCE = 1e-11  # of the unbalanced force to the loads
+NO_FORCE = 1e-10  # N; forces below it count as none. The approach of a ball that carries it is below 1e-13 m.
+OVERSHOOT = 0.3  # of the unbalanced force along a step, that may be left behind it with the other sign
+FLOOR = 1e-11  # of the largest stiffness, that Newton's matrix keeps of the identity: above rounding, so that it stays definite
+START = 0.05  # of the distance of the groove centres, the approach of a ball under the load from which a smaller one comes down
+COARSE = 1e-3  # tolerance on the way there
+WORK_ROWS = 21  # of 5: three 5 x 5 matrices and 28 numbers, see `minimum`
+
+
+class StaticLoads(NamedTuple):
+    """An equilibrium; `status` is DONE or NOT_CONVERGED of `core.kernels`."""
+
+    displacement: np.ndarray  # (5,) x, y, z in m, tilt_x, tilt_y in rad, of the inner ring
+    ball_loads: np.ndarray  # (Z,) N
+    contact_angles: np.ndarray  # (Z,) rad, from the plane of the bearing; of an unloaded ball that of the groove centres
+    status: int
+
+
+def static_loads(
+    contacts: BallContacts,
+    forces: np.ndarray,
+    *,
+    first_ball: float = 0.0,
+    held: Collection[str] = (),
+    extra: np.ndarray | float = 0.0,
+) -> StaticLoads:
+    """Equilibrium of the inner ring under an external load on it; the outer ring is fixed.
+
+    forces: (5,) Fx, Fy, Fz in N, Mx, My in N.m.  first_ball: angle of the first ball, rad.  held: coordinates of
+    `COORDINATES` that stay 0, whatever their force or moment.  extra: approach of each ball's contacts on top of that of the rings, m, one or (Z,).
+
+    Without load and with clearance the ring stays in the middle. Raises `BadInput` for loads that are not finite, or that
+    too few balls cannot carry.
+    """
+    forces = np.array(forces, dtype=float)
+    if forces.shape != (5,) or not np.isfinite(forces).all():
+        raise BadInput("static loads", f"forces {forces}", "five finite numbers: Fx, Fy, Fz, Mx, My")
+    if contacts.balls < 3:
+        raise BadInput("static loads", f"{contacts.balls} balls", "at least three, which hold a ring from all sides")
+    for name in held:
+        if name not in COORDINATES:
+            raise BadInput("static loads", f"coordinate {name!r} held", "one of " + ", ".join(COORDINATES))
+    balls = place_balls(contacts.balls, first_ball)
+    balls[:, 2] = extra
+    q, free = np.zeros(5), np.array([float(name not in held) for name in COORDINATES])
+    status = int(equilibrium(forces, free, contacts, balls, q, np.zeros((WORK_ROWS, 5))))
+    return StaticLoads(q, balls[:, LOAD].copy(), contact_angles(q, contacts, balls), status)
+
+
+def contact_angles(q: np.ndarray, contacts: BallContacts, balls: np.ndarray) -> np.ndarray:
+    """Angle of each ball's contact line from the plane of the bearing at displacement q (5,), (Z,) rad."""
+    c, s = balls[:, 0], balls[:, 1]
+    axial = contacts.axial + q[2] + contacts.lever * (q[3] * s - q[4] * c)
+    return np.arctan2(axial, contacts.radial + q[0] * c + q[1] * s)
+
+
+@kernel
+def equilibrium(forces, free, contacts, balls, q, work):
+    """Move q (5,) from where it is to equilibrium with the external `forces` (5,); status DONE or NOT_CONVERGED.
+
+    free: (5,) 1.0 for a coordinate that may move, 0.0 for one that is held.  balls: as for `contact_forces`; at the end with
+    the loads.  work: (WORK_ROWS, 5).  A small load comes down from a large one, by a factor of ten a time.
+    """
+    load = 0.0
+    for i in range(5):
+        load = math.hypot(load, free[i] * forces[i] / (contacts.lever if i > 2 else 1.0))
+    large = contacts.stiffness * (START * contacts.distance) ** 1.5
+    times = max(1.0, large / load) if load > NO_FORCE else 1.0
+    while times > 1.0:
+        status = minimum(times, forces, free, contacts, balls, q, COARSE, work)
+        if status != DONE:
+            return status
+        times *= 0.1
+    return minimum(1.0, forces, free, contacts, balls, q, TOLERANCE, work)
+
+
+@kernel
+def minimum(times, forces, free, contacts, balls, q, tolerance, work):
+    """`equilibrium` with `times` the forces, by Newton's method from where q is; tilts count by the way at the contacts' lever."""
+    stiffness, next_stiffness, matrix, flat = work[:5], work[5:10], work[10:15], work[15:].reshape(-1)
+    sums, unbalanced, step, trial, scale = flat[:8], flat[8:13], flat[13:18], flat[18:23], flat[23:28]
+    longest = 0.25 * contacts.radial  # m, of a step; keeps every ball in its groove
+    status = contact_forces(q, contacts, balls, sums, stiffness, None, None, None)
+    if status != DONE:
+        return status
+    load = 0.0
+    for i in range(5):
+        scale[i] = free[i] / (contacts.lever if i > 2 else 1.0)
+        load = math.hypot(load, times * scale[i] * forces[i])
+    damping = 1.5 * (contacts.stiffness**2 * max(load, NO_FORCE)) ** (1.0 / 3.0)  # stiffness of one ball under the load
+    for _ in range(ITERATIONS):
+        carried, left, stiffest = 0.0, 0.0, 0.0
+        for j in range(balls.shape[0]):
+            carried += balls[j, LOAD]
+        for i in range(5):
+            unbalanced[i] = scale[i] * (times * forces[i] + sums[i])
+            left = math.hypot(left, unbalanced[i])
+            stiffest = max(stiffest, scale[i] * stiffness[i, i] * scale[i])
+        if left <= tolerance * (load + carried) + NO_FORCE:
+            return DONE
+        damping = max(damping, FLOOR * stiffest)
+        for i in range(5):
+            for j in range(5):
+                matrix[i, j] = scale[i] * stiffness[i, j] * scale[j]
+            matrix[i, i] += damping
+            step[i] = unbalanced[i]
+        solve_positive(matrix, step)
+        length, before, after = 0.0, 0.0, 0.0
+        for i in range(5):
+            length = math.hypot(length, step[i])
+        for i in range(5):
+            step[i] *= min(1.0, longest / length)
+            trial[i] = q[i] + scale[i] * step[i]
+            before += unbalanced[i] * step[i]
+        status = contact_forces(trial, contacts, balls, sums, next_stiffness, None, None, None)
+        for i in range(5):
+            after += scale[i] * (times * forces[i] + sums[i]) * step[i]
+        # The unbalanced force along the step is the slope of a convex function: it may fall, and hardly change its sign.
+        if status == DONE and after >= -OVERSHOOT * before:
+            for i in range(5):
+                q[i] = trial[i]
+                for j in range(5):
+                    stiffness[i, j] = next_stiffness[i, j]
+            damping *= 0.1
+        else:
+            for i in range(5):
+                sums[i] = unbalanced[i] / scale[i] - times * forces[i] if free[i] > 0.0 else 0.0
+            damping = max(4.0 * damping, 1e-4 * stiffest)
+    return NOT_CONVERGED
+
+
+@kernel
+def solve_positive(a, b):
+    """Solve a x = b for a symmetric positive definite a (n, n) by Cholesky's factors, in place; b becomes x."""
+    n = b.size
+    for i in range(n):
+        for j in range(i + 1):
+            value = a[i, j]
+            for k in range(j):
+                value -= a[i, k] * a[j, k]
+            a[i, j] = math.sqrt(value) if i == j else value / a[j, j]
+    for i in range(n):
+        for k in range(i):
+            b[i] -= a[i, k] * b[k]
+        b[i] /= a[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            b[i] -= a[k, i] * b[k]
+        b[i] /= a[i, i]
