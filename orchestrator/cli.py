@@ -186,6 +186,45 @@ def _change(text: str) -> tuple[str, Any]:
 
 
 @app.command()
+def sweep(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS",
+                                                   help="Values of a parameter, instead of the scene's [sweep].")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for sweep.csv and the report.")] = Path("sweep"),
+    values: Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help="Change a parameter.")] = None,
+) -> None:
+    """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
+    from . import report
+    from .scene import load_scene
+    from .sweep import sweep as run_sweep
+
+    loaded = load_scene(scene)
+    changes = dict(map(_change, values or []))
+    if over:
+        changes["sweep"] = dict(map(_range_of, over))
+    if changes:
+        loaded = loaded.with_changes(changes)
+    found = run_sweep(loaded, progress=True)
+    written = [found.save(output), report.for_sweep(found, output)]
+    failed = [o for o in found.outcomes if o != "done"]
+    print(f"{len(found.outcomes)} points, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    for reason in dict.fromkeys(failed):
+        print(f"cosimo: {reason}", file=sys.stderr)
+    if failed:
+        raise SystemExit(FAILED_RUN)
+
+
+def _range_of(text: str) -> tuple[str, Any]:
+    """("unit.parameter", range) of "unit.parameter=from:to:points"."""
+    place, _, values = text.partition("=")
+    try:
+        first, last, points = values.split(":")
+        return place.strip(), {"from": float(first), "to": float(last), "points": int(points)}
+    except ValueError:
+        raise BadInput("--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31.") from None
+
+
+@app.command()
 def validate(
     cases: Annotated[list[str] | None, typer.Argument(help="names of cases, see cosimo list cases; all without it")] = None,
     in_process: InProcess = False,

@@ -11,12 +11,14 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from components.core.errors import BadInput, nearest
 
 SHIPPED = Path(__file__).parent / "scenes"
 Seconds = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Value = bool | int | float | str
 
 
@@ -57,6 +59,25 @@ def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str
             yield from ((f"{prefix}{key}[{i}]", v) for i, v in enumerate(value, 1))
         else:
             yield prefix + key, value
+
+
+RANGE = ("from", "to", "points")
+
+
+def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested tables of a sweep as full names of parameters, each with its values; ranges as evenly spaced ones."""
+    for key, value in table.items():
+        name = prefix + key
+        if not isinstance(value, Mapping):
+            yield name, value
+        elif not value.keys() & set(RANGE):
+            yield from _swept(value, name + ".")
+        else:
+            first, last, points = (value.get(k) for k in RANGE)
+            numbers = all(isinstance(v, int | float) for v in (first, last))
+            if len(value) != 3 or not numbers or not isinstance(points, int) or points < 2:
+                raise BadInput(name, repr(dict(value)), "{ from = first value, to = last value, points = 2 or more }")
+            yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
 
 
 class MasterSettings(_Model):
@@ -101,6 +122,8 @@ class Scene(_Model):
     units: dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_]*$")], UnitSettings] = Field(min_length=1)
     master: MasterSettings
     record: RecordSettings = RecordSettings()
+    sweep: dict[str, Annotated[tuple[int | Number, ...], Field(min_length=1)]] = Field(
+        default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
     analysis: dict[str, Any] = Field(default={}, description="free table for the analysis of the results")
     _name: str = PrivateAttr("scene")
 
@@ -108,6 +131,11 @@ class Scene(_Model):
     def name(self) -> str:
         """Stem of the file the scene came from."""
         return self._name
+
+    @field_validator("sweep", mode="before")
+    @classmethod
+    def _by_full_name(cls, sweep: Any) -> Any:
+        return dict(_swept(sweep)) if isinstance(sweep, Mapping) else sweep
 
     @model_validator(mode="after")
     def _lengths_fit(self) -> Scene:

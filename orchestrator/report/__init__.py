@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import generic, railway
+from . import generic, railway, sweeps
 from .chart import Chart
 from .charts import draw_chart
-from .page import Block, Cells, Page, Section, Text, write_page
+from .page import Block, Cells, Facts, Page, Section, Text, write_page
 
 if TYPE_CHECKING:
     from ..results import Result
+    from ..sweep import Sweep
     from ..validation.case import CaseResult
 
 SYSTEMS = {"railway": railway.blocks}  # by the system a case has, or a scene names in its [analysis]
@@ -60,6 +61,18 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path
     else:
         title = f"{len(case_results)} validation cases"
     return write_page(Page(title, lead, sections, footer), Path(directory) / "report.html")
+
+
+def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
+    """`report.html` of a sweep: its section against the last parameter that varies, and the measures."""
+    scene = sweep.scene
+    blocks: list[Block] = []
+    if failed := [o for o in sweep.outcomes if o != "done"]:
+        blocks.append(Text([f"{len(failed)} of {len(sweep.outcomes)} points failed: {failed[0]}"], "warning"))
+    blocks += [draw_chart(c) for c in (sweeps.section_chart(sweep), sweeps.measures_chart(sweep)) if c is not None]
+    lead = f"{len(sweep.outcomes)} runs over {', '.join(sweep.varied)}; the numbers are in sweep.csv."
+    blocks.append(Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True))
+    return write_page(Page(scene.title or scene.name, lead, [Section("Sweep", blocks)]), Path(directory) / "report.html")
 
 
 def _case_sections(result: CaseResult, alone: bool) -> list[Section]:

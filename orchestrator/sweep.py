@@ -1,0 +1,150 @@
+"""One scene over the values its [sweep] names: every combination is a run in this process.
+
+What is kept of a run are measures of its recorded signals after the transient and, where [analysis] has a section, the
+points of a signal each time an angle passes a multiple of something: the raw material of a bifurcation diagram.
+
+    [analysis]
+    transient = 0.5                                                             # s, left out of everything below
+    section = { signal = "bearing.x", angle = "bearing.cage_angle", turns = 8 }   # points eight times a turn of the angle
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from components.core.errors import BadInput
+
+from .analysis.sections import section as section_of
+from .results import Result
+from .run import run
+from .scene import Scene
+from .units.component import find
+
+KINDS: dict[str, Callable[[np.ndarray], Any]] = {"minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std}
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What the points of a sweep gave, in the order of the product of its values.
+
+    varied: "unit.parameter" -> values, (n,).  measures: "unit.signal, kind" -> (n,), NaN where a run failed.
+    outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
+    units: unit of measure of every column.
+    """
+
+    scene: Scene
+    varied: Mapping[str, np.ndarray]
+    measures: Mapping[str, np.ndarray]
+    outcomes: tuple[str, ...]
+    section: tuple[np.ndarray, ...]
+    units: Mapping[str, str]
+
+    def save(self, directory: str | Path) -> Path:
+        """Write sweep.csv: one row a point, the first line the column names with units."""
+        directory = Path(directory)
+        columns = {**self.varied, **self.measures}
+        names = [f"{n}, {self.units[n]}" if self.units[n] else n for n in columns]
+        try:
+            directory.mkdir(parents=True, exist_ok=True)
+            with open(directory / "sweep.csv", "w", encoding="utf-8") as file:
+                file.write(",".join(f'"{n}"' for n in [*names, "outcome"]) + "\n")
+                for *values, outcome in zip(*(c.tolist() for c in columns.values()), self.outcomes, strict=True):
+                    file.write(",".join([*map(str, values), '"' + outcome.replace('"', "'") + '"']) + "\n")
+        except OSError as error:
+            where = repr(str(directory))
+            raise BadInput("output directory", where, "a place that can be written", f"{error.strerror}.") from None
+        return directory / "sweep.csv"
+
+
+def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
+    """(values by "unit.parameter", the scene with them) of every combination, all checked; raises `BadInput` without [sweep]."""
+    if not scene.sweep:
+        raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
+                       'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11.')
+    made = []
+    for values in itertools.product(*scene.sweep.values()):
+        point = dict(zip(scene.sweep, values, strict=True))
+        places = {}
+        for name, value in point.items():
+            unit, dot, parameter = name.partition(".")
+            if not dot:
+                raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
+            places[f"units.{unit}.parameters.{parameter}"] = value
+        made.append((point, scene.with_changes(places)))
+    return made
+
+
+def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
+    """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on."""
+    made = points(scene)
+    rows: list[dict[str, float]] = []
+    outcomes, section = [], []
+    units = {name: _unit(scene, name) for name in scene.sweep}
+    for _, one in _shown(made, scene.title or scene.name, progress):
+        result = run(one, in_process=True)
+        done = result.outcome == "done"
+        outcomes.append(result.outcome if done else result.message)
+        rows.append(measures(result) if done else {})
+        section.append(section_points(result) if done else np.zeros(0))
+        units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
+    names = dict.fromkeys(name for row in rows for name in row)
+    return Sweep(
+        scene,
+        {name: np.array([values[name] for values, _ in made]) for name in scene.sweep},
+        {name: np.array([row.get(name, np.nan) for row in rows]) for name in names},
+        tuple(outcomes), tuple(section), units,
+    )
+
+
+def _unit(scene: Scene, name: str) -> str:
+    """Unit of measure of a swept parameter; "" for one of an FMU."""
+    unit, _, parameter = name.partition(".")
+    component = scene.units[unit].component
+    return find(component, unit).variables[parameter].unit if component else ""
+
+
+def after_transient(result: Result) -> slice:
+    """The samples from [analysis] transient on; all without it."""
+    first = int(np.searchsorted(result.time, float(result.scene.analysis.get("transient", 0.0))))
+    if first >= result.time.size - 1:
+        raise BadInput(f"{result.scene.name}: analysis.transient", f"{result.scene.analysis['transient']:g} s",
+                       f"less than the length of the run, {result.time[-1]:g} s")
+    return slice(first, None)
+
+
+def measures(result: Result) -> dict[str, float]:
+    """"unit.signal, kind" -> number, of every recorded signal after the transient."""
+    kept = after_transient(result)
+    return {f"{n}, {kind}": float(f(c[kept])) for n, c in result.columns.items() for kind, f in KINDS.items()}
+
+
+def section_points(result: Result) -> np.ndarray:
+    """Values of the section's signal, (k,), where its angle passes multiples of a turn over `turns`; none without a section."""
+    wanted = result.scene.analysis.get("section")
+    if wanted is None:
+        return np.zeros(0)
+    if not isinstance(wanted, Mapping) or not {"signal", "angle"} <= wanted.keys() <= {"signal", "angle", "turns"}:
+        expected = '{ signal = "unit.output", angle = "unit.output", turns = points a turn }'
+        raise BadInput(f"{result.scene.name}: analysis.section", repr(wanted), expected)
+    kept = after_transient(result)
+    spacing = 2.0 * np.pi / float(wanted.get("turns", 1))
+    return section_of(result[wanted["angle"]][kept], spacing, result[wanted["signal"]][kept])[0]
+
+
+def _shown(items: list[tuple[dict[str, Any], Scene]], title: str, progress: bool) -> Iterable[tuple[dict[str, Any], Scene]]:
+    """The items, with a progress bar on a terminal."""
+    if not (progress and sys.stderr.isatty()):
+        return items
+    from rich.console import Console
+    from rich.progress import track
+
+    shown: Iterator[tuple[dict[str, Any], Scene]] = iter(
+        track(items, description=title, console=Console(stderr=True), transient=True))
+    return shown
