@@ -27,7 +27,9 @@ from .run import run
 from .scene import Scene
 from .units.component import find
 
-KINDS: dict[str, Callable[[np.ndarray], Any]] = {"minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std}
+KINDS: dict[str, Callable[[np.ndarray], Any]] = {
+    "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
+}
 
 
 @dataclass(frozen=True)
