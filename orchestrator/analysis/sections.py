@@ -1,9 +1,12 @@
-"""Sections of a motion: its signals each time an angle has advanced by the same amount (stroboscopic, Poincaré)."""
+"""Sections of a motion: its signals each time an angle has advanced by the same amount, or a surface is passed."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from components.core.errors import BadInput
 
@@ -24,3 +27,18 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
         raise BadInput("section", came, "four samples a turn or more", "Record more often.")
     at = spacing * np.arange(np.ceil(turned[0] / spacing), np.floor(turned[-1] / spacing) + 1)
     return [CubicSpline(turned, s)(at) for s in signals]
+
+
+def crossings(time: np.ndarray, surface: np.ndarray, *signals: np.ndarray) -> list[np.ndarray]:
+    """Each signal (n,) where `surface` (n,) rises through zero, (k,): a Poincaré section; between samples by cubic splines."""
+    spline = CubicSpline(time, surface)
+    roots = spline.roots(extrapolate=False)
+    rising = roots[spline(roots, 1) > 0.0]
+    return [CubicSpline(time, s)(rising) for s in signals]
+
+
+def distinct(points: np.ndarray, tolerance: float) -> int:
+    """Number of groups among points (k, d) that are linked by gaps of at most `tolerance`: the period, for a periodic motion."""
+    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
+    return int(connected_components(links, directed=False)[0])
