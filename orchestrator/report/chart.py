@@ -12,9 +12,10 @@ Numbers = Sequence[float] | np.ndarray
 
 @dataclass(frozen=True)
 class Series:
-    """One line or set of points. kind: "line", "points", "line+points". faint: context, drawn thin and pale.
+    """One line or set of points. kind: "line", "points", "line+points", "dots" (small, for clouds of many).
 
-    labels: a text per point, shown at the pointer.
+    faint: context, drawn thin and pale.  labels: a text per point, shown at the pointer.
+    shades: a number per point that is shown as its colour, with `shade_label` at the scale; zero is the neutral middle.
     """
 
     name: str
@@ -23,6 +24,30 @@ class Series:
     kind: str = "line"
     faint: bool = False
     labels: Sequence[str] = ()
+    shades: Numbers = ()
+    shade_label: str = ""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Places on the x axis where something of one name is expected: vertical lines through the panel with an entry in the legend.
+
+    at: (position, short text); the text stands above the panel where there is room.
+    """
+
+    name: str
+    at: tuple[tuple[float, str], ...]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Values (len(y), len(x)) over a rectangle. palette: "binary" (0 paper, 1 ink), "rising" (from 0), "diverging" (about 0)."""
+
+    x: Numbers
+    y: Numbers
+    values: np.ndarray
+    label: str = ""  # of the scale
+    palette: str = "rising"
 
 
 @dataclass(frozen=True)
@@ -37,13 +62,25 @@ class Band:
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes. x_marks: thin vertical lines, (position, short text)."""
+    """One pair of axes. x_marks: thin vertical lines, (position, short text).
+
+    x_label: of a panel with an x axis of its own; without it, the panel shares the chart's.  logarithmic: the y axis.
+    equal: one length in both directions is the same length on the page, about a common middle: for orbits.
+    y_range, x_range: ends of the axes; without them as the data has it.
+    """
 
     y_label: str
     series: tuple[Series, ...]
     bands: tuple[Band, ...] = ()
     x_marks: tuple[tuple[float, str], ...] = ()
     title: str = ""
+    lines: tuple[Lines, ...] = ()
+    picture: Picture | None = None
+    x_label: str = ""
+    equal: bool = False
+    logarithmic: bool = False
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

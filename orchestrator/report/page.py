@@ -13,6 +13,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
+from .style import DARK
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -135,6 +137,7 @@ def write_page(page: Page, path: Path) -> Path:
             figure_number={id(f): i for i, f in enumerate(figures, 1)},
             id=id,
             css=_asset("page.css"),
+            dark=DARK,
             script=_asset("page.js"),
             plotly=get_plotlyjs() if figures else "",
         )

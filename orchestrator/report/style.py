@@ -17,6 +17,17 @@ GRID = "#eef1f4"
 BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION = "#0072b2", "#e69f00", "#009e73", "#aa4499", "#56b4e9", "#d55e00"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, INK)
 RAW = "#a9bccd"
+PAPER = "#ffffff"
+DIVERGING = [[0, "#b35806"], [0.25, "#f1a340"], [0.5, "#f7f7f7"], [0.75, "#67a9cf"], [1, "#053061"]]
+RISING = [[0, PAPER], [0.15, "#cfe3ee"], [0.4, "#67a9cf"], [0.7, BLUE], [1, "#08304f"]]
+BINARY = [[0, PAPER], [1, INK]]
+# The same figures on dark paper: every colour of the left as the one of the right.
+DARK = {
+    PAPER: "#14191f", INK: "#e4e9ee", MUTED: "#a3b0bd", RULE: "#46525e", GRID: "#262e37", RAW: "#5d7183",
+    BLUE: "#4fa8de", ORANGE: "#eeb13c", GREEN: "#2fc295", PURPLE: "#d283cf", SKY: "#8cd0f5", VERMILION: "#ff8742",
+    "#f7f7f7": "#20262d", "#053061": "#a9d4f5", "#b35806": "#ffc68a", "#cfe3ee": "#1d3344", "#08304f": "#cfeaff",
+    "#67a9cf": "#4386ad", "#f1a340": "#b8721f",
+}  # fmt: skip
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
 DRAWN_POINTS = 20_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
 
@@ -51,13 +62,13 @@ def layout(height: int, **more: Any) -> dict[str, Any]:
     base = {
         "height": height,
         "font": {"family": FONT, "size": 13, "color": INK},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
+        "paper_bgcolor": PAPER,
+        "plot_bgcolor": PAPER,
         "margin": {"l": 66, "r": 20, "t": 34, "b": 48},
         "hovermode": "closest",
         "colorway": list(CYCLE),
         "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)"},
-        "hoverlabel": {"font": {"size": 12, "family": FONT}},
+        "hoverlabel": {"font": {"size": 12, "family": FONT, "color": INK}, "bgcolor": PAPER, "bordercolor": RULE},
     }
     return base | more
 

@@ -16,6 +16,7 @@ from ..style import (
     GREEN,
     INK,
     MUTED,
+    PAPER,
     RAW,
     VERMILION,
     axis,
@@ -142,7 +143,7 @@ def _dot(i: int, row: Row) -> dict[str, Any]:
         "color": INK if row.inside else VERMILION,
         "size": 10,
         "symbol": "circle" if row.inside else "diamond",
-        "line": {"color": "white", "width": 1.5},
+        "line": {"color": PAPER, "width": 1.5},
     }
     hover = (
         f"{r.quantity}: {number(row.measured, r.low, r.high)} N, range {r.low:g} to {r.high:g} N ({r.standing})<extra></extra>"

@@ -12,6 +12,7 @@ from ..page import Figure
 from ..style import (
     BLUE,
     CYCLE,
+    DIVERGING,
     INK,
     MUTED,
     RULE,
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
 SHAPES = 40  # of the slider
 STRIPES = 300  # times of the picture of the waves
-DIVERGING = [[0, "#b35806"], [0.25, "#f1a340"], [0.5, "#f7f7f7"], [0.75, "#67a9cf"], [1, "#053061"]]
 
 
 def uplift_figure(result: Result, found: list[Passage], rows: Sequence[Row]) -> Figure:
