@@ -11,6 +11,10 @@ CATALOGUE = {
     "Pantograph": "railway.pantograph",
     "Catenary": "railway.catenary",
     "LumpedCatenary": "railway.lumped",
+    "BallBearing": "bearings.ball_bearing",
+    "DimensionlessBallBearing": "bearings.dimensionless",
+    "AngularContactConductance": "bearings.conductance",
+    "BearingTemperatures": "bearings.temperatures",
 }
 
 

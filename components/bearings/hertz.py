@@ -11,9 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipkm1
-
 from ..core.errors import BadInput
 
 LARGEST_RATIO = 1e8  # of the radii: beyond it the contact is a line
@@ -35,6 +32,8 @@ class Ellipse:
 
 def exact_ellipse(ratio: float) -> Ellipse:
     """The contact ellipse for Ry/Rx = ratio >= 1, solved to rounding."""
+    from scipy.optimize import brentq  # here and below: a bearing that is given its stiffness does without SciPy
+
     _check_ratio(ratio)
     if ratio == 1.0:
         return Ellipse(1.0, 0.5 * math.pi, 0.5 * math.pi)
@@ -60,6 +59,8 @@ def brewe_hamrock(ratio: float) -> Ellipse:
 
 
 def _ellipse(k: float) -> Ellipse:
+    from scipy.special import ellipe, ellipkm1
+
     return Ellipse(k, float(ellipkm1(1.0 / k**2)), float(ellipe(1.0 - 1.0 / k**2)))
 
 

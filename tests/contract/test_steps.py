@@ -13,6 +13,7 @@ from components.core.integrators import OdeComponent
 
 from .configurations import CONFIGURATIONS, bits, excite, slope_inputs, span
 
+EPSILON = np.finfo(float).eps
 configurations = pytest.mark.parametrize("configuration", CONFIGURATIONS, ids=lambda c: c.label)
 
 
@@ -137,7 +138,8 @@ def test_one_step_is_two_of_half_its_length(configuration):
     halves.step(0.0, h)
     halves.u[1], halves.u[2] = (2.0 - 2 * 30.0 * h) * nominal, -30.0 * nominal
     halves.step(h, h)
-    assert whole.work["steps"] == halves.work["steps"]
+    if "substep" in whole.parameters:  # else every macro step is one of its own
+        assert whole.work["steps"] == halves.work["steps"]
     for name, a, b in zip(whole.outputs, whole.y, halves.y, strict=True):
         assert abs(a - b) <= 1e-8 * whole.variables[name].nominal, name
 
@@ -150,7 +152,8 @@ def test_inputs_end_where_their_polynomials_lead(configuration):
     slope_inputs(component, rate=2.0, half=-30.0)
     slope, half = component.u[1].copy(), component.u[2].copy()
     component.step(0.0, h)
-    np.testing.assert_allclose(component.u[0], start + h * slope + h * h * half, rtol=1e-15, atol=0.0)  # two roundings
+    terms = np.array([start, h * slope, h * h * half])
+    assert (np.abs(component.u[0] - terms.sum(axis=0)) <= 4.0 * EPSILON * np.abs(terms).sum(axis=0)).all()  # four roundings
     assert not component.u[1:].any()
 
 

@@ -4,4 +4,75 @@ from __future__ import annotations
 
 from . import Facts
 
-FACTS: dict[str, Facts] = {}
+# Every ball moves: nothing of a turning bearing is at rest.
+MOVING = frozenset({"*"})
+TWO_DOF_FORM = frozenset({
+    "unbalance.phase", "inner_waviness.order", "inner_waviness.phase", "outer_waviness.order", "outer_waviness.phase",
+    "inner_defect.width", "inner_defect.position", "outer_defect.width", "outer_defect.position", "ball_defect.width",
+    "ball_defect.position", "ball_defect.ball", "load_variation.frequency", "load_variation.phase", "speed_ramp.duration",
+})
+
+
+def two_dof(length: float, force: float, acceleration: float, damping: float) -> dict[str, tuple[dict[str, float], float]]:
+    """Strengths of the bearing's effects; `length`, `force` ... are small in the form's own units."""
+    passing = {"position": 0.05, "width": 0.2}
+    return {
+        "clearance.radial_clearance": ({}, length),
+        "contact_damping.coefficient": ({}, damping),
+        "unbalance.eccentricity": ({}, length),
+        "inner_waviness.amplitude[1]": ({}, length),
+        "outer_waviness.amplitude[1]": ({}, length),
+        **{f"{ring}_defect.depth": ({f"{ring}_defect.{n}": v for n, v in passing.items()}, length)
+           for ring in ("inner", "outer", "ball")},
+        "load_variation.amplitude": ({}, force),
+        "speed_ramp.acceleration": ({}, acceleration),
+    }
+
+
+EVERYTHING = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_defect", "ball_defect", "speed_ramp")
+FACTS: dict[str, Facts] = {
+    "BallBearing": Facts(
+        moving=MOVING,
+        plain=(EVERYTHING, {}, 20),
+        disturbance={"load": 250.0, "speed": 100.0},  # at the default speed a step ends just where the angle is wrapped
+        strengths=two_dof(1e-10, 1e-3, 1e-3, 1e-4),
+        structural=frozenset({"given_start"}),
+        form=TWO_DOF_FORM,
+    ),
+    "DimensionlessBallBearing": Facts(
+        moving=MOVING,
+        plain=(EVERYTHING, {}, 200),
+        disturbance={"load": 1.3, "speed": 0.08},
+        step=1.0,
+        strengths=two_dof(1e-5, 1e-5, 1e-8, 1e-6),
+        structural=frozenset({"given_start"}),
+        form=TWO_DOF_FORM,
+    ),
+    "AngularContactConductance": Facts(
+        plain=(("ball_bulk", "film", "gas_path", "radiation"), {"axial_force": 500.0}, 20),
+        disturbance={"axial_force": 500.0, "radial_force": 300.0},
+        strengths={
+            "film.thickness": ({}, 1e-10),
+            "lubricant_path.meniscus_height": ({}, 1e-9),
+            "gas_path.conductivity": ({}, 1e-6),
+            "convection.coefficient": ({}, 1e-2),
+            "radiation.emissivity": ({}, 1e-3),
+        },
+        structural=frozenset({"ball_bulk", "ring_walls"}),
+        form=frozenset({"film.conductivity", "lubricant_path.conductivity", "gas_path.widest_gap", "gas_path.ring_gap",
+                        "radiation.inner_temperature", "radiation.outer_temperature"}),
+    ),
+    "BearingTemperatures": Facts(
+        plain=(("housing", "oil_flow", "radiation", "shaft_heat"), {"friction_power": 20.0}, 20),
+        disturbance={"friction_power": 20.0, "ambient": 300.0},
+        step=10.0,
+        strengths={
+            "oil_flow.capacity_rate": ({}, 1e-4),
+            "radiation.emissivity": ({}, 1e-4),
+            "radiation.area": ({}, 1e-6),
+            "shaft_heat.power": ({}, 1e-3),
+        },
+        structural=frozenset({"housing"}),
+        form=frozenset({"oil_flow.inlet_temperature"}),
+    ),
+}

@@ -1,0 +1,266 @@
+"""Kernels of the ball bearing with two degrees of freedom; `BallBearing` and its dimensionless form differ in numbers only.
+
+State: x, y, x', y', angle of the inner ring, angle of the cage (of ball 0), and with a pit on a ball its spin.
+
+    m x'' + c x' + sum of Q_j cos theta_j = W + m e (w² cos a + w' sin a)
+    m y'' + c y' + sum of Q_j sin theta_j = W_y + m e (w² sin a - w' cos a)
+    Q_j = K delta_j^1.5 (1 + 1.5 k delta_j') >= 0,   delta_j = x cos theta_j + y sin theta_j - gap_j, 0 if negative
+
+a = inner ring's angle, theta_j = cage angle + 2 pi j / Z; w = a', cage angle' = cage_ratio w. Balls without mass at equal
+distances roll without slip; the outer ring is fixed. In the frame of the cage every ball has a fixed direction: position and
+velocity are turned there once, so that a call costs one sine and cosine however many balls there are, and no power.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.integrators import rk4
+from ..core.kernels import DONE, NOT_CONVERGED, bind, kernel, kernel_tuple
+from .geometry import BallGeometry
+from .races import TWO_PI, add_ball_pit, add_pit, add_waves, wrapped
+
+SPEED, LOAD, TRANSVERSE_LOAD = range(3)
+X, Y, VELOCITY_X, VELOCITY_Y, ACCELERATION_X, ACCELERATION_Y, FORCE_X, FORCE_Y, MAX_LOAD, LOADED, INNER, CAGE = range(12)
+
+
+@kernel_tuple
+class Constants(NamedTuple):
+    """What the kernels need of the parameters, and their workspace."""
+
+    mass: float
+    damping: float
+    stiffness: float
+    cage_ratio: float
+    spin_ratio: float
+    cosine: np.ndarray  # (Z,), directions of the balls seen from ball 0
+    sine: np.ndarray
+    gap: np.ndarray  # (Z,), workspace
+    rate: np.ndarray
+
+
+@kernel_tuple
+class Clearance(NamedTuple):
+    """Radial gap between ball and races with the rings concentric; negative: preload."""
+
+    gap: float
+
+
+@kernel_tuple
+class HuntCrossley(NamedTuple):
+    """k of Q = K delta^1.5 (1 + 1.5 k delta')."""
+
+    coefficient: float
+
+
+@kernel_tuple
+class Imbalance(NamedTuple):
+    """Mass times eccentricity, and its angle on the inner ring."""
+
+    moment: float
+    phase: float
+
+
+@kernel_tuple
+class Harmonic(NamedTuple):
+    """amplitude * sin(frequency * t + phase), frequency in rad per unit of time."""
+
+    amplitude: float
+    frequency: float
+    phase: float
+
+
+@kernel_tuple
+class Ramp(NamedTuple):
+    """Speed added: acceleration * time, up to the duration."""
+
+    acceleration: float
+    duration: float
+
+
+def constants(mass: float, damping: float, stiffness: float, geometry: BallGeometry) -> Constants:
+    """Constants of a bearing; workspace included."""
+    n = geometry.balls
+    at = TWO_PI * np.arange(n) / n
+    return Constants(mass, damping, stiffness, geometry.cage_ratio, geometry.spin_ratio, np.cos(at), np.sin(at), np.zeros(n),
+                     np.zeros(n))
+
+
+@kernel
+def ring_speed(t, u, ramp):
+    """(w, w') of the inner ring."""
+    if ramp is not None:
+        if t < ramp.duration:
+            return u[SPEED] + ramp.acceleration * t, ramp.acceleration
+        return u[SPEED] + ramp.acceleration * ramp.duration, 0.0
+    return u[SPEED], 0.0
+
+
+@kernel
+def fill_gaps(gap, rate, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """gap (Z,) of every ball, and with `rate` (Z,), not None, its time derivative."""
+    radial = 0.0
+    if clearance is not None:
+        radial = clearance.gap
+    for j in range(gap.size):
+        gap[j] = radial
+    if rate is not None:
+        for j in range(rate.size):
+            rate[j] = 0.0
+    cage, cage_speed = x[5], p.cage_ratio * speed
+    if inner_waves is not None:
+        add_waves(gap, rate, cage - x[4], cage_speed - speed, inner_waves)
+    if outer_waves is not None:
+        add_waves(gap, rate, cage, cage_speed, outer_waves)
+    if inner_pit is not None:
+        add_pit(gap, rate, cage - x[4], cage_speed - speed, inner_pit)
+    if outer_pit is not None:
+        add_pit(gap, rate, cage, cage_speed, outer_pit)
+    if ball_pit is not None:
+        add_ball_pit(gap, rate, x[6], p.spin_ratio * speed, ball_pit)
+
+
+@kernel
+def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """(sum of Q cos theta, sum of Q sin theta, largest Q, number of loaded balls)."""
+    if damping is not None:
+        fill_gaps(p.gap, p.rate, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    else:
+        fill_gaps(p.gap, None, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    c, s = math.cos(x[5]), math.sin(x[5])
+    along, across = c * x[0] + s * x[1], c * x[1] - s * x[0]  # position in the frame of the cage
+    v_along, v_across = 0.0, 0.0
+    if damping is not None:
+        turn = p.cage_ratio * speed
+        v_along, v_across = c * x[2] + s * x[3] + turn * across, c * x[3] - s * x[2] - turn * along
+    sum_along, sum_across, largest, loaded = 0.0, 0.0, 0.0, 0
+    for j in range(p.cosine.size):
+        delta = along * p.cosine[j] + across * p.sine[j] - p.gap[j]
+        if delta > 0.0:
+            load = p.stiffness * delta * math.sqrt(delta)
+            if damping is not None:
+                approach = v_along * p.cosine[j] + v_across * p.sine[j] - p.rate[j]
+                load = max(load * (1.0 + 1.5 * damping.coefficient * approach), 0.0)  # a contact cannot pull
+            sum_along += load * p.cosine[j]
+            sum_across += load * p.sine[j]
+            largest = max(largest, load)
+            loaded += 1
+    return c * sum_along - s * sum_across, s * sum_along + c * sum_across, largest, loaded
+
+
+@kernel
+def accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp):
+    """(x'', y'') for the ball loads' sums; x, u as for the derivatives."""
+    load = u[LOAD]
+    if variation is not None:
+        load += variation.amplitude * math.sin(variation.frequency * t + variation.phase)
+    force_x, force_y = load - p.damping * x[2] - bearing_x, u[TRANSVERSE_LOAD] - p.damping * x[3] - bearing_y
+    if unbalance is not None:
+        w, dw = ring_speed(t, u, ramp)
+        c, s = math.cos(x[4] + unbalance.phase), math.sin(x[4] + unbalance.phase)
+        force_x += unbalance.moment * (w * w * c + dw * s)
+        force_y += unbalance.moment * (w * w * s - dw * c)
+    return force_x / p.mass, force_y / p.mass
+
+
+@kernel
+def bearing_derivatives(t, x, u, dx, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
+                        variation, ramp, start):
+    """dx/dt of x = (x, y, x', y', inner angle, cage angle[, spin])."""
+    speed, _ = ring_speed(t, u, ramp)
+    bearing_x, bearing_y, _, _ = ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit,
+                                            ball_pit)
+    dx[0], dx[1] = x[2], x[3]
+    dx[2], dx[3] = accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp)
+    dx[4], dx[5] = speed, p.cage_ratio * speed
+    if ball_pit is not None:
+        dx[6] = p.spin_ratio * speed
+
+
+@kernel
+def bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
+                    variation, ramp, start):
+    """Motion, forces on the shaft, angles."""
+    speed, _ = ring_speed(t, u, ramp)
+    bearing_x, bearing_y, largest, loaded = ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit,
+                                                       outer_pit, ball_pit)
+    y[X], y[Y], y[VELOCITY_X], y[VELOCITY_Y] = x[0], x[1], x[2], x[3]
+    y[ACCELERATION_X], y[ACCELERATION_Y] = accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp)
+    y[FORCE_X], y[FORCE_Y], y[MAX_LOAD], y[LOADED] = -bearing_x, -bearing_y, largest, loaded
+    y[INNER], y[CAGE] = x[4], x[5]
+
+
+@kernel
+def end_of_step(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
+                variation, ramp, start):
+    """Angles back into [0, 2 pi), so that they keep their digits however long the run; then the outputs."""
+    for i in range(4, x.size):
+        x[i] = wrapped(x[i])
+    bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
+                    variation, ramp, start)
+
+
+advance = bind(rk4, __name__, derivatives=bearing_derivatives, outputs=end_of_step)
+
+
+@kernel
+def elastic_force(x, p):
+    """(Fx, Fy, kxx, kxy, kyy): sums of the balls' elastic loads for the gaps in p.gap, and their derivatives by x and y."""
+    c, s = math.cos(x[5]), math.sin(x[5])
+    fx, fy, kxx, kxy, kyy = 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(p.cosine.size):
+        nx, ny = c * p.cosine[j] - s * p.sine[j], s * p.cosine[j] + c * p.sine[j]
+        delta = x[0] * nx + x[1] * ny - p.gap[j]
+        if delta > 0.0:
+            root = p.stiffness * math.sqrt(delta)
+            fx += root * delta * nx
+            fy += root * delta * ny
+            kxx += 1.5 * root * nx * nx
+            kxy += 1.5 * root * nx * ny
+            kyy += 1.5 * root * ny * ny
+    return fx, fy, kxx, kxy, kyy
+
+
+@kernel
+def static_position(x, load_x, load_y, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """Put x[0], x[1] where the balls carry the load at rest; NOT_CONVERGED where they cannot.
+
+    The potential energy is convex, so Newton's method with steps shortened until they do not overshoot leads to its minimum
+    if there is one. There is none where no ball stands on the side to which the load pushes. Across the line of a single
+    loaded ball there is no stiffness: a trace of the identity keeps the matrix regular and moves nothing, as nothing pushes.
+    """
+    fill_gaps(p.gap, None, x, 0.0, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    total = math.hypot(load_x, load_y)
+    x[0], x[1] = 0.0, 0.0
+    if total > 0.0:
+        # where a single ball would carry the load, so far out that balls to both sides of it are in contact, too
+        reach = (p.gap.max() + (total / p.stiffness) ** (2.0 / 3.0)) / math.cos(math.pi / max(p.cosine.size, 3))
+        x[0], x[1] = reach * load_x / total, reach * load_y / total
+    fx, fy, kxx, kxy, kyy = elastic_force(x, p)
+    for _ in range(200):
+        gx, gy = fx - load_x, fy - load_y
+        # a deformation is the difference of two lengths and has their rounding
+        rounding = 1e-15 * (kxx + kyy) * (abs(x[0]) + abs(x[1]) + np.abs(p.gap).max())
+        if math.hypot(gx, gy) <= rounding + 1e-15 * total:
+            return DONE
+        trace = 1e-12 * (kxx + kyy)
+        if trace == 0.0:
+            return NOT_CONVERGED
+        a, b = kxx + trace, kyy + trace
+        det = a * b - kxy * kxy
+        step_x, step_y = -(b * gx - kxy * gy) / det, -(a * gy - kxy * gx) / det
+        slope = gx * step_x + gy * step_y
+        x0, y0 = x[0], x[1]
+        share = 1.0
+        for _ in range(60):
+            x[0], x[1] = x0 + share * step_x, y0 + share * step_y
+            fx, fy, kxx, kxy, kyy = elastic_force(x, p)
+            if (fx - load_x) * step_x + (fy - load_y) * step_y <= -0.5 * slope:
+                break
+            share *= 0.5
+        if x[0] == x0 and x[1] == y0:
+            return DONE
+    return NOT_CONVERGED
