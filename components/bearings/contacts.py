@@ -6,8 +6,9 @@ q = (x, y, z, tilt_x, tilt_y), m and rad (rotation vectors), the outer ring is f
     radial_j = radial + x cos(beta) + y sin(beta)
     axial_j  = axial + z + lever (tilt_x sin(beta) - tilt_y cos(beta)),      tan(phi_j) = axial_j / radial_j
 
-and the races approach each other by delta_j = sqrt(radial_j² + axial_j²) - distance + extra_j, where `distance` is that of the
-unloaded ball, (f_i + f_o - 1) d, and `extra` what film, waviness and defects add. Q_j = K delta_j^1.5 acts along phi_j.
+and the races approach each other by delta_j = sqrt(radial_j² + axial_j²) - distance - gap_j, where `distance` is that of the
+unloaded ball, (f_i + f_o - 1) d, and `gap` what waviness and defects take away and a film adds. Q_j = K delta_j^1.5 acts along
+phi_j.
 
 The lever of the tilts is the radius of the inner groove's centres, through which every Q_j passes. With the same lever for the
 moments the bearing has a potential, sum 2/5 K delta^2.5, and its stiffness is symmetric. The potential is convex, because
@@ -26,7 +27,7 @@ import numpy as np
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel, kernel_tuple
 from .geometry import BallGeometry
 
-COS, SIN, EXTRA, LOAD = range(4)  # columns of `balls`
+COS, SIN, GAP, LOAD = range(4)  # columns of `balls`
 ENERGY, MAX_LOAD, LOADED = 5, 6, 7  # elements of `sums` behind the two forces and moments
 
 
@@ -56,7 +57,7 @@ def ball_contacts(geometry: BallGeometry, stiffness: float, diametral_clearance:
 
 
 def place_balls(balls: int, first: float = 0.0) -> np.ndarray:
-    """(Z, 4): cos and sin of the balls' angles, the first one at `first` rad, no extra approach, no load."""
+    """(Z, 4): cos and sin of the balls' angles, the first one at `first` rad, no gap, no load."""
     beta = first + 2.0 * np.pi * np.arange(balls) / balls
     return np.column_stack([np.cos(beta), np.sin(beta), np.zeros((balls, 2))])
 
@@ -101,7 +102,7 @@ def finish_stiffness(k, lever):
 def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, damping):
     """What the balls do to the inner ring; returns OUT_OF_RANGE if a ring is displaced beyond the grooves.
 
-    q: (5,).  balls: (Z, 4) with cos, sin and extra; the load is written.  sums: (8,), written: force in N and moment in N.m
+    q: (5,).  balls: (Z, 4) with cos, sin and gap in m; the load is written.  sums: (8,), written: force in N and moment in N.m
     (5), energy in J, largest ball load in N, number of loaded balls.  stiffness: (5, 5) or None, written: -d(force)/dq.
 
     damper: a time in s or None; each contact then has a damper of `damper` times its own stiffness, which vanishes at
@@ -122,7 +123,7 @@ def contact_forces(q, contacts, balls, sums, stiffness, velocity, damper, dampin
         if radial <= 0.0:
             return OUT_OF_RANGE
         apart = math.sqrt(radial * radial + axial * axial)
-        approach = apart - contacts.distance + balls[j, EXTRA]
+        approach = apart - contacts.distance - balls[j, GAP]
         if approach <= 0.0:
             continue
         cos_phi, sin_phi = radial / apart, axial / apart
