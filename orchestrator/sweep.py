@@ -21,6 +21,7 @@ import numpy as np
 
 from components.core.errors import BadInput
 
+from .analysis.machines import after_transient
 from .analysis.sections import section as section_of
 from .results import Result
 from .run import run
@@ -110,15 +111,6 @@ def _unit(scene: Scene, name: str) -> str:
     unit, _, parameter = name.partition(".")
     component = scene.units[unit].component
     return find(component, unit).variables[parameter].unit if component else ""
-
-
-def after_transient(result: Result) -> slice:
-    """The samples from [analysis] transient on; all without it."""
-    first = int(np.searchsorted(result.time, float(result.scene.analysis.get("transient", 0.0))))
-    if first >= result.time.size - 1:
-        raise BadInput(f"{result.scene.name}: analysis.transient", f"{result.scene.analysis['transient']:g} s",
-                       f"less than the length of the run, {result.time[-1]:g} s")
-    return slice(first, None)
 
 
 def measures(result: Result) -> dict[str, float]:

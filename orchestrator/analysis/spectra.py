@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy import signal as dsp
@@ -26,6 +27,27 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
 def envelope_spectrum(x: np.ndarray, rate: float, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
     """(frequency in Hz, amplitude in units of x) of the envelope in a band: shows what repeats an excitation of a resonance."""
     return amplitude_spectrum(envelope(x, rate, low, high), rate)
+
+
+def resonance_band(x: np.ndarray, rate: float, lowest: float) -> tuple[float, float]:
+    """Band in Hz, above `lowest`, in which the signal is most impulsive: the highest kurtosis of |analytic signal|.
+
+    Tried are the range from `lowest` to 0.45 of the rate and its halves, thirds, quarters, sixths and eighths: a coarse form
+    of the kurtogram of Antoni, Mechanical Systems and Signal Processing 20 (2006) 282-307 and 21 (2007) 108-124.
+    """
+    highest = 0.45 * rate
+    if not 0.0 < lowest < 0.5 * highest:
+        raise BadInput("band of the envelope", f"{lowest:g} Hz to {highest:g} Hz", "an octave at least", "Record more often.")
+    spectrum = np.fft.fft(x - x.mean())
+    f = np.fft.fftfreq(x.size, 1.0 / rate)
+    found = []
+    for parts in (1, 2, 3, 4, 6, 8):
+        edges = np.linspace(lowest, highest, parts + 1)
+        for low, high in pairwise(edges):
+            power = np.abs(np.fft.ifft(np.where((f >= low) & (f < high), spectrum, 0.0))) ** 2
+            mean = power.mean()
+            found.append((float((power**2).mean() / mean**2) if mean > 0.0 else 0.0, float(low), float(high)))
+    return max(found)[1:]
 
 
 @dataclass(frozen=True)

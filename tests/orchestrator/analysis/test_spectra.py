@@ -5,7 +5,7 @@ import pytest
 
 from components.core.errors import BadInput
 from orchestrator.analysis.signals import amplitude_spectrum
-from orchestrator.analysis.spectra import Family, envelope, envelope_spectrum, follow, peak, unwrapped, waterfall
+from orchestrator.analysis.spectra import Family, envelope, envelope_spectrum, follow, peak, resonance_band, unwrapped, waterfall
 
 RATE = 5000.0
 TIME = np.arange(20_000) / RATE  # 4 s, bins of 0.25 Hz
@@ -50,6 +50,9 @@ def test_impacts_on_a_resonance_show_in_the_envelope_and_not_below():
     assert f[np.argmax(a)] == pytest.approx(37.0, abs=0.25)  # a bin
     plain = peak(*amplitude_spectrum(x, RATE), 37.0, 1.0)[1]
     assert a.max() > 10 * plain
+    noisy = x + np.random.default_rng(2).normal(0.0, 0.3, x.size) + 5.0 * np.sin(2 * np.pi * 20 * TIME)
+    low, high = resonance_band(noisy, RATE, 150.0)
+    assert low < 1200.0 < high < 2250.0
 
 
 def test_families_name_harmonics_and_sidebands():

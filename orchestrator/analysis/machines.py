@@ -1,0 +1,167 @@
+"""What of a run belongs to its bearings and rotors: their recorded motion, their frequencies, found by the scene's connections.
+
+    [analysis]
+    system = "bearings"     # or "rotor": which figures the report has
+    transient = 0.5         # s, left out of spectra, orbits and measures
+    bearing = "front"       # the bearings to show, a name or a list; all of them without it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from components.catalogue import component_class
+from components.core.errors import BadInput, nearest
+
+from .signals import uniform
+from .spectra import TURN, unwrapped
+
+if TYPE_CHECKING:
+    from components.core.component import Component
+
+    from ..results import Result
+    from ..scene import Scene
+
+MOTION = ("x", "y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
+BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
+DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
+
+
+@dataclass(frozen=True)
+class BearingRecord:
+    """The recorded part of a bearing of a run, sampled evenly.
+
+    signals: name as in the component -> (n,), those of `BEARING` that were recorded.  measures: their units of measure.
+    rotation: mean speed of the inner ring after the transient, turns per unit of time; NaN if nothing recorded tells.
+    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without geometry or rotation.
+    defects: the races and balls that have a defect.
+    """
+
+    unit: str
+    time: np.ndarray
+    rate: float
+    signals: Mapping[str, np.ndarray]
+    measures: Mapping[str, str]
+    rotation: float
+    frequencies: Mapping[str, float]
+    balls: int
+    defects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RotorRecord:
+    """The recorded part of a rotor of a run.  ports: name -> signals of the motion there and of the force on the shaft."""
+
+    unit: str
+    time: np.ndarray
+    signals: Mapping[str, np.ndarray]  # x, y, speed, angle, those that were recorded
+    ports: Mapping[str, Mapping[str, np.ndarray]]
+
+
+def after_transient(result: Result) -> slice:
+    """The samples from [analysis] transient on; all without it."""
+    transient = float(result.scene.analysis.get("transient", 0.0))
+    first = int(np.searchsorted(result.time, transient))
+    if first >= result.time.size - 1:
+        where, length = f"{result.scene.name}: analysis.transient", result.time[-1]
+        raise BadInput(where, f"{transient:g} s", f"less than the length of the run, {length:g} s")
+    return slice(first, None)
+
+
+def component_of(scene: Scene, unit: str) -> Component | None:
+    """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
+    given = scene.units[unit]
+    if not given.component:
+        return None
+    return component_class(given.component)(given.effects, given.parameters, preset=given.preset)
+
+
+def source(scene: Scene, unit: str, name: str) -> str:
+    """"unit.output" that drives an input; "" if nothing does."""
+    for connection in scene.connections:
+        out, target = (part.strip() for part in connection.split("->"))
+        if target == f"{unit}.{name}":
+            return out
+        before = target.removesuffix("*")
+        if target.endswith("*") and f"{unit}.{name}".startswith(before):
+            return out.removesuffix("*") + f"{unit}.{name}".removeprefix(before)
+    return ""
+
+
+def recorded(result: Result, unit: str, name: str) -> str:
+    """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
+    return next((n for n in (f"{unit}.{name}", source(result.scene, unit, name)) if n in result.columns), "")
+
+
+def bearings(result: Result) -> list[BearingRecord]:
+    """The bearings of a run whose displacement was recorded, in the order of the scene."""
+    scene = result.scene
+    wanted = scene.analysis.get("bearing", list(scene.units))
+    wanted = [wanted] if isinstance(wanted, str) else wanted
+    found = []
+    for unit in wanted:
+        if unit not in scene.units:
+            raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
+        columns = {n: c for n in BEARING if (c := recorded(result, unit, n))}
+        if {"x", "y"} <= columns.keys() and _is_bearing(scene, unit):
+            found.append(_bearing(result, unit, columns))
+    return found
+
+
+def _is_bearing(scene: Scene, unit: str) -> bool:
+    component = scene.units[unit].component
+    return bool(component) and component_class(component).system == "bearings"
+
+
+def _bearing(result: Result, unit: str, columns: Mapping[str, str]) -> BearingRecord:
+    values = {n: np.asarray(result.columns[c], dtype=float) for n, c in columns.items()}
+    angles = {n: unwrapped(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
+    rate, time, signals = uniform(result.time, *(values | angles).values())
+    component: Any = component_of(result.scene, unit)
+    rotation = _rotation(result, unit, values, getattr(component, "geometry", None))
+    geometry = getattr(component, "geometry", None)
+    known = geometry is not None and np.isfinite(rotation)
+    effects = set(result.scene.units[unit].effects)
+    return BearingRecord(
+        unit, time, rate,
+        dict(zip(values | angles, signals, strict=True)),
+        {n: result.measures.get(c, "") for n, c in columns.items()},
+        rotation,
+        geometry.defect_frequencies(abs(rotation)) if known else {},
+        geometry.balls if geometry is not None else 0,
+        tuple(name for effect, name in DEFECTS.items() if effect in effects),
+    )  # fmt: skip
+
+
+def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], geometry: Any) -> float:
+    """Mean speed of the inner ring after the transient, turns per unit of time."""
+    kept = after_transient(result)
+    span = result.time[-1] - result.time[kept.start]
+    for name, ratio in (("inner_angle", 1.0), ("cage_angle", geometry.cage_ratio if geometry is not None else np.nan)):
+        if name in values:
+            turned = unwrapped(values[name])[kept]
+            return float(turned[-1] - turned[0]) / (ratio * TURN * span)
+    speed = recorded(result, unit, "speed")
+    return float(result.columns[speed][kept].mean()) / TURN if speed else float("nan")
+
+
+def rotors(result: Result) -> list[RotorRecord]:
+    """The rotors of a run whose speed was recorded."""
+    found = []
+    for unit, given in result.scene.units.items():
+        if not given.component or component_class(given.component).system != "rotor":
+            continue
+        own = {n: result.columns[f"{unit}.{n}"] for n in ("x", "y", "speed", "angle") if f"{unit}.{n}" in result.columns}
+        if "speed" in own:
+            ports = {p: _port(result, unit, p) for p in given.effects if p.startswith("bearing_")}
+            found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
+    return found
+
+
+def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
+    names = ("x", "y", "force_x", "force_y", "moment_x", "moment_y")
+    return {n: result.columns[c] for n in names if (c := recorded(result, unit, f"{port}.{n}"))}
