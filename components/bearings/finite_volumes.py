@@ -1,0 +1,195 @@
+"""Steady heat conduction on orthogonal grids: finite volumes in Cartesian, cylindrical or spherical coordinates.
+
+Each cell has half resistances from its centre to its six faces, exact for heat that flows along one coordinate alone (so a
+cylinder's wall and a spherical shell come out exactly, a general field with second order). Bodies are joined by links
+between cells, and to the outside through boundary temperatures. Sparse matrices, SciPy only; nothing here is part of a
+component, it is the reference that components are held against.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import LinearOperator, cg, spsolve
+
+from ..core.errors import BadInput
+from .radiation import STEFAN_BOLTZMANN
+
+DIRECT = 20000  # unknowns up to which a sparse factorisation is quicker than conjugate gradients
+RESIDUAL = 1e-11  # relative, of the conjugate gradients
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of a body; half[axis][side]: resistance from a cell's centre to its lower (0) or upper (1) face, K/W, `shape`.
+
+    area[axis]: (n + 1 along that axis) of the faces, m2.  At an axis of rotation or a pole the face has no area and an
+    infinite resistance.
+    """
+
+    shape: tuple[int, int, int]
+    half: tuple[tuple[np.ndarray, np.ndarray], ...]
+    area: tuple[np.ndarray, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return math.prod(self.shape)
+
+    @property
+    def index(self) -> np.ndarray:
+        """Numbers of the cells, `shape`."""
+        return np.arange(self.size).reshape(self.shape)
+
+
+def _grid(shape, half, area) -> Grid:
+    full = tuple(tuple(np.broadcast_to(h, shape) for h in pair) for pair in half)
+    faces = tuple(np.broadcast_to(a, tuple(n + (i == axis) for i, n in enumerate(shape))) for axis, a in enumerate(area))
+    return Grid(shape, full, faces)
+
+
+def _cells(edges) -> tuple[np.ndarray, ...]:
+    """Lower and upper edges along three axes, shaped to broadcast against each other."""
+    found = []
+    for axis, e in enumerate(edges):
+        e = np.asarray(e, dtype=float)
+        if e.size < 2 or not (np.diff(e) > 0.0).all():
+            raise BadInput("finite volumes", f"edges of axis {axis}: {e}", "at least two growing numbers")
+        shape = [1, 1, 1]
+        shape[axis] = -1
+        found += [e[:-1].reshape(shape), e[1:].reshape(shape)]
+    return tuple(found)
+
+
+def _faces(edges, axis: int) -> np.ndarray:
+    shape = [1, 1, 1]
+    shape[axis] = -1
+    return np.asarray(edges, dtype=float).reshape(shape)
+
+
+def cartesian(x, y, z, conductivity: float) -> Grid:
+    """A box with cell edges in m."""
+    x1, x2, y1, y2, z1, z2 = _cells((x, y, z))
+    dx, dy, dz, k = x2 - x1, y2 - y1, z2 - z1, conductivity
+    half = tuple((h, h) for h in (0.5 * dx / (k * dy * dz), 0.5 * dy / (k * dx * dz), 0.5 * dz / (k * dx * dy)))
+    return _grid((dx.size, dy.size, dz.size), half, (dy * dz, dx * dz, dx * dy))
+
+
+def cylindrical(rho, phi, z, conductivity: float) -> Grid:
+    """Part of a cylinder, edges of radius in m, angle in rad, height in m; the first radius may be 0."""
+    r1, r2, p1, p2, z1, z2 = _cells((rho, phi, z))
+    middle, dphi, dz, k = 0.5 * (r1 + r2), p2 - p1, z2 - z1, conductivity
+    with np.errstate(divide="ignore"):
+        low, high = np.log(middle / r1) / (k * dphi * dz), np.log(r2 / middle) / (k * dphi * dz)
+        turn = 0.5 * dphi / (k * dz * np.where(r1 > 0.0, np.log(r2 / r1), (r2 - r1) / middle))
+    up = 0.5 * dz / (k * 0.5 * (r2**2 - r1**2) * dphi)
+    area = (_faces(rho, 0) * dphi * dz, (r2 - r1) * dz, 0.5 * (r2**2 - r1**2) * dphi)
+    return _grid((middle.size, dphi.size, dz.size), ((low, high), (turn, turn), (up, up)), area)
+
+
+def spherical(r, theta, phi, conductivity: float) -> Grid:
+    """Part of a ball, edges of radius in m, angle from the pole and angle about the axis in rad."""
+    r1, r2, t1, t2, p1, p2 = _cells((r, theta, phi))
+    rm, tm, dr, dphi, k = 0.5 * (r1 + r2), 0.5 * (t1 + t2), r2 - r1, p2 - p1, conductivity
+    solid = (np.cos(t1) - np.cos(t2)) * dphi
+    pole = (t1 < 1e-12) | (t2 > math.pi - 1e-12)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        low, high = (1.0 / r1 - 1.0 / rm) / (k * solid), (1.0 / rm - 1.0 / r2) / (k * solid)
+        log1, logm, log2 = (np.log(np.tan(0.5 * t)) for t in (t1, tm, t2))
+        north = np.where(t1 < 1e-12, np.inf, (logm - log1) / (k * dr * dphi))
+        south = np.where(t2 > math.pi - 1e-12, np.inf, (log2 - logm) / (k * dr * dphi))
+        turn = 0.5 * dphi / (k * dr * np.where(pole, (t2 - t1) / np.sin(tm), log2 - log1))
+    across = 0.5 * (r2**2 - r1**2)
+    area = (_faces(r, 0) ** 2 * solid, across * np.abs(np.sin(_faces(theta, 1))) * dphi, across * (t2 - t1))
+    return _grid((rm.size, tm.size, dphi.size), ((low, high), (north, south), (turn, turn)), area)
+
+
+@dataclass
+class Bodies:
+    """Bodies and single nodes, the links between them, and what holds them at temperatures."""
+
+    size: int = 0
+    links: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)  # cells, cells, W/K
+    held: list[tuple[np.ndarray, np.ndarray, float]] = field(default_factory=list)  # cells, W/K, K
+    radiating: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)  # cells, cells, m2
+
+    def add(self, grid: Grid, closed: int | None = None) -> np.ndarray:
+        """Cell numbers of a new body, `grid.shape`; `closed`: the axis along which its last cells meet its first ones."""
+        index = grid.index + self.size
+        self.size += grid.size
+        for axis in range(3):
+            here, there = _along(axis, slice(None, -1)), _along(axis, slice(1, None))
+            resistance = grid.half[axis][1][here] + grid.half[axis][0][there]
+            self.link(index[here], index[there], 1.0 / resistance)
+            if axis == closed:
+                last, first = _along(axis, slice(-1, None)), _along(axis, slice(None, 1))
+                self.link(index[last], index[first], 1.0 / (grid.half[axis][1][last] + grid.half[axis][0][first]))
+        return index
+
+    def node(self) -> int:
+        """Number of a new node without extent, such as the air inside."""
+        self.size += 1
+        return self.size - 1
+
+    def link(self, here, there, conductance) -> None:
+        """Heat conductance (W/K) between cells; arrays of one shape, or a single node."""
+        here, there, g = np.broadcast_arrays(here, there, conductance)
+        self.links.append((here.ravel(), there.ravel(), np.asarray(g, dtype=float).ravel()))
+
+    def hold(self, cells, conductance, temperature: float) -> None:
+        """Tie cells to a temperature in K through conductances in W/K."""
+        cells, g = np.broadcast_arrays(cells, conductance)
+        self.held.append((cells.ravel(), np.asarray(g, dtype=float).ravel(), float(temperature)))
+
+    def radiate(self, here, there, area) -> None:
+        """Exchange sigma * area * (T_here⁴ - T_there⁴) between cells, area in m2 times the emissivity."""
+        here, there, c = np.broadcast_arrays(here, there, area)
+        self.radiating.append((here.ravel(), there.ravel(), np.asarray(c, dtype=float).ravel()))
+
+    def solve(self, guess: float = 293.15) -> tuple[np.ndarray, np.ndarray]:
+        """Temperatures, (size,) K, and the heat from each `hold` into the bodies, (number of holds,) W."""
+        temperature = np.full(self.size, guess)
+        for _ in range(50):
+            links = self.links + [(a, b, c * _coefficient(temperature[a], temperature[b])) for a, b, c in self.radiating]
+            before, temperature = temperature, self._linear(links, temperature)
+            if not self.radiating or np.abs(temperature - before).max() <= 1e-9 * np.abs(temperature).max():
+                break
+        heat = [float(np.sum(g * (t - temperature[cells]))) for cells, g, t in self.held]
+        return temperature, np.array(heat)
+
+    def _linear(self, links, guess: np.ndarray) -> np.ndarray:
+        i, j, g = (np.concatenate(parts) for parts in zip(*links, strict=True))
+        diagonal = np.bincount(i, g, self.size) + np.bincount(j, g, self.size)
+        right = np.zeros(self.size)
+        for cells, conductance, t in self.held:
+            diagonal += np.bincount(cells, conductance, self.size)
+            right += np.bincount(cells, conductance * t, self.size)
+        every = np.arange(self.size)
+        matrix = coo_matrix((np.concatenate([diagonal, -g, -g]),
+                             (np.concatenate([every, i, j]), np.concatenate([every, j, i])))).tocsr()
+        if self.size <= DIRECT:
+            return spsolve(matrix.tocsc(), right)
+        jacobi = LinearOperator(matrix.shape, lambda v: v / diagonal)
+        found, failed = cg(matrix, right, x0=guess, rtol=RESIDUAL, maxiter=20000, M=jacobi)
+        if failed:
+            raise RuntimeError(f"conjugate gradients left a residual above {RESIDUAL:g} after {failed} iterations")
+        return found
+
+
+def _along(axis: int, part: slice) -> tuple[slice, ...]:
+    return tuple(part if i == axis else slice(None) for i in range(3))
+
+
+def _coefficient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """sigma (a⁴ - b⁴) / (a - b), W/(m2.K)."""
+    return STEFAN_BOLTZMANN * (a * a + b * b) * (a + b)
+
+
+def graded(first: float, growth: float, length: float) -> np.ndarray:
+    """Edges from 0 to `length` whose cells grow by a factor near `growth` from a first one near `first`, (n + 1,)."""
+    n = max(1, math.ceil(math.log1p((growth - 1.0) * length / first) / math.log(growth)))
+    edges = np.expm1(math.log(growth) * np.arange(n + 1))
+    return edges * (length / edges[-1])

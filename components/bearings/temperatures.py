@@ -1,0 +1,204 @@
+"""Temperatures of a bearing and its surroundings as a network of heat capacities, and what they do to the clearance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.integrators import OdeComponent
+from ..core.kernels import bind, kernel
+from ..core.rosenbrock import rodas3
+from ..core.variables import input_, output, parameter
+from .radiation import radiative_coefficient
+
+
+class Housing(Effect):
+    """A heat capacity of its own around the outer ring, which then gives its heat to the housing instead of the ambient."""
+
+    heat_capacity = parameter(2000.0, "J/K", "heat capacity of the housing", low=1e-9)
+    seat_conductance = parameter(5.0, "W/K", "conductance of the seat between outer ring and housing", low=0.0)
+
+
+class OilFlow(Effect):
+    """Oil that flows through and leaves at the balls' temperature."""
+
+    capacity_rate = parameter(2.0, "W/K", "mass flow times specific heat of the oil", low=0.0)
+    inlet_temperature = input_(293.15, "K", "temperature of the oil that comes in", nominal=100.0)
+
+
+class Radiation(Effect):
+    """Radiation of the outermost surface, housing or outer ring, to the ambient: emissivity * area * sigma (T⁴ - Ta⁴)."""
+
+    emissivity = parameter(0.8, "1", "emissivity of the surface; painted, recalled", low=0.0, high=1.0)
+    area = parameter(0.05, "m2", "area of the surface", low=0.0)
+
+
+class ShaftHeat(Effect):
+    """Heat that the shaft brings in from elsewhere, such as a motor."""
+
+    power = input_(0.0, "W", "heat flow into shaft and inner ring", nominal=10.0)
+
+
+class BearingTemperatures(OdeComponent):
+    """Shaft with inner ring, balls, outer ring with housing: three heat capacities in a row.
+
+        Ci Ti' = si P - 2 G (Ti - Tb) - Gs (Ti - Ta)
+        Cb Tb' = (1 - si - so) P - 2 G (Tb - Ti) - 2 G (Tb - To)
+        Co To' = so P - 2 G (To - Tb) - Gh (To - Ta)
+
+    G: conductance from ring to ring, half of the resistance on either side of the balls; P: friction; Ta: ambient.
+    A negative conductance counts as none. Heat supplied and heat given off are integrated along, so that the balance
+    heat_supplied = heat_stored + heat_released can be looked at; all three are 0 at the start.
+
+    Change of the diametral clearance, each part growing freely from the reference temperature Tr, alpha one for all parts:
+
+        (dm + d) alpha (To - Tr) - (dm - d) alpha (Ti - Tr) - 2 d alpha (Tb - Tr)
+
+    which is 0 where all are equally warm. Interference of the seats, and a housing or shaft of other material, are not in it.
+    Integrated with an L-stable method: `substep` is a matter of accuracy, never of stability.
+    """
+
+    title = "Temperatures of a bearing, its shaft and its housing"
+    system = "bearings"
+    default_step = 1.0
+    default_stop = 3600.0
+
+    housing = Housing
+    oil_flow = OilFlow
+    radiation = Radiation
+    shaft_heat = ShaftHeat
+
+    inner_capacity = parameter(400.0, "J/K", "heat capacity of shaft and inner ring", low=1e-9)
+    ball_capacity = parameter(15.0, "J/K", "heat capacity of all balls", low=1e-9)
+    outer_capacity = parameter(150.0, "J/K", "heat capacity of outer ring and, without `housing`, what it sits in", low=1e-9)
+    shaft_conductance = parameter(0.2, "W/K", "conductance from the shaft to the ambient", low=0.0)
+    ambient_conductance = parameter(1.0, "W/K", "conductance from housing or outer ring to the ambient", low=0.0)
+    inner_share = parameter(0.25, "1", "share of the friction that heats the inner ring; a choice of ours", low=0.0, high=1.0)
+    outer_share = parameter(0.25, "1", "share of the friction that heats the outer ring; a choice of ours", low=0.0, high=1.0)
+    ball_diameter = parameter(7.938e-3, "m", "diameter of the balls", low=1e-6)
+    pitch_diameter = parameter(54e-3, "m", "pitch diameter of the balls", low=1e-6)
+    expansion = parameter(1.2e-5, "1/K", "coefficient of thermal expansion of rings and balls; steel, recalled", low=0.0)
+    reference_temperature = parameter(293.15, "K", "temperature of all parts at which the clearance is unchanged", low=0.0)
+    start_temperature = parameter(293.15, "K", "temperature of all parts at the start", low=0.0)
+    substep = parameter(1.0, "s", "longest internal step", low=1e-9)
+
+    conductance = input_(0.2, "W/K", "conductance of the bearing from ring to ring", nominal=0.1)
+    friction_power = input_(0.0, "W", "power lost to friction in the bearing", nominal=10.0)
+    ambient = input_(293.15, "K", "temperature of the surroundings", nominal=100.0)
+
+    inner_temperature = output("K", "temperature of shaft and inner ring", nominal=100.0)
+    ball_temperature = output("K", "temperature of the balls", nominal=100.0)
+    outer_temperature = output("K", "temperature of the outer ring", nominal=100.0)
+    housing_temperature = output("K", "temperature of the outermost part, housing or outer ring", nominal=100.0)
+    clearance_change = output("m", "change of the diametral clearance by thermal expansion", nominal=1e-5)
+    heat_supplied = output("J", "heat supplied since the start", nominal=1e4)
+    heat_stored = output("J", "heat stored since the start", nominal=1e4)
+    heat_released = output("J", "heat given off to the ambient and to oil since the start", nominal=1e4)
+
+    def initial_state(self) -> np.ndarray:
+        """Temperatures of inner ring, balls, outer ring and, with `housing`, housing, K; heat supplied and released, J."""
+        parts = 4 if "housing" in self.on else 3
+        start = self.parameters["start_temperature"]
+        return np.array([start] * parts + [0.0, 0.0])
+
+    def _initialize(self, t: float) -> int:
+        status = super()._initialize(t)
+        n = self.x.size
+        self._work = np.zeros((n + 7, max(2 * n - 1, self.u.shape[1])))
+        return status
+
+
+CONDUCTANCE, FRICTION, AMBIENT = BearingTemperatures.input_indices("conductance", "friction_power", "ambient")
+OUTPUTS = BearingTemperatures.output_indices(
+    "inner_temperature", "ball_temperature", "outer_temperature", "housing_temperature", "clearance_change", "heat_supplied",
+    "heat_stored", "heat_released",
+)  # fmt: skip
+INNER_OUT, BALL_OUT, OUTER_OUT, HOUSING_OUT, CLEARANCE_OUT, SUPPLIED_OUT, STORED_OUT, RELEASED_OUT = OUTPUTS
+INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
+
+
+@kernel
+def network_derivatives(t, x, u, dx, p, housing, oil, radiation, shaft):
+    """dx/dt of x = (Ti, Tb, To[, Th], heat supplied, heat released)."""
+    n = x.size - 2
+    to_balls = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[INNER] - x[BALL])
+    to_outer = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[BALL] - x[OUTER])
+    friction, ambient = u[FRICTION], u[AMBIENT]
+    supplied = friction
+    from_shaft = p.shaft_conductance * (x[INNER] - ambient)
+    inner = p.inner_share * friction - to_balls - from_shaft
+    ball = (1.0 - p.inner_share - p.outer_share) * friction + to_balls - to_outer
+    outer = p.outer_share * friction + to_outer
+    if shaft is not None:
+        inner += u[shaft.u]
+        supplied += u[shaft.u]
+    outside = x[n - 1]  # of the outermost part
+    to_ambient = p.ambient_conductance * (outside - ambient)
+    if radiation is not None:
+        to_ambient += radiation.emissivity * radiation.area * radiative_coefficient(outside, ambient) * (outside - ambient)
+    released = from_shaft + to_ambient
+    if oil is not None:
+        with_oil = oil.capacity_rate * (x[BALL] - u[oil.u])
+        ball -= with_oil
+        released += with_oil
+    if housing is not None:
+        through_seat = housing.seat_conductance * (x[OUTER] - x[HOUSED])
+        outer -= through_seat
+        dx[HOUSED] = (through_seat - to_ambient) / housing.heat_capacity
+    else:
+        outer -= to_ambient
+    dx[INNER], dx[BALL], dx[OUTER] = inner / p.inner_capacity, ball / p.ball_capacity, outer / p.outer_capacity
+    dx[n], dx[n + 1] = supplied, released
+
+
+@kernel
+def network_jacobian(t, x, u, band, p, housing, oil, radiation, shaft):
+    """Derivatives of `network_derivatives` by the temperatures, in the whole band of rodas3."""
+    n, w = x.size - 2, x.size - 1
+    released = n + 1
+    last = n - 1
+    across = 2.0 * max(u[CONDUCTANCE], 0.0)
+    band[INNER, w] = -(across + p.shaft_conductance) / p.inner_capacity
+    band[INNER, w + 1] = across / p.inner_capacity
+    band[BALL, w - 1] = band[BALL, w + 1] = across / p.ball_capacity
+    band[BALL, w] = -2.0 * across / p.ball_capacity
+    band[OUTER, w - 1] = across / p.outer_capacity
+    band[OUTER, w] = -across / p.outer_capacity
+    band[released, w + INNER - released] = p.shaft_conductance
+    if oil is not None:
+        band[BALL, w] -= oil.capacity_rate / p.ball_capacity
+        band[released, w + BALL - released] = oil.capacity_rate
+    capacity = p.outer_capacity
+    if housing is not None:
+        capacity = housing.heat_capacity
+        band[OUTER, w] -= housing.seat_conductance / p.outer_capacity
+        band[OUTER, w + 1] = housing.seat_conductance / p.outer_capacity
+        band[HOUSED, w - 1] = housing.seat_conductance / capacity
+        band[HOUSED, w] = -housing.seat_conductance / capacity
+    outside = p.ambient_conductance
+    if radiation is not None:
+        # 4 sigma T³ is the coefficient between two surfaces of temperature T
+        outside += radiation.emissivity * radiation.area * radiative_coefficient(x[last], x[last])
+    band[last, w] -= outside / capacity
+    band[released, w + last - released] += outside
+
+
+@kernel
+def network_outputs(t, x, u, y, p, housing, oil, radiation, shaft):
+    """Temperatures, change of clearance, balance of heat."""
+    n = x.size - 2
+    y[INNER_OUT], y[BALL_OUT], y[OUTER_OUT], y[HOUSING_OUT] = x[INNER], x[BALL], x[OUTER], x[n - 1]
+    d, dm, reference = p.ball_diameter, p.pitch_diameter, p.reference_temperature
+    grown = (dm + d) * (x[OUTER] - reference) - (dm - d) * (x[INNER] - reference) - 2.0 * d * (x[BALL] - reference)
+    y[CLEARANCE_OUT] = p.expansion * grown
+    start = p.start_temperature
+    stored = p.inner_capacity * (x[INNER] - start) + p.ball_capacity * (x[BALL] - start) + p.outer_capacity * (x[OUTER] - start)
+    if housing is not None:
+        stored += housing.heat_capacity * (x[HOUSED] - start)
+    y[SUPPLIED_OUT], y[STORED_OUT], y[RELEASED_OUT] = x[n], stored, x[n + 1]
+
+
+BearingTemperatures.advance = bind(
+    rodas3, __name__, derivatives=network_derivatives, jacobian=network_jacobian, outputs=network_outputs
+)
+BearingTemperatures.output_kernel = network_outputs
