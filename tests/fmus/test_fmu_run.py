@@ -13,7 +13,7 @@ STEP = 1e-3  # s
 STEPS = 300
 SUBSTEP = 2.5e-4  # s, small enough for every effect
 
-# smooth inputs, by the last part of their name: value, first and second derivative at t
+# smooth inputs, by the last part of their name, where a swing about the start value is not enough: value and derivatives at t
 INPUTS = {
     "wire_height": lambda t: (0.01 * math.sin(9 * t), 0.09 * math.cos(9 * t), -0.81 * math.sin(9 * t)),
     "wire_compliance": lambda t: (1e-6 * (1 + t), 1e-6, 0.0),
@@ -35,7 +35,12 @@ def selected(effects, stride):
 
 
 def smooth(component, t):
-    return {n: INPUTS[n.rpartition(".")[2]](t) for n in component.inputs}
+    return {n: INPUTS.get(n.rpartition(".")[2], swing(component.variables[n]))(t) for n in component.inputs}
+
+
+def swing(variable):
+    a = 0.1 * variable.nominal
+    return lambda t: (variable.start + a * math.sin(9 * t), 9 * a * math.cos(9 * t), -81 * a * math.sin(9 * t))
 
 
 @pytest.mark.parametrize("stride", [1, 2, 0], ids=["all effects", "every second", "none"])
@@ -44,7 +49,8 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, stride):
     effects = selected(component_class(name).effects, stride)
     component = component_class(name)(effects)
     unit = Driven(built(name))
-    start = {"substep": SUBSTEP} | {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
+    start = {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
+    start |= {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
     for n, v in start.items():
         component.set(n, v)
     component.initialize(0.0)
