@@ -46,7 +46,7 @@ class Effect:
     Values: ClassVar[Any]
 
     def __init_subclass__(cls) -> None:
-        cls.variables = _declared(cls)
+        cls.variables = tuple({v.name: v for base in reversed(cls.__mro__) for v in _declared(base)}.values())
         ports = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
         cls.Values = _values_type(cls, ports + [v.name for v in cls.variables if v.causality is Causality.PARAMETER] or ["on"])
 
