@@ -22,12 +22,12 @@ def section_chart(sweep: Sweep) -> Chart | None:
     if not any(s.size for s in sweep.section):
         return None
     wanted = sweep.scene.analysis["section"]
-    last = list(sweep.varied)[-1]
-    panels = []
+    last, signal = list(sweep.varied)[-1], wanted["signal"]
+    label, panels = f"{signal}, {sweep.units[f'{signal}, mean']}", []
     for title, members in _groups(sweep):
         shown = [sweep.section[i][-SHOWN_POINTS:] for i in members]
         at = np.concatenate([np.full(s.size, sweep.varied[last][i]) for s, i in zip(shown, members, strict=True)])
-        panels.append(Panel(wanted["signal"], (Series("section", at, np.concatenate(shown), "points"),), title=title))
+        panels.append(Panel(label, (Series("section", at, np.concatenate(shown), "dots"),), title=title))
     text = (f"Every point is {wanted['signal']} at one passage of {wanted['angle']}, {wanted.get('turns', 1)} a turn, after the "
             "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
             "quasi-periodic or chaotic.")
@@ -40,7 +40,10 @@ def measures_chart(sweep: Sweep) -> Chart | None:
     if len(set(sweep.varied[last].tolist())) < 2 or not sweep.measures:
         return None
     panels = []
+    angle = sweep.scene.analysis.get("section", {}).get("angle")  # its extremes are those of a turn
     for signal in dict.fromkeys(n.rpartition(", ")[0] for n in sweep.measures):
+        if signal == angle:
+            continue
         series = []
         for title, members in _groups(sweep):
             for kind in ("minimum", "maximum"):
