@@ -1,0 +1,178 @@
+"""Kernels of the deep groove bearing with six degrees of freedom: from motion of the inner ring to force and moment on it.
+
+State: angle of the inner ring, angle of the cage (of ball 0) and, with a pit on a ball, its turn against the cage.
+The balls' angles are those of ball 0 and a fixed table: a call costs one sine and cosine for all of them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.kernels import NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from .contacts import COS, ENERGY, GAP, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces
+from .film import CENTRAL_EXPONENT
+from .races import TWO_PI, add_ball_pit, add_pit, add_waves, wrapped
+
+SPEED = 10  # in u, behind displacement (5) and velocity (5)
+FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
+
+
+@kernel_tuple
+class Constants(NamedTuple):
+    """What the kernels need of the parameters, and their workspace."""
+
+    contacts: BallContacts
+    cage_ratio: float
+    spin_ratio: float
+    cosine: np.ndarray  # (Z,), directions of the balls seen from ball 0
+    sine: np.ndarray
+    balls: np.ndarray  # (Z, 4), workspace; see contacts.py
+    sums: np.ndarray  # (8,)
+    stiffness: np.ndarray  # (5, 5)
+    damping: np.ndarray  # (5, 5)
+
+
+@kernel_tuple
+class Films(NamedTuple):
+    """Films of both races: thickness = factor * |speed|^0.67."""
+
+    y: int
+    inner: float  # m (s/rad)^0.67
+    outer: float
+
+
+@kernel_tuple
+class Levers(NamedTuple):
+    """Lever of the moments over that of the tilts."""
+
+    ratio: float
+
+
+def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float) -> Constants:
+    """Constants of a bearing; workspace included."""
+    n = contacts.balls
+    at = TWO_PI * np.arange(n) / n
+    return Constants(contacts, cage_ratio, spin_ratio, np.cos(at), np.sin(at), np.zeros((n, 4)), np.zeros(8), np.zeros((5, 5)),
+                     np.zeros((5, 5)))
+
+
+@kernel
+def place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """Directions and gaps of all balls into p.balls."""
+    balls = p.balls
+    gap, cage, cage_speed = balls[:, GAP], x[1], p.cage_ratio * speed
+    c, s = math.cos(cage), math.sin(cage)
+    film_thickness = 0.0
+    if film is not None:
+        film_thickness = (film.inner + film.outer) * abs(speed) ** CENTRAL_EXPONENT
+    for j in range(balls.shape[0]):
+        balls[j, COS] = c * p.cosine[j] - s * p.sine[j]
+        balls[j, SIN] = s * p.cosine[j] + c * p.sine[j]
+        balls[j, GAP] = -film_thickness
+    if inner_waves is not None:
+        add_waves(gap, None, cage - x[0], cage_speed - speed, inner_waves)
+    if outer_waves is not None:
+        add_waves(gap, None, cage, cage_speed, outer_waves)
+    if inner_pit is not None:
+        add_pit(gap, None, cage - x[0], cage_speed - speed, inner_pit)
+    if outer_pit is not None:
+        add_pit(gap, None, cage, cage_speed, outer_pit)
+    if ball_pit is not None:
+        add_ball_pit(gap, None, x[2], p.spin_ratio * speed, ball_pit)
+
+
+@kernel
+def present_contacts(u, p, growth):
+    """The contacts with the present clearance."""
+    k = p.contacts
+    if growth is not None:
+        return BallContacts(k.balls, k.stiffness, k.distance, k.radial - 0.5 * u[growth.u], k.axial, k.lever)
+    return k
+
+
+@kernel
+def roll(h, x, u, p):
+    """Turn ring, cage and ball with the integral of the speed's polynomial over a step h."""
+    turn = h * (u[0, SPEED] + h * (0.5 * u[1, SPEED] + h * u[2, SPEED] / 3.0))
+    x[0] = wrapped(x[0] + turn)
+    x[1] = wrapped(x[1] + p.cage_ratio * turn)
+    for i in range(2, x.size):
+        x[i] = wrapped(x[i] + p.spin_ratio * turn)
+
+
+@kernel
+def advance(h, x, u, y, p, *effects):
+    """Roll on by h, hold the inputs at their ends, and compute the outputs there; u: (3, m)."""
+    roll(h, x, u, p)
+    hold_inputs(u, h)
+    status = bearing_outputs(x, u[0], y, p, *effects)
+    for i in range(y.size):
+        if not math.isfinite(y[i]):
+            return NOT_FINITE
+    return status
+
+
+@kernel
+def bearing_outputs(x, u, y, p, film, damper, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit, levers, linear, friction,
+                    growth):
+    """All outputs from the angles x and the inputs u (m,); returns DONE, or OUT_OF_RANGE for a ring beyond the grooves."""
+    speed = u[SPEED]
+    place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    contacts = present_contacts(u, p, growth)
+    if linear is not None and damper is not None:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, u[5:10], damper.factor, p.damping)
+    elif linear is not None:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, None, None, None)
+    elif damper is not None:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, u[5:10], damper.factor, None)
+    else:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, None, None, None)
+    if levers is not None:
+        p.sums[3] *= levers.ratio
+        p.sums[4] *= levers.ratio
+    for i in range(5):
+        y[FORCE + i] = p.sums[i]
+    y[LARGEST], y[NUMBER], y[INNER_ANGLE], y[CAGE_ANGLE] = p.sums[MAX_LOAD], p.sums[LOADED], x[0], x[1]
+    if film is not None:
+        thickness = abs(speed) ** CENTRAL_EXPONENT
+        y[film.y], y[film.y + 1] = film.inner * thickness, film.outer * thickness
+    if linear is not None:
+        linearise(u, y, p, levers, linear)
+    if friction is not None:
+        load = math.sqrt(p.sums[0] ** 2 + p.sums[1] ** 2 + p.sums[2] ** 2)
+        torque = 0.5 * friction.coefficient * friction.bore_diameter * load
+        y[friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
+        y[friction.y + 1] = torque * abs(speed)
+    return status
+
+
+@kernel
+def linearise(u, y, p, levers, linear):
+    """The bearing as F = force - stiffness q - damping q' near the present motion: force, stiffness, damping into y."""
+    first = linear.y + 5
+    if p.sums[LOADED] < 1.5:
+        p.stiffness[0, 0] += linear.idle_stiffness
+        p.stiffness[1, 1] += linear.idle_stiffness
+    for i in range(5):
+        share = 1.0
+        if levers is not None and i > 2:
+            share = levers.ratio
+        force = p.sums[i]
+        for j in range(5):
+            k, c = share * p.stiffness[i, j], share * p.damping[i, j]
+            force += k * u[j] + c * u[5 + j]
+            y[first + 5 * i + j] = k
+            y[first + 25 + 5 * i + j] = c
+        y[linear.y + i] = force
+
+
+@kernel
+def elastic_energy(x, u, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit, growth):
+    """Energy of the contacts, J."""
+    place(x, u[SPEED], p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    contact_forces(u[:5], present_contacts(u, p, growth), p.balls, p.sums, None, None, None, None)
+    return p.sums[ENERGY]
+
