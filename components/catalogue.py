@@ -15,6 +15,8 @@ CATALOGUE = {
     "DimensionlessBallBearing": "bearings.dimensionless",
     "AngularContactConductance": "bearings.conductance",
     "BearingTemperatures": "bearings.temperatures",
+    "JeffcottRotor": "rotor.jeffcott",
+    "BeamRotor": "rotor.beam",
 }
 
 

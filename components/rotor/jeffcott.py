@@ -1,0 +1,157 @@
+"""Jeffcott rotor: a disk in the middle of a massless shaft."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
+
+
+class Unbalance(Effect):
+    """Center of mass beside the center of the shaft."""
+
+    eccentricity = parameter(1e-5, "m", "distance of the center of mass from the shaft's center", low=0.0)
+    phase = parameter(0.0, "rad", "angle by which the center of mass is ahead of the rotor's angle")
+
+
+class InternalDamping(Effect):
+    """Viscous damping in the turning shaft: -c (q' - Omega x q); it drives the rotor above an onset speed."""
+
+    coefficient = parameter(10.0, "N.s/m", "damping coefficient in the turning frame", low=0.0)
+
+
+class Gravity(Effect):
+    """Weight, along -y."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
+
+
+class Orthotropy(Effect):
+    """Supports of different stiffness along x and y: the critical speed splits, and the whirl is backward in between."""
+
+    ratio = parameter(1.2, "1", "stiffness along y over that along x", low=0.0)
+
+
+class JeffcottRotor(OdeComponent):
+    """A disk of mass m in the middle of a massless elastic shaft, in its plane; x horizontal, y upwards.
+
+        m x'' + c x' + k x = m e (w² cos phi + w' sin phi) + F_x
+        m y'' + c y' + k y = m e (w² sin phi - w' cos phi) + F_y,    phi' = w
+
+    The speed w is imposed. The force on the disk is an input: a bearing, a seal or a rub that answers its motion attaches there.
+    Source: Jeffcott, Phil. Mag. 37 (1919) 304-314. Defaults are a choice of ours: 100 rad/s critical, 2 % damped.
+    """
+
+    title = "Jeffcott rotor"
+    system = "rotor"
+    default_stop = 2.0
+
+    unbalance = Unbalance
+    internal_damping = InternalDamping
+    gravity = Gravity
+    orthotropy = Orthotropy
+    run_up = RunUp
+
+    mass = parameter(10.0, "kg", "mass of the disk", low=1e-9)
+    stiffness = parameter(1e5, "N/m", "stiffness of the shaft at the disk", low=0.0)
+    damping = parameter(40.0, "N.s/m", "external damping coefficient at the disk", low=0.0)
+    start_speed = parameter(50.0, "rad/s", "speed of rotation at the start, positive from x to y")
+    start_angle = parameter(0.0, "rad", "angle of the rotor at the start")
+    substep = parameter(2e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    force_x = input_(0.0, "N", "force on the disk along x", nominal=10.0)
+    force_y = input_(0.0, "N", "force on the disk along y", nominal=10.0)
+
+    x = output("m", "displacement of the shaft's center along x", nominal=1e-5)
+    y = output("m", "displacement of the shaft's center along y, upwards", nominal=1e-5)
+    velocity_x = output("m/s", "velocity along x", nominal=1e-3)
+    velocity_y = output("m/s", "velocity along y", nominal=1e-3)
+    speed = output("rad/s", "speed of rotation", nominal=100.0)
+    angle = output("rad", "angle of the rotor, in [0, 2 pi)")
+
+    def initial_state(self) -> np.ndarray:
+        """Equilibrium under the forces, or the straight shaft where nothing holds it (x: x, y, x', y', angle)."""
+        p, _, internal, gravity, orthotropy, run_up = self.settled
+        cross = internal.coefficient * speed_at(self.t, p.start_speed, run_up) if internal is not None else 0.0
+        kx, ky = p.stiffness, p.stiffness * (orthotropy.ratio if orthotropy is not None else 1.0)
+        fx, fy = self.u[0]
+        fy -= p.mass * gravity.acceleration if gravity is not None else 0.0
+        determinant = kx * ky + cross**2
+        x, y = ((ky * fx - cross * fy) / determinant, (kx * fy + cross * fx) / determinant) if determinant > 0.0 else (0.0, 0.0)
+        return np.array([x, y, 0.0, 0.0, p.start_angle % TURN])
+
+    def energy(self) -> float:
+        """Energy of motion and of the shaft's bending, and of the height where there is gravity, J."""
+        p, _, _, gravity, orthotropy, _ = self.settled
+        x, y, vx, vy, _ = self.x
+        ratio = orthotropy.ratio if orthotropy is not None else 1.0
+        weight = p.mass * gravity.acceleration if gravity is not None else 0.0
+        return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue|, s."""
+        p, _, internal, _, orthotropy, run_up = self._settled()
+        ratio = orthotropy.ratio if orthotropy is not None else 1.0
+        c, cross = p.damping, 0.0
+        if internal is not None:
+            fastest = max(abs(p.start_speed), abs(run_up.end_speed) if run_up is not None else 0.0)
+            c, cross = c + internal.coefficient, internal.coefficient * fastest
+        K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
+        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
+        largest = float(np.abs(np.linalg.eigvals(A)).max())
+        return 2.78 / largest if largest > 0.0 else math.inf
+
+
+@kernel
+def jeffcott_derivatives(t, x, u, dx, p, unbalance, internal, gravity, orthotropy, run_up):
+    """dx/dt of x = (x, y, x', y', angle)."""
+    speed = speed_at(t, p.start_speed, run_up)
+    fx = u[0] - p.stiffness * x[0] - p.damping * x[2]
+    if orthotropy is not None:
+        fy = u[1] - orthotropy.ratio * p.stiffness * x[1] - p.damping * x[3]
+    else:
+        fy = u[1] - p.stiffness * x[1] - p.damping * x[3]
+    if internal is not None:
+        fx -= internal.coefficient * (x[2] + speed * x[1])
+        fy -= internal.coefficient * (x[3] - speed * x[0])
+    if gravity is not None:
+        fy -= p.mass * gravity.acceleration
+    if unbalance is not None:
+        moment, acceleration = p.mass * unbalance.eccentricity, acceleration_at(t, p.start_speed, run_up)
+        cosine, sine = math.cos(x[4] + unbalance.phase), math.sin(x[4] + unbalance.phase)
+        fx += moment * (speed * speed * cosine + acceleration * sine)
+        fy += moment * (speed * speed * sine - acceleration * cosine)
+    dx[0], dx[1] = x[2], x[3]
+    dx[2], dx[3] = fx / p.mass, fy / p.mass
+    dx[4] = speed
+
+
+@kernel
+def jeffcott_outputs(t, x, u, y, p, unbalance, internal, gravity, orthotropy, run_up):
+    """Motion of the disk, speed and angle."""
+    y[0], y[1], y[2], y[3] = x[0], x[1], x[2], x[3]
+    y[4] = speed_at(t, p.start_speed, run_up)
+    y[5] = x[4]
+
+
+_advance = bind(rk4, __name__, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs)
+
+
+@kernel
+def jeffcott_advance(t, h, n, x, u, y, work, counts, p, unbalance, internal, gravity, orthotropy, run_up):
+    """RK4 for the motion; the angle, whose rate is given, is exact at the end of every macro step, and wrapped."""
+    angle = angle_after(x[4], t, h, p.start_speed, run_up)
+    status = _advance(t, h, n, x, u, y, work, counts, p, unbalance, internal, gravity, orthotropy, run_up)
+    x[4] = angle
+    y[5] = angle
+    return status
+
+
+JeffcottRotor.advance = jeffcott_advance
+JeffcottRotor.output_kernel = jeffcott_outputs

@@ -1,0 +1,102 @@
+"""Ports where bearings attach: the rotor gives motion, the bearing gives its load as a straight line in that motion.
+
+    F(q, q') = F_0 - K q - C q'
+
+F_0, K and C are inputs: the tangent of the bearing's load at its last motion, and where that tangent meets zero motion. Within
+a macro step the rotor solves with this line, so that a stiff bearing is as good as a spring in the rotor itself, however
+long the step; the bearing need not pass directional derivatives. What the master extrapolates in time are F_0, K and C,
+which change as balls pass and as the line follows a curved law: the motion itself is counted once. In the first sweeps of a
+master each initialization is a step of Newton's method. With K = C = 0 and F_0 the load this is plain force coupling.
+"""
+
+from __future__ import annotations
+
+from ..core.component import Effect
+from ..core.kernels import kernel
+from ..core.variables import input_, output, parameter
+
+STIFFNESS = 4  # position of a port's tangent behind its first input; the damping follows it
+
+
+class Bearing(Effect):
+    """A port for a bearing, or anything else that answers the shaft's motion with a force and a moment.
+
+    Stiffness and damping are -d(force, moment)/d(x, y, z, tilt_x, tilt_y) and by their rates, row by row; force and moment
+    are those of the linearised bearing at zero displacement and velocity. Where a bearing has no tangent to offer, they are
+    what it gives now. The rotor has no axial motion: what belongs to z does not count.
+    """
+
+    position = parameter(0.0, "m", "place of the bearing on the shaft", low=0.0)
+
+    force_x = input_(0.0, "N", "force on the shaft along x at zero motion", nominal=100.0)
+    force_y = input_(0.0, "N", "force on the shaft along y at zero motion", nominal=100.0)
+    moment_x = input_(0.0, "N.m", "moment on the shaft about x at zero motion")
+    moment_y = input_(0.0, "N.m", "moment on the shaft about y at zero motion")
+    stiffness = input_(0.0, "1", "tangent by displacement, N/m for the translations, N.m/rad for the tilts", size=25, nominal=1e7)
+    damping = input_(0.0, "1", "tangent by velocity, N.s/m for the translations, N.m.s/rad for the tilts", size=25, nominal=1e3)
+
+    x = output("m", "displacement along x", nominal=1e-5)
+    y = output("m", "displacement along y, upwards", nominal=1e-5)
+    tilt_x = output("rad", "rotation of the section about x", nominal=1e-5)
+    tilt_y = output("rad", "rotation of the section about y", nominal=1e-5)
+    velocity_x = output("m/s", "velocity along x", nominal=1e-2)
+    velocity_y = output("m/s", "velocity along y", nominal=1e-2)
+    tilt_rate_x = output("rad/s", "rate of tilt_x", nominal=1e-2)
+    tilt_rate_y = output("rad/s", "rate of tilt_y", nominal=1e-2)
+    speed = output("rad/s", "speed of the shaft", nominal=100.0)
+
+
+@kernel
+def follow_tangents(s, ports, u, tangents):
+    """The ports' tangents at time s within the macro step; True if they differ from the former content.
+
+    ports: (k, 3) node, first input, first output.  u: (3, m).  tangents: (k, 2, 4, 4) result: stiffness and damping for the
+    order x, y, tilt_x, tilt_y.
+    """
+    changed = False
+    for i in range(ports.shape[0]):
+        for term in range(2):
+            first = ports[i, 1] + STIFFNESS + 25 * term
+            for row in range(4):
+                for column in range(4):
+                    j = first + 5 * (row + (row > 1)) + column + (column > 1)  # without the row and the column of z
+                    value = u[0, j] + s * (u[1, j] + s * u[2, j])
+                    if tangents[i, term, row, column] != value:
+                        tangents[i, term, row, column] = value
+                        changed = True
+    return changed
+
+
+@kernel
+def add_loads(s, ports, u, tangents, q, v, b):
+    """Add the ports' loads at time s for displacements q and velocities v to b, (N,) each."""
+    for i in range(ports.shape[0]):
+        j, first = 4 * ports[i, 0], ports[i, 1]
+        for row in range(4):
+            load = u[0, first + row] + s * (u[1, first + row] + s * u[2, first + row])
+            for k in range(4):
+                load -= tangents[i, 0, row, k] * q[j + k] + tangents[i, 1, row, k] * v[j + k]
+            b[j + row] += load
+
+
+@kernel
+def add_tangents(ports, tangents, stiffness_share, damping_share, band):
+    """Add shares of the ports' stiffness and damping to a band."""
+    half = band.shape[1] // 2
+    for i in range(ports.shape[0]):
+        j = 4 * ports[i, 0]
+        for row in range(4):
+            for k in range(4):
+                band[j + row, half + k - row] += (stiffness_share * tangents[i, 0, row, k]
+                                                  + damping_share * tangents[i, 1, row, k])
+
+
+@kernel
+def port_outputs(ports, q, v, speed, y):
+    """Motion of the shaft at the ports."""
+    for i in range(ports.shape[0]):
+        j, first = 4 * ports[i, 0], ports[i, 2]
+        for k in range(4):
+            y[first + k] = q[j + k]
+            y[first + 4 + k] = v[j + k]
+        y[first + 8] = speed
