@@ -1,0 +1,77 @@
+"""Bifurcation diagrams: a component run in this process over the values of a parameter, looked at once per period."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from components.core.component import Component
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """Stroboscopic points over the values of a parameter."""
+
+    values: np.ndarray  # (n,)
+    signals: tuple[str, ...]
+    points: np.ndarray  # (n, k, len(signals))
+
+
+def stroboscopic_points(
+    component: Component, period: float, points: int, signals: Sequence[str], *, transient: int = 0
+) -> np.ndarray:
+    """Outputs at the end of each of `points` periods after `transient` more, (points, len(signals)).
+
+    The component is initialized, and is left at the end of the run. Each period is one step of it, divided as its own
+    accuracy asks for.
+    """
+    at, start, rows = component.output_positions(signals), component.t, np.empty((points, len(signals)))
+    for k in range(transient + points):
+        component.step(start + k * period, period)
+        if k >= transient:
+            rows[k - transient] = component.y[at]
+    return rows
+
+
+def bifurcation(
+    make: Callable[[float], Component],
+    values: Iterable[float],
+    period: Callable[[Component], float],
+    signals: Sequence[str],
+    *,
+    points: int = 100,
+    transient: int = 100,
+    follow: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Bifurcation:
+    """The component `make(value)` at each value, seen once per `period(component)`.
+
+    follow: start each run from the end of the one before, not from the component's own start: upward and downward sweeps then
+        show where two motions exist beside one another. All components must have the same state.
+    progress: called with the share that is done.
+    """
+    given, rows, state = list(values), [], None
+    for i, value in enumerate(given):
+        component = make(value)
+        component.initialize(0.0)
+        if follow and state is not None:
+            component.x[:] = state
+        rows.append(stroboscopic_points(component, period(component), points, signals, transient=transient))
+        state = component.x.copy()
+        if progress is not None:
+            progress((i + 1) / len(given))
+    return Bifurcation(np.array(given), tuple(signals), np.array(rows))
+
+
+def distinct_points(points: np.ndarray, tolerance: float) -> int:
+    """Number of points (k, d) that are farther than `tolerance` (in every coordinate's own unit) from all counted before them.
+
+    A motion that repeats after p periods has p of them, one that never repeats about as many as were looked at.
+    """
+    counted: list[np.ndarray] = []
+    for point in points:
+        if not counted or np.abs(np.array(counted) - point).max(axis=1).min() > tolerance:
+            counted.append(point)
+    return len(counted)
