@@ -13,6 +13,7 @@ CATALOGUE = {
     "LumpedCatenary": "railway.lumped",
     "BallBearing": "bearings.ball_bearing",
     "DimensionlessBallBearing": "bearings.dimensionless",
+    "DeepGrooveBearing": "bearings.deep_groove",
     "AngularContactConductance": "bearings.conductance",
     "BearingTemperatures": "bearings.temperatures",
     "JeffcottRotor": "rotor.jeffcott",

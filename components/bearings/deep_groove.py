@@ -156,7 +156,7 @@ class DeepGrooveBearing(Component):
     velocity_z = input_(0.0, "m/s", "velocity along z", nominal=1e-3)
     tilt_rate_x = input_(0.0, "rad/s", "rate of tilt_x", nominal=1e-2)
     tilt_rate_y = input_(0.0, "rad/s", "rate of tilt_y", nominal=1e-2)
-    speed = input_(0.0, "rad/s", "speed of the inner ring about z", nominal=100.0)
+    speed = input_(0.0, "rad/s", "speed of the inner ring about z", nominal=30.0)
 
     force_x = output("N", "force on the shaft along x", nominal=100.0, feedthrough=EVERYTHING)
     force_y = output("N", "force on the shaft along y", nominal=100.0, feedthrough=EVERYTHING)

@@ -75,4 +75,21 @@ FACTS: dict[str, Facts] = {
         structural=frozenset({"housing"}),
         form=frozenset({"oil_flow.inlet_temperature"}),
     ),
+    "DeepGrooveBearing": Facts(
+        plain=(("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction", "thermal_growth"),
+               {"diametral_clearance": 5e-6}, 20),
+        disturbance={"x": 2e-5, "y": -1e-5, "tilt_x": 1e-4, "velocity_x": 1e-3, "tilt_rate_y": 1e-2, "speed": 30.0},
+        strengths={
+            "damping.factor": ({}, 1e-8),
+            **{f"{ring}_waviness.amplitude[1]": ({}, 1e-10) for ring in ("inner", "outer")},
+            **{f"{ring}_defect.depth": ({f"{ring}_defect.position": 0.05, f"{ring}_defect.width": 0.2}, 1e-10)
+               for ring in ("inner", "outer", "ball")},
+            "thermal_growth.clearance_change": ({}, 1e-10),
+        },
+        # A film vanishes with the power 0.67 of its viscosity; linearisation and friction change no output of the bearing's own.
+        structural=frozenset({"film", "published_levers", "linearisation", "friction"}),
+        form=frozenset({"inner_waviness.order", "inner_waviness.phase", "outer_waviness.order", "outer_waviness.phase",
+                        "inner_defect.width", "inner_defect.position", "outer_defect.width", "outer_defect.position",
+                        "ball_defect.width", "ball_defect.position", "ball_defect.ball"}),
+    ),
 }
