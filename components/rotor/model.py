@@ -50,7 +50,9 @@ def node_positions(length: float, fixed: list[float], element: float) -> np.ndar
 
     Positions closer to one another than a millionth of the length share a node.
     """
-    places = np.unique(np.round(np.array([0.0, *fixed, length]) / length, 6)) * length
+    places = np.unique([0.0, *fixed, length])
+    places = places[np.append(True, np.diff(places) > 1e-6 * length)]
+    places[-1] = length
     counts = [max(1, math.ceil(gap / element - 1e-6)) for gap in np.diff(places)]
     parts = [np.linspace(a, b, count, endpoint=False) for (a, b), count in zip(pairwise(places), counts, strict=True)]
     return np.concatenate((*parts, places[-1:]))
