@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
+from operator import mul
 from typing import Literal
 
 from components.core.errors import StepFailed
@@ -14,6 +15,7 @@ from .polynomial import History, Row, Terms
 
 SWEEPS = 30
 CONVERGED = 1e-12  # relative change of an output from one sweep to the next
+STANDING = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
 ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
@@ -81,7 +83,7 @@ class Master:
         self.coupling = coupling
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
         self.signals: Row = [0.0] * len(read)
-        self._suspicious = RUNAWAY * min((coupling.interfaces[u].outputs[n].nominal for u, n in read), default=1.0)
+        self._sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
         self.sweeps, self.residual, self.steps = 0, 0.0, 0
         nodes = {}
         for name, unit in units.items():
@@ -120,8 +122,8 @@ class Master:
                 signals[node.place] = node.unit.get()
             self._check_finite(t)
             changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(signals, before, nominals, strict=True)]
-            self.sweeps, self.residual = sweep, max(changes, default=0.0)
-            if self.residual <= CONVERGED:
+            last, self.residual, self.sweeps = self.residual, max(changes, default=0.0), sweep
+            if self.residual <= CONVERGED or 0.5 * last <= self.residual <= STANDING:
                 break
         else:
             unit, name = list(self.positions)[changes.index(self.residual)]
@@ -165,7 +167,7 @@ class Master:
 
     def _check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
-        if not abs(sum(self.signals)) < self._suspicious:  # one cheap look at all before each is compared with its own size
+        if not abs(sum(map(mul, self.signals, self._sizes))) < RUNAWAY:  # one cheap look at all before each is looked at
             for (unit, name), value in zip(self.positions, self.signals, strict=True):
                 if not isfinite(value):
                     raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
