@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from ..results import Result
     from ..scene import Scene
 
-MOTION = ("x", "y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
+MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
+SHORT = {"displacement_x": "x", "displacement_y": "y"}  # where the motion comes from a rotor's port
 DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
 
 
@@ -54,11 +55,15 @@ class BearingRecord:
 
 @dataclass(frozen=True)
 class RotorRecord:
-    """The recorded part of a rotor of a run.  ports: name -> signals of the motion there and of the force on the shaft."""
+    """The recorded part of a rotor of a run.
+
+    signals: x, y, speed, angle, those that were recorded.  ports: name of a bearing's port -> x, y of the shaft there and, of
+    the unit that drives the port, force_x, force_y, max_ball_load, those that were recorded.
+    """
 
     unit: str
     time: np.ndarray
-    signals: Mapping[str, np.ndarray]  # x, y, speed, angle, those that were recorded
+    signals: Mapping[str, np.ndarray]
     ports: Mapping[str, Mapping[str, np.ndarray]]
 
 
@@ -106,15 +111,15 @@ def bearings(result: Result) -> list[BearingRecord]:
     for unit in wanted:
         if unit not in scene.units:
             raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
-        columns = {n: c for n in BEARING if (c := recorded(result, unit, n))}
-        if {"x", "y"} <= columns.keys() and _is_bearing(scene, unit):
+        columns = {n: c for n in BEARING if (c := recorded(result, unit, n) or recorded(result, unit, SHORT.get(n, n)))}
+        if {"displacement_x", "displacement_y"} <= columns.keys() and _is_bearing(scene, unit):
             found.append(_bearing(result, unit, columns))
     return found
 
 
 def _is_bearing(scene: Scene, unit: str) -> bool:
     component = scene.units[unit].component
-    return bool(component) and component_class(component).system == "bearings"
+    return bool(component) and hasattr(component_class(component), "geometry")
 
 
 def _bearing(result: Result, unit: str, columns: Mapping[str, str]) -> BearingRecord:
@@ -163,5 +168,8 @@ def rotors(result: Result) -> list[RotorRecord]:
 
 
 def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
-    names = ("x", "y", "force_x", "force_y", "moment_x", "moment_y")
-    return {n: result.columns[c] for n in names if (c := recorded(result, unit, f"{port}.{n}"))}
+    # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
+    bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
+    places = {n: f"{unit}.{port}.{n}" for n in ("x", "y")}
+    places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
+    return {n: result.columns[c] for n, c in places.items() if c in result.columns}

@@ -29,15 +29,15 @@ def envelope_spectrum(x: np.ndarray, rate: float, low: float, high: float) -> tu
     return amplitude_spectrum(envelope(x, rate, low, high), rate)
 
 
-def resonance_band(x: np.ndarray, rate: float, lowest: float) -> tuple[float, float]:
-    """Band in Hz, above `lowest`, in which the signal is most impulsive: the highest kurtosis of |analytic signal|.
+def resonance_band(x: np.ndarray, rate: float, lowest: float, highest: float) -> tuple[float, float]:
+    """Band in Hz, within two bounds, in which the signal is most impulsive: the highest kurtosis of |analytic signal|.
 
-    Tried are the range from `lowest` to 0.45 of the rate and its halves, thirds, quarters, sixths and eighths: a coarse form
-    of the kurtogram of Antoni, Mechanical Systems and Signal Processing 20 (2006) 282-307 and 21 (2007) 108-124.
+    Tried are the whole range and its halves, thirds, quarters, sixths and eighths: a coarse form of the kurtogram of Antoni,
+    Mechanical Systems and Signal Processing 20 (2006) 282-307 and 21 (2007) 108-124.
     """
-    highest = 0.45 * rate
-    if not 0.0 < lowest < 0.5 * highest:
-        raise BadInput("band of the envelope", f"{lowest:g} Hz to {highest:g} Hz", "an octave at least", "Record more often.")
+    if not 0.0 < lowest < highest < 0.5 * rate:
+        came = f"{lowest:g} to {highest:g} Hz at {rate:g} samples per second"
+        raise BadInput("bounds of the envelope's band", came, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
     spectrum = np.fft.fft(x - x.mean())
     f = np.fft.fftfreq(x.size, 1.0 / rate)
     found = []

@@ -15,9 +15,14 @@ from .style import (
     CYCLE,
     DIVERGING,
     DRAWN_POINTS,
+    GREEN,
     INK,
+    ORANGE,
+    PURPLE,
     RAW,
     RISING,
+    SKY,
+    VERMILION,
     axis,
     drawn,
     label,
@@ -33,6 +38,7 @@ from .style import (
 MODES = {"line": "lines", "points": "markers", "line+points": "lines+markers", "dots": "markers"}
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "star")
 PALETTES = {"binary": BINARY, "rising": RISING, "diverging": DIVERGING}
+LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
 LABEL_GAP = 0.045  # of the panel's width; labels of lines nearer to one another are left out
 HEADROOM = 0.14  # of the y axis, for the labels of lines
 
@@ -41,7 +47,8 @@ HEADROOM = 0.14  # of the y axis, for the labels of lines
 class _Drawing:
     """What has been drawn so far."""
 
-    names: list[str]  # of everything with an entry in the legend; its place is its colour
+    names: list[str]  # of the series; the place of a name is its colour
+    line_names: list[str]
     data: list[dict[str, Any]] = field(default_factory=list)
     shapes: list[dict[str, Any]] = field(default_factory=list)
     notes: list[dict[str, Any]] = field(default_factory=list)
@@ -61,7 +68,8 @@ def draw_chart(chart: Chart) -> Figure:
     columns, count = chart.columns, len(chart.panels)
     rows = math.ceil(count / columns)
     series = [s for p in chart.panels for s in p.series if not s.faint]
-    drawing = _Drawing(list(dict.fromkeys([*(s.name for s in series), *(x.name for p in chart.panels for x in p.lines)])))
+    names = list(dict.fromkeys(s.name for s in series))
+    drawing = _Drawing(names, list(dict.fromkeys(x.name for p in chart.panels for x in p.lines)))
     inner = (chart.height or (300 if rows == 1 else 220)) * rows  # px, panels and the gaps between them
     titled, labelled = (any(bool(getattr(p, what)) for p in chart.panels) for what in ("title", "x_label"))
     scaled = any(p.picture is not None and p.picture.palette != "binary" for p in chart.panels)
@@ -103,7 +111,7 @@ def _panel(drawing: _Drawing, panel: Panel, n: str, place: tuple[list[float], li
     elif ends is not None:
         y["range"] = [math.log10(e) for e in ends] if panel.logarithmic else list(ends)
     if panel.logarithmic:
-        y |= {"type": "log", "exponentformat": "power", "dtick": 1} if _decades(ends) > 1.5 else {"type": "log"}
+        y |= {"type": "log", "tickformat": "~g"} | ({"dtick": 1} if _decades(panel, ends) > 1.5 else {})
     if panel.x_range is not None:
         x["range"] = list(panel.x_range)
     drawing.axes |= {"xaxis" + n: x, "yaxis" + n: y}
@@ -149,13 +157,19 @@ def _y_range(panel: Panel) -> tuple[float, float] | None:
     return low, high + HEADROOM * (high - low or 1.0)
 
 
-def _decades(ends: tuple[float, float] | None) -> float:
-    return math.inf if ends is None else math.log10(ends[1] / ends[0])
+def _decades(panel: Panel, ends: tuple[float, float] | None) -> float:
+    """How many powers of ten a logarithmic axis spans."""
+    values = _values(panel, "y")
+    low, high = ends or (min(values[values > 0.0], default=1.0), max(values[values > 0.0], default=1.0))
+    return math.log10(high / low)
 
 
 def _square(panel: Panel) -> tuple[list[float], list[float]]:
-    """Equally long ranges of x and y about the middle of what is drawn."""
+    """Equally long ranges of x and y about the middle of what is drawn; a picture fills its own."""
     x, y = _values(panel, "x"), _values(panel, "y")
+    if panel.picture is not None:
+        p = panel.picture
+        return [float(p.x[0]), float(p.x[-1])], [float(p.y[0]), float(p.y[-1])]
     if not (x.size and y.size):
         return [-1.0, 1.0], [-1.0, 1.0]
     half = 0.54 * max(float(np.ptp(x)), float(np.ptp(y))) or 1.0
@@ -168,7 +182,7 @@ def _lines(drawing: _Drawing, panel: Panel, n: str, ends: tuple[float, float]) -
     shared = panel.x_range or (float(min(_values(panel, "x"), default=0.0)), float(max(_values(panel, "x"), default=1.0)))
     taken: list[float] = []
     for family in panel.lines:
-        colour = CYCLE[drawing.names.index(family.name) % len(CYCLE)]
+        colour = LINE_COLOURS[drawing.line_names.index(family.name) % len(LINE_COLOURS)]
         x = [v for at, _ in family.at for v in (at, at, math.nan)]
         y = [v for _ in family.at for v in (*ends, math.nan)]
         trace = {
@@ -179,6 +193,7 @@ def _lines(drawing: _Drawing, panel: Panel, n: str, ends: tuple[float, float]) -
             "name": family.name,
             "legendgroup": family.name,
             "showlegend": drawing.first(family.name),
+            "legendrank": 1001,  # drawn first, named after the data
             "xaxis": "x" + n,
             "yaxis": "y" + n,
             "line": {"color": tint(colour, 0.75), "width": 1.2, "dash": "dot"},

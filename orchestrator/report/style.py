@@ -29,7 +29,7 @@ DARK = {
     "#67a9cf": "#4386ad", "#f1a340": "#b8721f",
 }  # fmt: skip
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
-DRAWN_POINTS = 20_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
+DRAWN_POINTS = 8_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
 
 
 def tint(colour: str, alpha: float) -> str:
@@ -43,6 +43,7 @@ def axis(title: str = "", grid: bool = False, **more: Any) -> dict[str, Any]:
     base = {
         "title": {"text": title, "standoff": 8, "font": {"size": 13}},
         "tickfont": {"size": 12},
+        "exponentformat": "power",
         "automargin": True,
         "ticks": "outside",
         "ticklen": 4,

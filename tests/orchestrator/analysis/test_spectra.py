@@ -51,7 +51,7 @@ def test_impacts_on_a_resonance_show_in_the_envelope_and_not_below():
     plain = peak(*amplitude_spectrum(x, RATE), 37.0, 1.0)[1]
     assert a.max() > 10 * plain
     noisy = x + np.random.default_rng(2).normal(0.0, 0.3, x.size) + 5.0 * np.sin(2 * np.pi * 20 * TIME)
-    low, high = resonance_band(noisy, RATE, 150.0)
+    low, high = resonance_band(noisy, RATE, 150.0, 2250.0)
     assert low < 1200.0 < high < 2250.0
 
 
