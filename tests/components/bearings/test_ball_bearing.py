@@ -14,8 +14,9 @@ RPM = 2.0 * math.pi / 60.0
 MICRO = 1e-6
 ALL = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_waviness", "inner_defect", "outer_defect",
        "ball_defect", "load_variation", "speed_ramp")
-WAVES = {f"{ring}_waviness.{name}[{i + 1}]": v for ring in ("inner", "outer") for name, values in
-         {"order": (2, 7, 9), "amplitude": (1e-6, 0.4e-6, 0.2e-6), "phase": (0.3, -1.0, 2.0)}.items() for i, v in enumerate(values)}
+ORDERS = {"order": (2, 7, 9), "amplitude": (1e-6, 0.4e-6, 0.2e-6), "phase": (0.3, -1.0, 2.0)}
+WAVES = {f"{ring}_waviness.{name}[{i + 1}]": v for ring in ("inner", "outer")
+         for name, values in ORDERS.items() for i, v in enumerate(values)}
 DEFECTS = {"inner_defect.width": 0.5, "outer_defect.width": 0.6, "inner_defect.position": 1.0, "ball_defect.width": 0.7,
            "ball_defect.ball": 3}
 

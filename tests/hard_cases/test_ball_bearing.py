@@ -1,0 +1,281 @@
+"""Hard cases of the ball bearing with two degrees of freedom."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from components.bearings.ball_bearing import BallBearing
+from components.bearings.dimensionless import dimensionless
+from components.bearings.two_dof import bearing_derivatives
+from components.core.errors import BadInput, StepFailed
+
+RPM = 2.0 * math.pi / 60.0
+
+
+def started(effects=(), parameters=None, rpm=1000.0, **inputs):
+    bearing = BallBearing(effects, parameters)
+    for name, value in {"speed": rpm * RPM, **inputs}.items():
+        bearing.set(name, value)
+    bearing.initialize(0.0)
+    return bearing
+
+
+def with_gap(micrometres, rpm=1000.0, **inputs):
+    return started(["clearance"], {"clearance.radial_clearance": 1e-6 * micrometres}, rpm, **inputs)
+
+
+def run(bearing, duration, h=1e-3):
+    """Outputs at the end of every step by name, each (n,)."""
+    rows = []
+    for k in range(round(duration / h)):
+        bearing.step(k * h, h)
+        rows.append(bearing.y.copy())
+    return dict(zip(bearing.outputs, np.array(rows).T, strict=True))
+
+
+def test_zero_clearance_is_no_clearance():
+    zero, off = with_gap(0.0), started()
+    run(zero, 0.1)
+    run(off, 0.1)
+    assert zero.y.tobytes() == off.y.tobytes()
+
+
+@pytest.mark.parametrize("micrometres", [-1e-3, -5.0, -50.0])
+def test_preload_needs_no_load(micrometres):
+    """All balls carry K |c_r|^1.5, in balance with one another; nothing moves the shaft out of the middle."""
+    bearing = with_gap(micrometres, rpm=3000.0, load=0.0)
+    seen = run(bearing, 0.1)
+    expected = 1.334e10 * (-1e-6 * micrometres) ** 1.5
+    np.testing.assert_allclose(seen["max_ball_load"], expected, rtol=1e-9)  # rounding over the deformation of 1 nm
+    assert (seen["loaded_balls"] == 8).all()
+    assert np.abs(seen["displacement_x"]).max() < 1e-12 * 50e-6
+
+
+def test_one_ball_on_the_line_of_the_load_carries_it():
+    bearing = started(["clearance"], {"balls": 1}, rpm=0.0)
+    seen = run(bearing, 0.1)
+    x = 10e-6 + (196.0 / 1.334e10) ** (2.0 / 3.0)
+    np.testing.assert_allclose(seen["displacement_x"], x, rtol=1e-12)  # the start is the equilibrium, to rounding
+    assert not seen["displacement_y"].any()  # no stiffness across, and nothing that pushes
+
+
+@pytest.mark.parametrize("balls", [1, 2])
+def test_balls_that_cannot_carry_the_load_let_the_shaft_fall(balls):
+    """No ball in the load's direction: no equilibrium, and a start in the middle says so by falling."""
+    bearing = started(["clearance"], {"balls": balls, "start_cage_angle": 0.5 * math.pi}, rpm=0.0)
+    assert (bearing["displacement_x"], bearing["displacement_y"]) == (0.0, 0.0)
+    seen = run(bearing, 0.02)
+    assert seen["displacement_x"][-1] > 100e-6
+    assert np.isfinite(bearing.x).all()
+
+
+def test_a_single_turning_ball_hits_and_lets_go():
+    bearing = started(["clearance"], {"balls": 1, "damping": 2e4}, rpm=3000.0)
+    seen = run(bearing, 0.2)
+    assert set(np.unique(seen["loaded_balls"])) == {0.0, 1.0}
+    assert seen["max_ball_load"].min() == 0.0
+
+
+def test_free_flight_is_ballistic_to_rounding():
+    """No ball in contact: x = x0 + v t + W t² / (2 m), which the method integrates exactly."""
+    start = {"x": 3e-3, "y": -2e-3, "velocity_x": -0.4, "velocity_y": 0.3}
+    bearing = started(["clearance", "given_start"], {"clearance.radial_clearance": 2.0, "damping": 0.0,
+                                                     **{f"given_start.{n}": v for n, v in start.items()}}, rpm=3000.0)
+    seen = run(bearing, 0.5)
+    t = 1e-3 * np.arange(1, 501)
+    assert not seen["max_ball_load"].any()
+    assert not seen["force_x"].any()
+    # 10^4 additions to numbers up to 1, half a unit of the last place each, 1e-16
+    np.testing.assert_allclose(seen["displacement_x"], 3e-3 - 0.4 * t + 0.5 * 9.8 * t**2, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(seen["displacement_y"], -2e-3 + 0.3 * t, rtol=0.0, atol=1e-12)
+
+
+def test_no_load_and_no_contact_stays_where_it_is():
+    bearing = with_gap(20.0, load=0.0)
+    run(bearing, 0.1)
+    assert not bearing.x[:4].any()
+
+
+def test_the_exponent_at_zero():
+    """Deformation zero, a rounding error below it, and denormal: force zero or tiny, never NaN."""
+    bearing = with_gap(10.0, rpm=0.0, load=0.0)
+    dx = np.empty(6)
+    for delta in (0.0, -1e-21, -1e-5, 1e-21, 5e-324, 1e-12):
+        x = np.array([10e-6 + delta, 0.0, 0.0, 0.0, 0.0, 0.0])
+        bearing_derivatives(0.0, x, bearing.u[0], dx, *bearing.settled)
+        present = x[0] - 10e-6
+        assert dx[2] == pytest.approx(-1.334e10 * max(present, 0.0) ** 1.5 / 20.0, rel=1e-12)
+        assert np.isfinite(dx).all()
+
+
+@pytest.mark.parametrize("effect", ["inner_defect", "outer_defect", "ball_defect"])
+def test_a_pit_narrower_than_a_step_is_refused(effect):
+    with pytest.raises(BadInput, match=r"substep = 5e-05 .*at most .*Reduce substep or widen the defect"):
+        started([effect], {f"{effect}.width": 1e-3}, rpm=3000.0)
+    started([effect], {f"{effect}.width": 1e-3}, rpm=0.0)  # at rest nothing passes it
+    started([effect], {f"{effect}.width": 1e-3, "substep": 1e-7}, rpm=-3000.0)
+
+
+def test_steps_become_shorter_where_the_speed_outgrows_a_pit():
+    """At rest any step sees the pit. At 400 rad/s a ball passes it in 32 us, less than the given step of 50 us."""
+    pit, effects = {"outer_defect.width": 0.005, "outer_defect.depth": 3e-6}, ("clearance", "outer_defect")
+
+    def displacement(effects, parameters):
+        bearing = started(effects, parameters, rpm=0.0)
+        bearing.set("speed", 400.0)
+        return run(bearing, 0.1)["displacement_x"], bearing.work["steps"]
+
+    seen, steps = displacement(effects, pit)
+    fine, _ = displacement(effects, pit | {"substep": 5e-7})
+    without, given = displacement(effects[:1], {})
+    assert given == 2000
+    assert steps == 100 * math.ceil(1e-3 / (0.25 * 0.005 / (0.5 * (1.0 - 11.9 / 52.0) * 400.0)))  # a quarter of the passage
+    # what the pit does to the motion is there: 2 % of it is the accuracy of eight points over a raised cosine
+    assert np.abs(fine - without).max() > 1e-9
+    assert np.abs(seen - fine).max() < 0.02 * np.abs(fine - without).max()
+
+
+def test_steps_become_shorter_along_a_ramp():
+    ramp = {"speed_ramp.acceleration": 4e3, "speed_ramp.duration": 0.1, "outer_defect.width": 0.005}
+    bearing = started(["outer_defect", "speed_ramp"], ramp, rpm=0.0)
+    done = [0]
+    for k in range(150):
+        bearing.step(k * 1e-3, 1e-3)
+        done.append(bearing.work["steps"])
+    per_step = np.diff(done)
+    assert per_step[0] == 20  # the given substep
+    assert (np.diff(per_step) >= 0).all()
+    assert (per_step[100:] == 124).all()  # 1 ms over a quarter of 32.4 us
+
+
+def test_without_speed_nothing_turns_and_nothing_moves():
+    bearing = with_gap(20.0, rpm=0.0)
+    before = bearing.y.copy()
+    run(bearing, 0.5)
+    np.testing.assert_allclose(bearing.y, before, rtol=1e-12, atol=1e-12)
+    assert (bearing["inner_angle"], bearing["cage_angle"]) == (0.0, 0.0)
+
+
+def test_reversed_speed_is_the_mirror_image():
+    """y and all angles change sign. Sums of the balls' loads are taken in another order: rounding, not yet amplified."""
+    forth, back = with_gap(2.0, rpm=1000.0), with_gap(2.0, rpm=-1000.0)
+    a, b = run(forth, 0.1), run(back, 0.1)
+    for name, sign in (("displacement_x", 1.0), ("displacement_y", -1.0), ("velocity_x", 1.0), ("velocity_y", -1.0)):
+        np.testing.assert_allclose(b[name], sign * a[name], rtol=0.0, atol=1e-10 * np.abs(a[name]).max())
+    assert back["inner_angle"] == pytest.approx(2.0 * math.pi - forth["inner_angle"], rel=1e-12)
+
+
+def test_ten_million_steps_do_not_drift_the_angle():
+    """Against the angle in extended precision. Each step rounds once, at most half a unit of 2 pi: 4.4e-16 rad."""
+    speed, h, steps = 314.159, 1e-5, 1000
+    bearing = started(["clearance"], {"balls": 1, "clearance.radial_clearance": 1.0, "substep": h}, rpm=speed / RPM, load=0.0)
+    for k in range(10_000):
+        bearing.step(k * steps * h, steps * h)
+    assert bearing.work["steps"] == 10_000_000
+    turn = np.longdouble("6.28318530717958647692528676655900577")
+    for name, ratio in (("inner_angle", np.longdouble(1)), ("cage_angle", np.longdouble(bearing.settled[0].cage_ratio))):
+        exact = np.longdouble(bearing["speed"]) * ratio * np.longdouble(100)
+        off = float((np.longdouble(bearing[name]) - exact) % turn)
+        assert min(off, 2.0 * math.pi - off) < 1e7 * 4.4e-16
+        assert 0.0 <= bearing[name] < 2.0 * math.pi
+
+
+END = 0.1  # s
+
+
+def by_scipy(bearing, end, **options):
+    """Displacements found by SciPy on a fixed grid of times, (2, 400)."""
+    dx = np.empty(bearing.x.size)
+
+    def right_hand_side(t, x):
+        bearing_derivatives(t, x, bearing.u[0], dx, *bearing.settled)
+        return dx.copy()
+
+    found = solve_ivp(right_hand_side, (0.0, end), bearing.x, t_eval=np.linspace(0.0, end, 400), **options)
+    assert found.success
+    return found.y[:2]
+
+
+def by_weight(mass, stiffness):
+    """The bearing of 20 um clearance at 3000 rpm, and bearings of any mass and stiffness that are the same, dimensionless."""
+    load, large = mass * 9.8, BallBearing()
+    factor = (load / 196.0 * large["contact_stiffness"] / stiffness) ** (2.0 / 3.0)  # of the lengths
+    faster = factor**-0.5  # of the frequencies, sqrt(W / (m x_s)), with the load the weight of the mass in both
+    parameters = {"mass": mass, "contact_stiffness": stiffness, "clearance.radial_clearance": 20e-6 * factor,
+                  "damping": large["damping"] * mass / 20.0 * faster, "substep": large["substep"] / faster}
+    return started(["clearance"], parameters, rpm=3000.0 * faster, load=load), END / faster
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """The dimensionless motion, (2, 400), and its swing."""
+    other, by = dimensionless(by_weight(20.0, 1.334e10)[0])
+    other.initialize(0.0)
+    motion = by_scipy(other, END / by.time, method="DOP853", rtol=1e-12, atol=1e-12)
+    return motion, np.ptp(motion, axis=1).max()
+
+
+@pytest.mark.parametrize(("mass", "stiffness"), [(20.0, 1.334e10), (1e-6, 1e14)], ids=["20 kg", "1 mg on a huge stiffness"])
+def test_the_tolerance_trap_of_small_lengths(mass, stiffness, exact):
+    """SciPy's default absolute tolerance, 1e-6, in metres and dimensionless; the motions are the same but for the scales.
+
+    In metres a relative tolerance of 1e-3 or of 1e-9 makes no difference: the absolute one decides, and it is a sixteenth
+    of the swing of the large bearing, and two million times that of the small one. Dimensionless it means the same for both.
+    """
+    bearing, end = by_weight(mass, stiffness)
+    other, by = dimensionless(bearing)
+    other.initialize(0.0)
+    motion, swing = exact
+    metres = [np.abs(by_scipy(bearing, end, method="LSODA", rtol=r) / by.length - motion).max() / swing for r in (1e-3, 1e-9)]
+    scaled = [np.abs(by_scipy(other, end / by.time, method="LSODA", rtol=r) - motion).max() / swing for r in (1e-3, 1e-9)]
+    assert scaled[0] < 0.02
+    assert scaled[1] < 1e-4
+    assert metres[1] > 100.0 * scaled[1]
+    assert metres[1] > 0.3 * metres[0]
+    # the component's own fixed substep needs no tolerance, in either form
+    h = end / 399.0
+    seen = run(bearing, end, h)
+    assert np.abs(seen["displacement_x"] / by.length - motion[0, 1:]).max() < 2e-3 * swing
+
+
+def test_tiny_mass_on_a_huge_stiffness():
+    """1 mg on 1e14 N/m^1.5: refused above its stable step, and one motion in both forms below it."""
+    light = {"mass": 1e-6, "contact_stiffness": 1e14, "damping": 1e-3, "clearance.radial_clearance": 1e-8}
+    with pytest.raises(BadInput, match="substep"):
+        started(["clearance"], light, load=1.0)
+    limit = BallBearing(["clearance"], light | {"substep": 1e-9})
+    limit.set("load", 1.0)
+    light["substep"] = 0.05 * limit.stable_step()
+    bearing = started(["clearance"], light, rpm=60000.0, load=1.0)
+    other, by = dimensionless(bearing)
+    other.initialize(0.0)
+    h = 100.0 * light["substep"]
+    for k in range(20):
+        bearing.step(k * h, h)
+        other.step(k * h / by.time, h / by.time)
+    assert np.isfinite(bearing.y).all()
+    # roundings of 8000 evaluations, as for bearings of ordinary size
+    assert other["displacement_x"] * by.length == pytest.approx(bearing["displacement_x"], rel=1e-10)
+    assert 0.0 < bearing["displacement_x"] < 1e-6
+
+
+def test_a_state_that_is_not_finite_stops_the_run():
+    bearing = with_gap(20.0)
+    bearing.set("load", math.inf)
+    with pytest.raises(StepFailed, match="not finite"):
+        bearing.step(0.0, 1e-3)
+
+
+def test_chaos_is_bounded_and_repeats_to_the_last_bit():
+    """Of a chaotic motion only this can be said: it stays between the races, and the same start gives the same bits."""
+    first, second = with_gap(30.0), with_gap(30.0)
+    seen = run(first, 2.0)
+    run(second, 2.0)
+    assert first.y.tobytes() == second.y.tobytes()
+    radius = np.hypot(seen["displacement_x"], seen["displacement_y"])
+    # energy of a fall through the whole clearance, as in stable_step: 2/5 K d^2.5 <= W (d + 2 c_r)
+    assert radius.max() < 30e-6 + (2.5 * 196.0 / 1.334e10 * (60e-6 + 20e-6)) ** 0.4
