@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from importlib.metadata import version
@@ -74,6 +75,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
         misses = Misses(master.nodes)
+        heard = stack.enter_context(warnings.catch_warnings(record=True))
+        warnings.simplefilter("always", UserWarning)  # what components have to say, in FMUs too: they share this interpreter
         observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, stack.enter_context(Interrupt())]
         if progress:
             observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
@@ -91,7 +94,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative
-        info |= {"input_misses": missed, "warnings": _warnings(missed)}
+        info |= {"input_misses": missed, "warnings": [*dict.fromkeys(str(w.message) for w in heard), *_warnings(missed)]}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
