@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from components.catalogue import component_class
 from components.core.errors import BadInput, nearest
 
+from ..units.component import make
 from .signals import uniform
 from .spectra import TURN, unwrapped
 
@@ -38,7 +38,7 @@ class BearingRecord:
 
     signals: name as in the component -> (n,), those of `BEARING` that were recorded.  measures: their units of measure.
     rotation: mean speed of the inner ring after the transient, turns per unit of time; NaN if nothing recorded tells.
-    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without geometry or rotation.
+    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.
     defects: the races and balls that have a defect.
     """
 
@@ -80,9 +80,7 @@ def after_transient(result: Result) -> slice:
 def component_of(scene: Scene, unit: str) -> Component | None:
     """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
     given = scene.units[unit]
-    if not given.component:
-        return None
-    return component_class(given.component)(given.effects, given.parameters, preset=given.preset)
+    return make(unit, given) if given.component else None
 
 
 def source(scene: Scene, unit: str, name: str) -> str:
@@ -112,41 +110,35 @@ def bearings(result: Result) -> list[BearingRecord]:
         if unit not in scene.units:
             raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
         columns = {n: c for n in BEARING if (c := recorded(result, unit, n) or recorded(result, unit, SHORT.get(n, n)))}
-        if {"displacement_x", "displacement_y"} <= columns.keys() and _is_bearing(scene, unit):
-            found.append(_bearing(result, unit, columns))
+        if {"displacement_x", "displacement_y"} <= columns.keys():
+            component: Any = component_of(scene, unit)
+            if hasattr(component, "geometry"):
+                found.append(_bearing(result, unit, component, columns))
     return found
 
 
-def _is_bearing(scene: Scene, unit: str) -> bool:
-    component = scene.units[unit].component
-    return bool(component) and hasattr(component_class(component), "geometry")
-
-
-def _bearing(result: Result, unit: str, columns: Mapping[str, str]) -> BearingRecord:
+def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, str]) -> BearingRecord:
     values = {n: np.asarray(result.columns[c], dtype=float) for n, c in columns.items()}
     angles = {n: unwrapped(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
     rate, time, signals = uniform(result.time, *(values | angles).values())
-    component: Any = component_of(result.scene, unit)
-    rotation = _rotation(result, unit, values, getattr(component, "geometry", None))
-    geometry = getattr(component, "geometry", None)
-    known = geometry is not None and np.isfinite(rotation)
-    effects = set(result.scene.units[unit].effects)
+    geometry = component.geometry
+    rotation = _rotation(result, unit, values, geometry.cage_ratio)
     return BearingRecord(
         unit, time, rate,
         dict(zip(values | angles, signals, strict=True)),
         {n: result.measures.get(c, "") for n, c in columns.items()},
         rotation,
-        geometry.defect_frequencies(abs(rotation)) if known else {},
-        geometry.balls if geometry is not None else 0,
-        tuple(name for effect, name in DEFECTS.items() if effect in effects),
+        geometry.defect_frequencies(abs(rotation)) if np.isfinite(rotation) and rotation else {},
+        geometry.balls,
+        tuple(name for effect, name in DEFECTS.items() if effect in component.on),
     )  # fmt: skip
 
 
-def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], geometry: Any) -> float:
+def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
     """Mean speed of the inner ring after the transient, turns per unit of time."""
     kept = after_transient(result)
     span = result.time[-1] - result.time[kept.start]
-    for name, ratio in (("inner_angle", 1.0), ("cage_angle", geometry.cage_ratio if geometry is not None else np.nan)):
+    for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):
         if name in values:
             turned = unwrapped(values[name])[kept]
             return float(turned[-1] - turned[0]) / (ratio * TURN * span)
@@ -155,14 +147,13 @@ def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], geome
 
 
 def rotors(result: Result) -> list[RotorRecord]:
-    """The rotors of a run whose speed was recorded."""
+    """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
     found = []
-    for unit, given in result.scene.units.items():
-        if not given.component or component_class(given.component).system != "rotor":
-            continue
+    for unit in result.scene.units:
         own = {n: result.columns[f"{unit}.{n}"] for n in ("x", "y", "speed", "angle") if f"{unit}.{n}" in result.columns}
         if "speed" in own:
-            ports = {p: _port(result, unit, p) for p in given.effects if p.startswith("bearing_")}
+            component = component_of(result.scene, unit)
+            ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
             found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
     return found
 

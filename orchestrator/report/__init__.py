@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import bearings, generic, railway, sweeps
+from . import bearings, generic, railway, rotor, sweeps
 from .chart import Chart
 from .charts import draw_chart
 from .page import Block, Cells, Facts, Page, Section, Text, write_page
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from ..sweep import Sweep
     from ..validation.case import CaseResult
 
-SYSTEMS = {"railway": railway.blocks, "bearings": bearings.blocks}  # by the system a case has, or a scene names in its [analysis]
+# By the system a case has, or a scene names in its [analysis].
+SYSTEMS = {"railway": railway.blocks, "bearings": bearings.blocks, "rotor": rotor.blocks}
 
 
 def for_run(result: Result, directory: str | Path) -> Path:

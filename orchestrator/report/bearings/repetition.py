@@ -73,8 +73,8 @@ def recurrence_chart(found: Recurrence, record: BearingRecord, who: str = "") ->
     coordinates = ", ".join(c.replace("_", " ") for c in found.coordinates)
     text = (
         f"Dark: the states at the two times are at most {found.threshold:g} σ apart ({coordinates}, each over its standard "
-        f"deviation σ; Euclidean distance). The first {n} of {len(found.matrix)} states. Long diagonals: the motion repeats; broken ones: it diverges. "
-        "Their number falls exponentially, as a straight line here, where the motion is chaotic."
+        f"deviation σ; Euclidean distance). The first {n} of {len(found.matrix)} states. Long diagonals: the motion repeats; "
+        "broken ones: it diverges. Their number falls exponentially, as a straight line here, where the motion is chaotic."
     )
     return Chart(f"{who}Recurrence", "", tuple(panels), text, columns=2, height=440)
 

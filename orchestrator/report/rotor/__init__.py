@@ -1,0 +1,78 @@
+"""Figures of the rotors of a run: run-up, spectra, Campbell diagram, orbits and forces at the bearings.
+
+Read from [analysis], beside what `analysis.machines` and `analysis.whirl` say: orbit_windows = [[from, to], ...] in s,
+orders = [1, 2] (lines in the waterfall).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...analysis.machines import RotorRecord, after_transient, rotors
+from ...analysis.spectra import unwrapped
+from ...analysis.whirl import whirl
+from ..charts import draw_chart
+from ..page import Block
+from .campbell import campbell_chart
+from .orbits import forces_chart, orbits_chart
+from .speed import history_chart, run_up_chart, spectrum_chart, waterfall_chart
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...validation.case import Row
+
+STEADY = 0.02  # relative change of the speed below which a run is no run-up
+TURNS = 8  # in the record, below which nothing is followed
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures of every rotor of a run whose speed was recorded; none without one."""
+    found = rotors(result)
+    return [b for record in found for b in _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")]
+
+
+def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
+    analysis = result.scene.analysis
+    begin = float(result.time[after_transient(result).start])
+    speed = record.signals["speed"][record.time >= begin]
+    diagram = whirl(result, record)
+    if diagram is not None:
+        critical = diagram.critical
+    else:
+        critical = np.asarray(analysis.get("critical_speeds", []), dtype=float)
+    varies = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
+    moves = {"x", "y"} <= record.signals.keys()
+    turns = "angle" in record.signals and _turns(record.signals["angle"]) >= TURNS
+    made: list[Block] = []
+    if moves:
+        made.append(draw_chart(history_chart(record, begin, who)))
+    if moves and turns and varies:
+        made.append(draw_chart(run_up_chart(record, begin, critical, who)))
+        made.append(draw_chart(waterfall_chart(record, begin, critical, tuple(analysis.get("orders", (1.0, 2.0))), who)))
+    elif moves and speed.any():
+        made.append(draw_chart(spectrum_chart(record, begin, who)))
+    if diagram is not None:
+        made.append(draw_chart(campbell_chart(diagram, who)))
+    if windows := _windows(analysis.get("orbit_windows"), record, turns):
+        made += [draw_chart(c) for c in orbits_chart(record, windows, who)]
+    if any("force_x" in p for p in record.ports.values()):
+        made.append(draw_chart(forces_chart(record, begin, who)))
+    return made
+
+
+def _turns(angle: np.ndarray) -> float:
+    return abs(float(unwrapped(angle)[-1] - unwrapped(angle)[0])) / (2.0 * np.pi)
+
+
+def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord, turns: bool) -> list[tuple[float, float]]:
+    """Times of the orbits: the scene's, else the last eight turns, else the last tenth."""
+    t = record.time
+    if given is not None:
+        return [(float(a), float(b)) for a, b in given]
+    if not turns:
+        return [(float(t[-1] - 0.1 * (t[-1] - t[0])), float(t[-1]))]
+    angle = np.abs(unwrapped(record.signals["angle"]) - unwrapped(record.signals["angle"])[-1])
+    return [(float(t[int(np.argmax(angle <= TURNS * 2.0 * np.pi))]), float(t[-1]))]
