@@ -12,15 +12,24 @@ import numpy as np
 
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
-from ..core.kernels import DONE, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel, kernel_tuple
 from ..core.variables import input_, integer, output, parameter
-from .constriction import ThermalContact, conductances_in_series, contact_conductance, thermal_contact
+from .constriction import (
+    ThermalContact,
+    ball_spreading,
+    bridged_resistance,
+    conductances_in_series,
+    finite_ring,
+    thermal_contact,
+    through_gap,
+)
 from .contacts import LOAD, BallContacts, ball_contacts, place_balls
 from .geometry import BallGeometry
 from .hertz import effective_modulus
 from .loads import WORK_ROWS, equilibrium
 from .radiation import radiative_coefficient
 
+LARGEST_CONTACT = 0.5  # semi-axis over the ball's radius, beyond which neither Hertz nor a half space is a model
 FREE = (1.0, 0.0, 1.0, 0.0, 0.0)  # the inner ring moves along the radial load and along the shaft, and does not tilt
 
 
@@ -29,7 +38,11 @@ class BallBulk(Effect):
 
 
 class RingWalls(Effect):
-    """Conduction through both rings as cylinder walls, ln(outside/inside) / (2 pi k width), in series with the balls."""
+    """Rings of finite size: walls, ln(outside/inside) / (2 pi k width), and at each contact less constriction.
+
+    Heat has spread as soon as it fills the ring's part of a ball: a circle of the same area, of radius b, takes 1.4098/(4 k b)
+    off the constriction on a half space.
+    """
 
     bore = parameter(40e-3, "m", "bore of the inner ring", low=1e-6)
     outside_diameter = parameter(68e-3, "m", "outside diameter of the outer ring", low=1e-6)
@@ -43,14 +56,14 @@ class Film(Effect):
 
 
 class LubricantPath(Effect):
-    """Lubricant that fills the gap beside each contact up to the height of its meniscus."""
+    """Lubricant that fills the gap beside each contact up to the height of its meniscus; see the ladder in `constriction`."""
 
     conductivity = parameter(0.14, "W/m/K", "heat conductivity of the lubricant; mineral oil, recalled", low=0.0)
     meniscus_height = parameter(1e-5, "m", "width of the gap that lubricant just fills; a choice of ours", low=0.0)
 
 
 class GasPath(Effect):
-    """Gas at rest: in the narrow gap beside each contact, and between the rings."""
+    """Gas at rest: in the narrow gap beside each contact (beyond the meniscus, if there is one), and between the rings."""
 
     conductivity = parameter(0.026, "W/m/K", "heat conductivity of the gas; air at 300 K, recalled", low=0.0)
     widest_gap = parameter(5e-5, "m", "width up to which the gap beside a contact counts as narrow; a choice of ours", low=0.0)
@@ -79,11 +92,11 @@ HEAT_DEPENDS = (*DEPENDS, "film.thickness")
 class AngularContactConductance(Component):
     """Conductance from ring to ring: balls in parallel, two contacts in series in each.
 
-        G = sum over balls 1 / (1/Gi + 1/Go) + side paths,      Gi = 2 pi a / (F(1 - (b/a)²) (1/k_ball + 1/k_ring))
+        G = sum over balls 1 / (1/Gi + 1/Go) + side paths,      Gi = 4 agm(a, b) / (1/k_ball + 1/k_ring)
 
-    a, b: semi-axes of the Hertzian ellipse, which grow with the cube root of the ball's load; F: complete elliptic integral
-    of the first kind. So G grows with F_axial^(1/3) at a fixed contact angle, and at a given axial force a radial one lowers
-    it: the cube root gains less on one side than it loses on the other.
+    a, b: semi-axes of the Hertzian ellipse, which grow with the cube root of the ball's load; agm: their
+    arithmetic-geometric mean, 1/agm(a, b) = 2 K(1 - (b/a)²) / (pi a). So G grows with F_axial^(1/3) at a fixed contact
+    angle, and at a given axial force a radial one lowers it: the cube root gains less on one side than it loses on the other.
     Ball loads: equilibrium of the inner ring without tilt, the first ball in the direction of the radial force. A single
     row carries axial force in one direction; a negative one counts as none.
     Source: the path of Spence & Kaminski (1996); constriction classical, see `constriction`. No rotation: heat that the
@@ -156,14 +169,15 @@ class AngularContactConductance(Component):
         across = p["ball_diameter"] * math.cos(p["contact_angle"])
         raceways = p["pitch_diameter"] - across, p["pitch_diameter"] + across
         if "ring_walls" in self.on:
-            self._check_walls(*raceways)
+            self._check_walls(raceways)
         constants = Constants(
             ball_contacts(geometry, geometry.stiffness(modulus)),
             inner,
             outer,
             0.5 * p["ball_diameter"],
-            1.0 / (2.0 * math.pi * p["ball_conductivity"] * p["ball_diameter"]),
+            p["ball_conductivity"],
             1.0 / (2.0 * math.pi * p["ring_conductivity"] * p["width"]),
+            *(finite_ring(ring_part(diameter, p["width"], p["balls"]), p["ring_conductivity"]) for diameter in raceways),
             raceways[1] / raceways[0],
             math.pi * p["pitch_diameter"] * p["width"],
             p["closest_gap"],
@@ -173,11 +187,15 @@ class AngularContactConductance(Component):
         self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
         return DONE
 
-    def _check_walls(self, inner_raceway: float, outer_raceway: float) -> None:
-        bore, outside = self.parameters["ring_walls.bore"], self.parameters["ring_walls.outside_diameter"]
-        if not (bore < inner_raceway and outer_raceway < outside):
-            raise BadInput(self.name, f"rings from {bore:g} m to {outside:g} m", f"walls around {inner_raceway:.4g} m and "
-                           f"{outer_raceway:.4g} m, the diameters where the balls touch", "Correct bore and outside_diameter.")
+    def _check_walls(self, raceways: tuple[float, float]) -> None:
+        p = self.parameters
+        bore, outside = p["ring_walls.bore"], p["ring_walls.outside_diameter"]
+        if not (bore < raceways[0] and raceways[1] < outside):
+            raise BadInput(self.name, f"rings from {bore:g} m to {outside:g} m", f"walls around {raceways[0]:.4g} m and "
+                           f"{raceways[1]:.4g} m, the diameters where the balls touch", "Correct bore and outside_diameter.")
+        if ring_part(raceways[0], p["width"], p["balls"]) < 0.5 * p["ball_diameter"]:
+            raise BadInput(self.name, f"rings {p['width']:g} m wide around {p['balls']} balls of {p['ball_diameter']:g} m",
+                           "a part of the ring for each ball that is no smaller than the ball", "Correct width or balls.")
 
     def _step(self, t: float, h: float) -> int:
         hold_inputs(self.u, h)
@@ -189,6 +207,11 @@ class AngularContactConductance(Component):
 
     def _solve(self) -> int:
         return bearing_conductance(self.u[0], self.y, self._ring, self._balls, self._work, *self.settled)
+
+
+def ring_part(diameter: float, width: float, balls: int) -> float:
+    """Radius of a circle as large as the part of a ring that belongs to one ball, m."""
+    return math.sqrt(diameter * width / balls)
 
 
 AXIAL_FORCE, RADIAL_FORCE = AngularContactConductance.input_indices("axial_force", "radial_force")
@@ -205,32 +228,43 @@ class Constants(NamedTuple):
     inner: ThermalContact
     outer: ThermalContact
     ball_radius: float  # m
-    spreading: float  # 1 / (4 pi k r) of a ball, K/W
+    ball_conductivity: float  # W/(m.K)
     wall: float  # 1 / (2 pi k width) of a ring, K/W
+    inner_relief: float  # what a ring's finite part takes off the constriction, K/W
+    outer_relief: float
     raceways: float  # ratio of the diameters where the balls touch the outer and the inner ring
     area: float  # of each ring towards the other, m2
     closest_gap: float  # m
 
 
 @kernel
-def side_of_ball(load, contact, p, bulk, film, oil, gas, thickness):
-    """Conductance from a ball to one race, W/K: the contact with what is in series, beside it the gap."""
-    side = contact_conductance(load, contact)
+def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thickness):
+    """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both."""
+    root = load ** (1.0 / 3.0)
+    along, across = contact.along * root, contact.across * root
+    inside, width = math.inf, 0.0  # resistance within the gap `width`, and the constriction from there on
     if load > 0.0:
-        resistance = 0.0
-        if bulk is not None:
-            resistance += p.spreading * (math.log(p.ball_radius / (contact.mean_axis * load ** (1.0 / 3.0))) + 0.5)
+        inside = 0.0
         if film is not None:
-            resistance += thickness / (film.conductivity * contact.area * load ** (2.0 / 3.0))
-        side /= 1.0 + side * resistance
-    filled = 0.0
+            inside = thickness / (film.conductivity * math.pi * along * across)
+    spread = bridged_resistance(0.0, root, contact)
     if oil is not None:
-        filled = oil.meniscus_height
-        side += contact.gap * oil.conductivity * math.log1p(filled / p.closest_gap)
-    if gas is not None:
-        widest = max(gas.widest_gap, filled)
-        side += contact.gap * gas.conductivity * math.log((widest + p.closest_gap) / (filled + p.closest_gap))
-    return side
+        if oil.conductivity > 0.0 and oil.meniscus_height > 0.0:
+            inside, spread = through_gap(inside, 0.0, oil.meniscus_height, p.closest_gap, oil.conductivity, root, contact)
+        width = oil.meniscus_height
+    if gas is not None and gas.conductivity > 0.0 and gas.widest_gap > width:
+        inside, spread = through_gap(inside, width, gas.widest_gap, p.closest_gap, gas.conductivity, root, contact)
+    if inside == math.inf:
+        return 0.0
+    resistance = inside + spread
+    if load == 0.0:
+        along = math.sqrt(2.0 * contact.radius_along * p.closest_gap)
+        across = math.sqrt(2.0 * contact.radius_across * p.closest_gap)
+    if bulk is not None:
+        resistance += ball_spreading(along, across, p.ball_radius, p.ball_conductivity)
+    if walls is not None:
+        resistance -= relief
+    return 1.0 / resistance
 
 
 @kernel
@@ -253,9 +287,11 @@ def bearing_conductance(u, y, ring, balls, work, p, bulk, walls, film, oil, gas,
         load = balls[j, LOAD]
         loaded += load > 0.0
         largest = max(largest, load)
-        inner = side_of_ball(load, p.inner, p, bulk, film, oil, gas, thickness)
-        outer = side_of_ball(load, p.outer, p, bulk, film, oil, gas, thickness)
+        inner = side_of_ball(load, p.inner, p.inner_relief, p, bulk, walls, film, oil, gas, thickness)
+        outer = side_of_ball(load, p.outer, p.outer_relief, p, bulk, walls, film, oil, gas, thickness)
         total += conductances_in_series(inner, outer)
+    if largest ** (1.0 / 3.0) * max(p.inner.across, p.outer.across) > LARGEST_CONTACT * p.ball_radius:
+        return OUT_OF_RANGE
     y[BALL_CONDUCTANCE] = total
     if gas is not None:
         total += gas.conductivity * p.area / gas.ring_gap

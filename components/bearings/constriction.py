@@ -1,22 +1,25 @@
-"""Heat through small contacts: closed forms of thermal constriction, in SI units.
+"""Heat through small contacts: thermal constriction, in SI units.
 
 An isothermal ellipse of semi-axes a >= b on a half space of conductivity k, on one side:
 
-    R = K(m) / (2 pi k a),  m = 1 - (b/a)²         (circle: 1 / (4 k a))
+    R = K(1 - (b/a)²) / (2 pi k a) = 1 / (4 k agm(a, b))        (circle: 1 / (4 k a))
+
+with the complete elliptic integral K, or the arithmetic-geometric mean of the semi-axes.
 
 In a ball of radius r that is heated at one such spot and cooled at the opposite one, each spot's resistance grows by
 
     (ln(2 r / (a + b)) + 1/2) / (4 pi k r),
 
 from the smooth part of the sphere's Neumann function, (1/s - 2 - ln(s + s²)) / (4 pi k r) with s = sin(half the angle),
-averaged over the spot with the density of an isothermal ellipse (mean of ln(distance): ln((a + b)/2) + 2 ln 2 - 3/2). The
-remainder is of order (a/r)² of the resistance: 0.1 % at a/r = 0.1.
+averaged over the spot with the density of an isothermal ellipse (mean of ln(distance): ln((a + b)/2) + 2 ln 2 - 3/2).
 
-A gap of two curved surfaces, x²/2Rx + y²/2Ry wide, lets through 2 pi k sqrt(Rx Ry) ln(widest/narrowest): equal steps of the
-logarithm of its width carry equal heat.
+Beside a contact the gap of two curved surfaces lets heat through as well. Where it has opened to a width g, an ellipse with
+the squared semi-axes a² + 2 Ry g, b² + 2 Rx g is bridged; the gap from g to g + dg conducts 2 pi k sqrt(Rx Ry) dg / (g + c).
+The constriction from one such ellipse to the next is taken in series, the gap between them in parallel: a ladder.
 
-Source: the constriction is classical (Carslaw & Jaeger; Yovanovich); ball and gap are derived here and held against finite
-volumes in the tests.
+Source: the constriction is classical (Carslaw & Jaeger; Yovanovich); ball and ladder are derived here and held against finite
+volumes. Of the ladder the resistance is up to 16 % too high (oil in the gap; 7 % for air), without it, with contact
+and gap simply in parallel, up to 45 % too low.
 """
 
 from __future__ import annotations
@@ -24,58 +27,93 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from scipy.special import ellipkm1
-
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
 from .hertz import PointContact
 
+RUNGS = 10  # of the ladder; with 200 the resistance is another by 0.1 % at most
+
+
+@kernel
+def arithmetic_geometric_mean(one, other):
+    """agm of two positive numbers, to rounding."""
+    while abs(one - other) > 1e-15 * one:
+        one, other = 0.5 * (one + other), math.sqrt(one * other)
+    return one
+
 
 def constriction(major: float, minor: float, conductivity: float) -> float:
     """Resistance on one side of an isothermal ellipse with semi-axes in m on a half space (W/(m.K)), K/W."""
-    if not (major >= minor > 0.0 and conductivity > 0.0):
+    if not (major > 0.0 and minor > 0.0 and conductivity > 0.0):
         raise BadInput("thermal constriction", f"semi-axes {major:g} and {minor:g} m, conductivity {conductivity:g} W/(m.K)",
-                       "major >= minor > 0 and a positive conductivity")
-    return float(ellipkm1((minor / major) ** 2)) / (2.0 * math.pi * conductivity * major)
+                       "positive values")
+    return 1.0 / (4.0 * conductivity * arithmetic_geometric_mean(major, minor))
 
 
-def ball_spreading(major: float, minor: float, radius: float, conductivity: float) -> float:
-    """What a ball of `radius` m adds to the constriction at each of two opposite spots, K/W."""
+@kernel
+def ball_spreading(major, minor, radius, conductivity):
+    """What a ball of `radius` m adds to the constriction at each of two opposite spots with semi-axes in m, K/W."""
     return (math.log(2.0 * radius / (major + minor)) + 0.5) / (4.0 * math.pi * conductivity * radius)
 
 
-def flux_tube(ratio: float) -> float:
-    """Constriction of an isothermal circle of `ratio` times the radius of an insulated cylinder, over that on a half space.
+def finite_ring(radius: float, conductivity: float) -> float:
+    """What an insulated cylinder of `radius` m around a small spot takes off its constriction on a half space, K/W.
 
-    (1 - ratio)^1.5 after Cooper, Mikic & Yovanovich (1969), recalled; within 1 % of the exact series for ratios up to 0.3.
+    The leading term of R = (1 - 1.4098 a/b + ...) / (4 k a) of an isothermal circle in a tube (Yovanovich, recalled).
     """
-    return (1.0 - ratio) ** 1.5
+    return 1.4098 / (4.0 * conductivity * radius)
 
 
 @kernel_tuple
 class ThermalContact(NamedTuple):
     """Constants of the heat flow through one race's contact with a ball."""
 
-    conductance: float  # of both sides in series at a load of 1 N, W/(K.N^(1/3))
-    mean_axis: float  # (a + b)/2 of the contact at a load of 1 N, m/N^(1/3)
-    area: float  # of the contact at a load of 1 N, m2/N^(2/3)
-    gap: float  # 2 pi sqrt(Rx Ry), m; times conductivity and ln(widest/narrowest): a gap's conductance
+    along: float  # semi-axis in rolling direction at a load of 1 N, m/N^(1/3)
+    across: float  # the other one
+    radius_along: float  # relative radii Rx, Ry, m
+    radius_across: float
+    conductivity: float  # of both sides in series, 1/(1/k1 + 1/k2), W/(m.K)
 
 
 def thermal_contact(
     contact: PointContact, radii: tuple[float, float], ball_conductivity: float, ring_conductivity: float
 ) -> ThermalContact:
     """Constants of a Hertzian contact with relative radii (Rx, Ry) in m between conductivities in W/(m.K)."""
-    short, long = (0.5 * axis for axis in contact.axes(1.0))
-    resistance = constriction(long, short, ball_conductivity) + constriction(long, short, ring_conductivity)
-    gap = 2.0 * math.pi * math.sqrt(math.prod(radii))
-    return ThermalContact(1.0 / resistance, 0.5 * (short + long), math.pi * short * long, gap)
+    along, across = (0.5 * axis for axis in contact.axes(1.0))
+    return ThermalContact(along, across, *radii, 1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
 
 
 @kernel
-def contact_conductance(load, contact):
-    """Conductance of a contact under a load in N, W/K; 0 without load. Both semi-axes grow with the cube root of the load."""
-    return contact.conductance * load ** (1.0 / 3.0) if load > 0.0 else 0.0
+def bridged_resistance(width, cube_root, contact):
+    """Constriction on both sides of the contact and the gap beside it as far as it is up to `width` m wide, K/W.
+
+    cube_root: of the load, N^(1/3). Without load and width it is infinite.
+    """
+    along = math.sqrt((contact.along * cube_root) ** 2 + 2.0 * contact.radius_along * width)
+    across = math.sqrt((contact.across * cube_root) ** 2 + 2.0 * contact.radius_across * width)
+    if along == 0.0:
+        return math.inf
+    return 1.0 / (4.0 * contact.conductivity * arithmetic_geometric_mean(along, across))
+
+
+@kernel
+def through_gap(resistance, low, high, closest, conductivity, cube_root, contact):
+    """(resistance of all within, constriction from there on) after the ladder from gap `low` to `high`, K/W.
+
+    resistance: of what lies within the gap `low`, without the constriction that begins there; infinite where nothing touches.
+    """
+    span = math.log((high + closest) / (low + closest)) / RUNGS
+    bridge = 2.0 * math.pi * math.sqrt(contact.radius_along * contact.radius_across) * conductivity * span
+    left = bridged_resistance(low, cube_root, contact)
+    for n in range(RUNGS):
+        outer = bridged_resistance((low + closest) * math.exp((n + 0.5) * span) - closest, cube_root, contact)
+        if resistance < math.inf:
+            resistance = 1.0 / (bridge + 1.0 / (resistance + left - outer))
+        else:
+            resistance = 1.0 / bridge
+        left = outer
+    outer = bridged_resistance(high, cube_root, contact)
+    return resistance + left - outer, outer
 
 
 @kernel

@@ -6,7 +6,7 @@ is a disc of the sector's area (pitch of the balls times width of the ring) and 
 piece of the ball's surface faces one piece of a ring's. What lies between them:
 
     contact     inside the Hertzian ellipse (cells it cuts count by their share), no resistance of its own,
-    gas         outside, x²/2Rx + y²/2Ry + closest wide, up to `widest`,
+    gas         outside, as wide as the unloaded surfaces are apart less their distance at the contact's edge, plus `closest`,
     air         a node without heat capacity; all other surfaces exchange heat with it by convection,
     enclosure   a black node; all other surfaces radiate to it.
 
@@ -144,10 +144,13 @@ def _inside_ellipse(part: RingPart, rho: np.ndarray, phi: np.ndarray) -> np.ndar
 
 
 def _gap(part: RingPart, rho: np.ndarray, phi: np.ndarray) -> np.ndarray:
-    """Width of the gap in the middle of each cell, (radii, angles) m: that of the unloaded curved surfaces."""
+    """Width of the gap in the middle of each cell, (radii, angles) m: it opens at the edge of the contact."""
     square = 0.5 * (rho[:-1] ** 2 + rho[1:] ** 2)[:, None]
     angle = 0.5 * (phi[:-1] + phi[1:])
-    return 0.5 * square * (np.sin(angle) ** 2 / part.radii[0] + np.cos(angle) ** 2 / part.radii[1])
+    edge = 0.0
+    if part.along > 0.0:
+        edge = 1.0 / ((np.cos(angle) / part.across) ** 2 + (np.sin(angle) / part.along) ** 2)
+    return 0.5 * np.maximum(square - edge, 0.0) * (np.sin(angle) ** 2 / part.radii[0] + np.cos(angle) ** 2 / part.radii[1])
 
 
 def _expose(bodies, cells, inside, area, around, nodes) -> None:
