@@ -256,7 +256,7 @@ def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
 @pytest.mark.parametrize(("race", "key"), [("inner", "inner"), ("outer", "outer"), ("ball", "ball")])
 def test_a_defect_is_met_at_its_frequency(race, key):
     """Dips of the force at a fixed displacement, counted: BPFI, BPFO, and twice BSF from one ball."""
-    speed, steps, h = 40.0, 40000, 2.5e-4
+    speed, steps, h = 40.0, 24000, 4e-4
     bearing = moved([f"{race}_defect"], speed=speed, diametral_clearance=-1e-5,
                     **{f"{race}_defect__depth": 1e-6, f"{race}_defect__width": 0.15, f"{race}_defect__position": 1.0})
     loaded = np.empty(steps)
