@@ -53,13 +53,13 @@ FACTS: dict[str, Facts] = {
         disturbance={"axial_force": 500.0, "radial_force": 300.0},
         strengths={
             "film.thickness": ({}, 1e-10),
-            "lubricant_path.meniscus_height": ({}, 1e-9),
+            "lubricant_path.conductivity": ({}, 1e-6),
             "gas_path.conductivity": ({}, 1e-6),
             "convection.coefficient": ({}, 1e-2),
             "radiation.emissivity": ({}, 1e-3),
         },
         structural=frozenset({"ball_bulk", "ring_walls"}),
-        form=frozenset({"film.conductivity", "lubricant_path.conductivity", "gas_path.widest_gap", "gas_path.ring_gap",
+        form=frozenset({"film.conductivity", "lubricant_path.meniscus_height", "gas_path.widest_gap", "gas_path.ring_gap",
                         "radiation.inner_temperature", "radiation.outer_temperature"}),
     ),
     "BearingTemperatures": Facts(
