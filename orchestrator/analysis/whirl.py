@@ -1,5 +1,6 @@
 """Whirl frequencies and critical speeds of a run's rotor, from its own matrices and its bearings' recorded tangents.
 
+A bearing's tangent comes from snapshots of what drives the port, such as "left.linearisation.stiffness" in [record].
 Read from [analysis]: critical_speeds = [rad/s ...], in place of the computed ones; campbell_speed = rad/s, end of the diagram.
 """
 
@@ -67,11 +68,10 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
 
 
 def _tangent(result: Result, unit: str, port: str) -> np.ndarray | None:
-    """Mean stiffness (4, 4) in x, y, tilt_x, tilt_y that a port was given after the transient; None if it was not recorded."""
+    """Mean stiffness (4, 4) in x, y, tilt_x, tilt_y that a port was given after the transient; None if no snapshots hold it."""
     array = source(result.scene, unit, f"{port}.stiffness[1]").removesuffix("[1]")
-    names = [f"{array}[{k}]" for k in range(1, 26)]
-    if not array or any(n not in result.columns for n in names):
+    if array not in result.snapshots:
         return None
-    kept = after_transient(result)
-    mean = np.array([result.columns[n][kept].mean() for n in names]).reshape(5, 5)
+    snapshot, begin = result.snapshots[array], result.time[after_transient(result).start]
+    mean = snapshot.values[snapshot.time >= begin].mean(axis=0).reshape(5, 5)
     return mean[np.ix_(PLANE, PLANE)]

@@ -24,7 +24,7 @@ def campbell_chart(diagram: Whirl, who: str = "") -> Chart:
             if np.nanmin(np.where(np.isnan(here), np.inf, here)) < highest:
                 x += [*speed, np.nan]
                 y += [*here, np.nan]
-        if x:
+        if x or direction:  # both directions always, so that each keeps its colour
             series.append(Series(name, np.array(x), np.array(y)))
     synchronous = Series("1 × speed", [speed[0], speed[-1]], [speed[0] / 60.0, speed[-1] / 60.0], faint=True)
     panel = Panel("frequency, Hz", (synchronous, *series), lines=named(diagram.critical), x_range=(speed[0], speed[-1]),

@@ -47,18 +47,25 @@ def run_up_chart(record: RotorRecord, begin: float, critical: np.ndarray, who: s
     tracks = {n: follow(t, angle, record.signals[n][kept], turns=TURNS) for n in ("x", "y")}
     backward = bool(unwrapped(angle)[-1] < unwrapped(angle)[0])
     amplitude = tuple(Series(n, RPM * k.speed, MICRO * k.amplitude) for n, k in tracks.items())
-    lag = tuple(Series(n, RPM * k.speed, np.degrees(_from_zero(k.lag))) for n, k in tracks.items())
+    lag = tuple(Series(n, RPM * k.speed, _within_turn(k.lag)) for n, k in tracks.items())
     lines = named(critical)
-    panels = (Panel("amplitude, µm", amplitude, lines=lines), Panel("phase lag, degrees", lag, lines=lines))
-    text = (f"Part of the motion that turns with the shaft (once a turn), over windows of {TURNS} turns a turn apart; phase lag "
-            "behind the rotor's angle.")  # fmt: skip
+    panels = (
+        Panel("amplitude, µm", amplitude, lines=lines),
+        Panel("phase lag, degrees", lag, lines=lines, y_range=(-100.0, 310.0)),
+    )
+    text = (
+        f"Part of the motion that turns with the shaft (once a turn), over windows of {TURNS} turns a turn apart; phase lag "
+        "behind the rotor's angle. Beats: free vibration that is not yet damped away."
+    )
     return Chart(f"{who}Run-up: synchronous motion", "speed, rpm" + (" (backward)" if backward else ""), panels, text, height=260)
 
 
-def _from_zero(lag: np.ndarray) -> np.ndarray:
-    """A lag (k,) rad moved by whole turns, so that it begins between -pi/2 and 3/2 pi."""
-    first = lag[: max(1, lag.size // 50)].mean()
-    return lag - 2.0 * np.pi * np.floor((first + 0.5 * np.pi) / (2.0 * np.pi))
+def _within_turn(lag: np.ndarray) -> np.ndarray:
+    """A lag (k,) rad within -90 to 270 degrees; a gap, NaN, where it jumps by a turn."""
+    turned = np.degrees((lag + 0.5 * np.pi) % (2.0 * np.pi) - 0.5 * np.pi)
+    jumps = np.flatnonzero(np.abs(np.diff(turned)) > 180.0)
+    turned[jumps] = np.nan
+    return turned
 
 
 def waterfall_chart(
