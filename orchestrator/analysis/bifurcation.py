@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from components.core.component import Component
+
+Made = TypeVar("Made", bound=Component)
 
 
 @dataclass(frozen=True)
@@ -36,9 +39,9 @@ def stroboscopic_points(
 
 
 def bifurcation(
-    make: Callable[[float], Component],
+    make: Callable[[float], Made],
     values: Iterable[float],
-    period: Callable[[Component], float],
+    period: Callable[[Made], float],
     signals: Sequence[str],
     *,
     points: int = 100,
@@ -63,15 +66,3 @@ def bifurcation(
         if progress is not None:
             progress((i + 1) / len(given))
     return Bifurcation(np.array(given), tuple(signals), np.array(rows))
-
-
-def distinct_points(points: np.ndarray, tolerance: float) -> int:
-    """Number of points (k, d) that are farther than `tolerance` (in every coordinate's own unit) from all counted before them.
-
-    A motion that repeats after p periods has p of them, one that never repeats about as many as were looked at.
-    """
-    counted: list[np.ndarray] = []
-    for point in points:
-        if not counted or np.abs(np.array(counted) - point).max(axis=1).min() > tolerance:
-            counted.append(point)
-    return len(counted)

@@ -3,8 +3,19 @@
 from __future__ import annotations
 
 from ..case import Case
-from . import catenary_statics, en50318_2002, en50318_2018, en50367, lumped_catenary
+from . import (
+    catenary_statics,
+    defect_frequencies,
+    en50318_2002,
+    en50318_2018,
+    en50367,
+    lumped_catenary,
+    lyapunov_sum,
+    varying_compliance,
+)
 
-CASES: dict[str, Case] = {
-    case.name: case for case in (en50318_2002.CASE, en50318_2018.CASE, en50367.CASE, catenary_statics.CASE, lumped_catenary.CASE)
-}
+MODULES = (
+    en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
+    varying_compliance, lyapunov_sum, defect_frequencies,
+)  # fmt: skip
+CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
