@@ -15,8 +15,8 @@ from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel, kernel_tuple
 from ..core.variables import input_, integer, output, parameter
 from .constriction import (
+    Ball,
     ThermalContact,
-    ball_spreading,
     bridged_resistance,
     conductances_in_series,
     finite_ring,
@@ -159,7 +159,7 @@ class AngularContactConductance(Component):
                             p["contact_angle"])
 
     def _initialize(self, t: float) -> int:
-        _, *effects = self._settled()
+        _, bulk, *effects = self._settled()
         p, geometry = self.parameters, self.geometry()
         modulus = effective_modulus(p["modulus"], p["poisson_ratio"], p["modulus"], p["poisson_ratio"])
         inner, outer = (
@@ -175,14 +175,15 @@ class AngularContactConductance(Component):
             inner,
             outer,
             0.5 * p["ball_diameter"],
-            p["ball_conductivity"],
             1.0 / (2.0 * math.pi * p["ring_conductivity"] * p["width"]),
             *(finite_ring(ring_part(diameter, p["width"], p["balls"]), p["ring_conductivity"]) for diameter in raceways),
             raceways[1] / raceways[0],
             math.pi * p["pitch_diameter"] * p["width"],
             p["closest_gap"],
         )
-        self.settled = (constants, *effects)
+        if bulk is not None:
+            bulk = Ball(0.5 * p["ball_diameter"], p["ball_conductivity"])
+        self.settled = (constants, bulk, *effects)
         self._balls, self._work = place_balls(p["balls"]), np.zeros((WORK_ROWS, 5))
         self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
         return DONE
@@ -228,7 +229,6 @@ class Constants(NamedTuple):
     inner: ThermalContact
     outer: ThermalContact
     ball_radius: float  # m
-    ball_conductivity: float  # W/(m.K)
     wall: float  # 1 / (2 pi k width) of a ring, K/W
     inner_relief: float  # what a ring's finite part takes off the constriction, K/W
     outer_relief: float
@@ -241,27 +241,21 @@ class Constants(NamedTuple):
 def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thickness):
     """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both."""
     root = load ** (1.0 / 3.0)
-    along, across = contact.along * root, contact.across * root
     inside, width = math.inf, 0.0  # resistance within the gap `width`, and the constriction from there on
     if load > 0.0:
         inside = 0.0
         if film is not None:
-            inside = thickness / (film.conductivity * math.pi * along * across)
-    spread = bridged_resistance(0.0, root, contact)
+            inside = thickness / (film.conductivity * math.pi * contact.along * contact.across * root * root)
+    spread = bridged_resistance(0.0, root, contact, bulk)
     if oil is not None:
         if oil.conductivity > 0.0 and oil.meniscus_height > 0.0:
-            inside, spread = through_gap(inside, 0.0, oil.meniscus_height, p.closest_gap, oil.conductivity, root, contact)
+            inside, spread = through_gap(inside, 0.0, oil.meniscus_height, p.closest_gap, oil.conductivity, root, contact, bulk)
         width = oil.meniscus_height
     if gas is not None and gas.conductivity > 0.0 and gas.widest_gap > width:
-        inside, spread = through_gap(inside, width, gas.widest_gap, p.closest_gap, gas.conductivity, root, contact)
+        inside, spread = through_gap(inside, width, gas.widest_gap, p.closest_gap, gas.conductivity, root, contact, bulk)
     if inside == math.inf:
         return 0.0
     resistance = inside + spread
-    if load == 0.0:
-        along = math.sqrt(2.0 * contact.radius_along * p.closest_gap)
-        across = math.sqrt(2.0 * contact.radius_across * p.closest_gap)
-    if bulk is not None:
-        resistance += ball_spreading(along, across, p.ball_radius, p.ball_conductivity)
     if walls is not None:
         resistance -= relief
     return 1.0 / resistance

@@ -83,36 +83,48 @@ def thermal_contact(
     return ThermalContact(along, across, *radii, 1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
 
 
+@kernel_tuple
+class Ball(NamedTuple):
+    """What `ball_spreading` needs of a ball."""
+
+    radius: float  # m
+    conductivity: float  # W/(m.K)
+
+
 @kernel
-def bridged_resistance(width, cube_root, contact):
+def bridged_resistance(width, cube_root, contact, ball):
     """Constriction on both sides of the contact and the gap beside it as far as it is up to `width` m wide, K/W.
 
-    cube_root: of the load, N^(1/3). Without load and width it is infinite.
+    cube_root: of the load, N^(1/3).  ball: its spreading is added, or None. Without load and width it is infinite.
     """
     along = math.sqrt((contact.along * cube_root) ** 2 + 2.0 * contact.radius_along * width)
     across = math.sqrt((contact.across * cube_root) ** 2 + 2.0 * contact.radius_across * width)
     if along == 0.0:
         return math.inf
-    return 1.0 / (4.0 * contact.conductivity * arithmetic_geometric_mean(along, across))
+    resistance = 1.0 / (4.0 * contact.conductivity * arithmetic_geometric_mean(along, across))
+    if ball is not None:
+        resistance += ball_spreading(along, across, ball.radius, ball.conductivity)
+    return resistance
 
 
 @kernel
-def through_gap(resistance, low, high, closest, conductivity, cube_root, contact):
+def through_gap(resistance, low, high, closest, conductivity, cube_root, contact, ball):
     """(resistance of all within, constriction from there on) after the ladder from gap `low` to `high`, K/W.
 
     resistance: of what lies within the gap `low`, without the constriction that begins there; infinite where nothing touches.
     """
     span = math.log((high + closest) / (low + closest)) / RUNGS
     bridge = 2.0 * math.pi * math.sqrt(contact.radius_along * contact.radius_across) * conductivity * span
-    left = bridged_resistance(low, cube_root, contact)
+    left = bridged_resistance(low, cube_root, contact, ball)
     for n in range(RUNGS):
-        outer = bridged_resistance((low + closest) * math.exp((n + 0.5) * span) - closest, cube_root, contact)
+        width = (low + closest) * math.exp((n + 0.5) * span) - closest
+        outer = bridged_resistance(width, cube_root, contact, ball)
         if resistance < math.inf:
             resistance = 1.0 / (bridge + 1.0 / (resistance + left - outer))
         else:
             resistance = 1.0 / bridge
         left = outer
-    outer = bridged_resistance(high, cube_root, contact)
+    outer = bridged_resistance(high, cube_root, contact, ball)
     return resistance + left - outer, outer
 
 

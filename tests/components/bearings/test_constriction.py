@@ -9,6 +9,7 @@ import pytest
 from scipy.special import ellipkm1, eval_legendre
 
 from components.bearings.constriction import (
+    Ball,
     arithmetic_geometric_mean,
     ball_spreading,
     bridged_resistance,
@@ -99,42 +100,43 @@ def test_a_contact_has_both_sides_in_series_and_grows_with_the_cube_root():
     for load in (1e-3, 1.0, 500.0):
         b, a = (0.5 * axis for axis in hertz.axes(load))
         expected = constriction(a, b, 46.0) + constriction(a, b, 23.0)
-        assert bridged_resistance(0.0, load ** (1 / 3), contact()) == pytest.approx(expected, rel=1e-13)  # roundings
+        assert bridged_resistance(0.0, load ** (1 / 3), contact(), None) == pytest.approx(expected, rel=1e-13)  # roundings
 
 
 def test_nothing_touches_without_load_and_width():
-    assert bridged_resistance(0.0, 0.0, contact()) == math.inf
-    assert bridged_resistance(1e-6, 0.0, contact()) < math.inf
+    assert bridged_resistance(0.0, 0.0, contact(), None) == math.inf
+    assert bridged_resistance(1e-6, 0.0, contact(), None) < math.inf
 
 
 def test_a_gap_that_conducts_nothing_leaves_the_constriction():
-    bare = bridged_resistance(0.0, 5.0, contact())
-    inside, left = through_gap(0.0, 0.0, 1e-5, 1e-6, 1e-300, 5.0, contact())
+    bare = bridged_resistance(0.0, 5.0, contact(), None)
+    inside, left = through_gap(0.0, 0.0, 1e-5, 1e-6, 1e-300, 5.0, contact(), None)
     assert inside + left == pytest.approx(bare, rel=1e-13)  # the ladder's differences add up to the whole: roundings
 
 
 def test_a_gap_under_good_conductors_is_the_integral():
     """Where the solids cost nothing the unloaded gap conducts 2 pi k sqrt(Rx Ry) ln(1 + w/c)."""
     c = contact()._replace(conductivity=1e9)
-    inside, left = through_gap(math.inf, 0.0, 2e-5, 1e-6, 0.026, 0.0, c)
+    inside, left = through_gap(math.inf, 0.0, 2e-5, 1e-6, 0.026, 0.0, c, None)
     expected = 2.0 * math.pi * 0.026 * math.sqrt(c.radius_along * c.radius_across) * math.log(21.0)
     assert 1.0 / (inside + left) == pytest.approx(expected, rel=1e-5)  # 1e-9 of the solids against 0.026 of the gas, times 100
 
 
 def test_a_gap_lies_between_nothing_and_all_in_parallel():
     c = contact()
-    bare = bridged_resistance(0.0, 5.0, c)
+    bare = bridged_resistance(0.0, 5.0, c, None)
     gap = 2.0 * math.pi * 0.026 * math.sqrt(c.radius_along * c.radius_across) * math.log(21.0)
-    resistance = sum(through_gap(0.0, 0.0, 2e-5, 1e-6, 0.026, 5.0, c))
+    resistance = sum(through_gap(0.0, 0.0, 2e-5, 1e-6, 0.026, 5.0, c, None))
     assert 1.0 / (1.0 / bare + gap) < resistance < bare
 
 
-def test_two_ladders_are_one():
+@pytest.mark.parametrize("ball", [None, Ball(4e-3, 46.0)])
+def test_two_ladders_are_one(ball):
     """From 0 to 5 and on to 20 um; the ladder's own step error is 0.1 %."""
     c = contact()
-    once = sum(through_gap(0.0, 0.0, 2e-5, 1e-6, 0.1, 5.0, c))
-    inside, _ = through_gap(0.0, 0.0, 5e-6, 1e-6, 0.1, 5.0, c)
-    assert sum(through_gap(inside, 5e-6, 2e-5, 1e-6, 0.1, 5.0, c)) == pytest.approx(once, rel=2e-3)
+    once = sum(through_gap(0.0, 0.0, 2e-5, 1e-6, 0.1, 5.0, c, ball))
+    inside, _ = through_gap(0.0, 0.0, 5e-6, 1e-6, 0.1, 5.0, c, ball)
+    assert sum(through_gap(inside, 5e-6, 2e-5, 1e-6, 0.1, 5.0, c, ball)) == pytest.approx(once, rel=2e-3)
 
 
 def test_conductances_in_series_are_safe_at_zero():
