@@ -21,6 +21,7 @@ from .style import (
     PURPLE,
     RAW,
     RISING,
+    SHADES,
     SKY,
     VERMILION,
     axis,
@@ -39,6 +40,7 @@ MODES = {"line": "lines", "points": "markers", "line+points": "lines+markers", "
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "star")
 PALETTES = {"binary": BINARY, "rising": RISING, "diverging": DIVERGING}
 LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
+DRAWN_DOTS = 12_000  # of a cloud
 LABEL_GAP = 0.045  # of the panel's width; labels of lines nearer to one another are left out
 HEADROOM = 0.14  # of the y axis, for the labels of lines
 
@@ -263,12 +265,32 @@ def _thinned(s: Series) -> tuple[Any, Any, np.ndarray | None, bool]:
     if s.labels or (len(s.x) and isinstance(s.x[0], str)):
         return list(s.x), s.y, None, False
     x, y = np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float)
-    if s.kind == "dots" or not (np.diff(x) >= 0.0).all():  # a cloud or an orbit: extremes of y over x mean nothing
-        every = max(1, math.ceil(x.size / DRAWN_POINTS))
-        kept = np.arange(0, x.size, every)
+    if s.kind == "dots":  # by chance: every k-th point of a motion of period k would be one place of it
+        kept = np.sort(np.random.default_rng(0).permutation(x.size)[:DRAWN_DOTS])
+        return x[kept], y[kept], kept, False
+    if not (np.diff(x) >= 0.0).all():  # an orbit: extremes of y over x mean nothing
+        kept = np.arange(0, x.size, max(1, math.ceil(x.size / DRAWN_POINTS)))
         return x[kept], y[kept], kept, False
     xs, ys, cut = thin_out(x, y)
     return xs, ys, None, cut
+
+
+def _shading(
+    shades: np.ndarray, kept: np.ndarray | None, text: str, place: tuple[list[float], list[float]]
+) -> dict[str, Any]:
+    """Marker properties for numbers shown as colours: one hue below zero, another above; a few extremes do not set the scale."""
+    finite = shades[np.isfinite(shades)]
+    low, high = (float(v) for v in np.percentile(finite, (2, 98))) if finite.size else (-1.0, 1.0)
+    low, high = min(low, 0.0), max(high, 0.0)
+    if low == high:
+        low, high = -1.0, 1.0
+    (_, below), (_, middle), (_, above) = SHADES
+    zero = -low / (high - low)
+    scale = [[0.0, below if low < 0.0 else middle], [zero, middle], [1.0, above if high > 0.0 else middle]]
+    bar = {"title": {"text": text, "side": "right", "font": {"size": 13}}, "thickness": 12, "outlinewidth": 0}
+    bar |= {"x": place[0][1] + 0.01, "xanchor": "left", "y": 0.5 * sum(place[1]), "len": place[1][1] - place[1][0]}
+    colours = {"color": drawn(shades if kept is None else shades[kept], 3), "colorscale": scale, "colorbar": bar}
+    return colours | {"cmin": low, "cmax": high, "showscale": True}
 
 
 def _trace(
@@ -281,12 +303,7 @@ def _trace(
     symbol = "circle" if dots else SYMBOLS[k % len(SYMBOLS)]
     marker: dict[str, Any] = {"color": colour, "size": 3 if dots else 8, "symbol": symbol}
     if len(s.shades):
-        shades = np.asarray(s.shades, dtype=float)
-        limit = float(np.nanmax(np.abs(shades), initial=0.0)) or 1.0
-        bar = {"title": {"text": s.shade_label, "side": "right", "font": {"size": 13}}, "thickness": 12, "outlinewidth": 0}
-        bar |= {"x": place[0][1] + 0.01, "xanchor": "left", "y": 0.5 * sum(place[1]), "len": place[1][1] - place[1][0]}
-        marker |= {"color": drawn(shades if kept is None else shades[kept], 3), "colorscale": DIVERGING, "colorbar": bar}
-        marker |= {"cmin": -limit, "cmax": limit, "showscale": True, "reversescale": True}
+        marker |= _shading(np.asarray(s.shades, dtype=float), kept, s.shade_label, place)
     trace: dict[str, Any] = {
         "type": "scatter",
         "x": x if len(x) and isinstance(x[0], str) else drawn(x, 6),

@@ -21,6 +21,7 @@ PAPER = "#ffffff"
 DIVERGING = [[0, "#b35806"], [0.25, "#f1a340"], [0.5, "#f7f7f7"], [0.75, "#67a9cf"], [1, "#053061"]]
 RISING = [[0, PAPER], [0.15, "#cfe3ee"], [0.4, "#67a9cf"], [0.7, BLUE], [1, "#08304f"]]
 BINARY = [[0, PAPER], [1, INK]]
+SHADES = [[0, BLUE], [0.5, "#8f9ba7"], [1, VERMILION]]  # of points: none of them fades into the paper
 # The same figures on dark paper: every colour of the left as the one of the right.
 DARK = {
     PAPER: "#14191f", INK: "#e4e9ee", MUTED: "#a3b0bd", RULE: "#46525e", GRID: "#262e37", RAW: "#5d7183",
