@@ -5,17 +5,21 @@ from __future__ import annotations
 from ..case import Case
 from . import (
     catenary_statics,
+    clearance,
     defect_frequencies,
     en50318_2002,
     en50318_2018,
     en50367,
+    hertz_textbook,
+    iso16281,
     lumped_catenary,
     lyapunov_sum,
+    stribeck,
     varying_compliance,
 )
 
 MODULES = (
     en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
-    varying_compliance, lyapunov_sum, defect_frequencies,
+    varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
