@@ -81,7 +81,7 @@ def draw_chart(chart: Chart) -> Figure:
     for i, panel in enumerate(chart.panels):
         row, column = divmod(i, columns)
         left, top = column * (width + gap_x), 1 - row * (tall + gap_y)
-        place = ([left, left + width], [max(0.0, top - tall), top])
+        place = ([left, min(1.0, left + width)], [max(0.0, top - tall), top])
         last = i + columns >= count
         _panel(drawing, panel, "" if i == 0 else str(i + 1), place, chart.x_label if last else "", last)
     legend = {"orientation": "h", "x": 0, "y": 1 + (28 if titled else 8) / inner, "yanchor": "bottom"}

@@ -1,0 +1,217 @@
+"""Figures of bearings and rotors carry what the made-up signals hold: lines, orbits, resonance, criticals, units."""
+
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from components.core.errors import BadInput
+from orchestrator import report
+from orchestrator.analysis.machines import bearings, recorded, rotors, source
+from orchestrator.analysis.whirl import whirl
+from tests.orchestrator.report.machines import JIS_6306, RATE, SPEED, bearing_run, rotor_run
+
+UNIT = re.compile(r", (m|N|s|mm|µm|Hz|rpm|degrees|mm/s|m/s²|1|1/s|%|√µm)\b|number of at least")
+
+
+def figures(blocks):
+    return {b.title: b.figure for b in blocks if b.kind == "figure"}
+
+
+def named(figure, name):
+    return next(t for t in figure["data"] if t.get("name") == name)
+
+
+def numbers(values):
+    return np.array([np.nan if v is None else v for v in values])
+
+
+@pytest.fixture(scope="module")
+def bearing():
+    return figures(report.bearings.blocks(bearing_run()))
+
+
+@pytest.fixture(scope="module")
+def rotor():
+    return figures(report.rotor.blocks(rotor_run({"critical_speeds": [100.0]})))
+
+
+def test_every_figure_is_valid_and_every_axis_has_its_unit(bearing, rotor):
+    for figure in (*bearing.values(), *rotor.values()):
+        go.Figure(figure)  # raises for properties Plotly does not know
+        json.dumps(figure, allow_nan=False)
+        for key, axis in figure["layout"].items():
+            if re.fullmatch(r"[xy]axis\d*", key) and axis["title"]["text"]:
+                assert UNIT.search(axis["title"]["text"]), axis["title"]["text"]
+
+
+def test_bearing_report_has_its_figures_and_tables():
+    blocks = report.bearings.blocks(bearing_run())
+    assert list(figures(blocks)) == [
+        "Time history", "Amplitude spectrum", "Envelope spectrum", "Orbit and phase planes", "Recurrence",
+    ]  # fmt: skip
+    recurrence, motion = (b for b in blocks if b.kind == "cells")
+    assert [row[1] for row in recurrence.rows] == ["RR", "DET", "L", "Lmax", "DIV", "ENTR", "LAM", "TT"]
+    assert motion.rows[0][:3] == ("displacement x", "µm", "5")
+
+
+def test_lines_stand_at_the_frequencies_of_the_geometry(bearing):
+    outer = numbers(named(bearing["Amplitude spectrum"], "outer race (BPFO)")["x"])
+    expected = JIS_6306["outer"] * np.arange(1, 6)
+    assert np.unique(outer[~np.isnan(outer)]) == pytest.approx(expected, rel=1e-5)  # six digits are drawn
+    assert {n["text"] for n in bearing["Amplitude spectrum"]["layout"]["annotations"]} >= {"BPFO", "shaft"}
+
+
+def test_inner_race_gets_sidebands_of_the_rotation_when_it_has_the_defect():
+    figure = figures(report.bearings.blocks(bearing_run(effects=("inner_defect",))))["Amplitude spectrum"]
+    at = numbers(named(figure, "inner race (BPFI)")["x"])
+    assert np.unique(at[~np.isnan(at)])[:5] == pytest.approx(JIS_6306["inner"] + 30.0 * np.arange(-2, 3), rel=1e-5)
+
+
+def test_envelope_finds_the_repetition_of_what_rings(bearing):
+    trace = named(bearing["Envelope spectrum"], "envelope")
+    f, a = numbers(trace["x"]), numbers(trace["y"])
+    assert f[np.argmax(a)] == pytest.approx(JIS_6306["outer"], abs=1.0 / 1.75)  # a bin: 1.75 s after the transient
+
+
+def test_displacement_spectrum_reads_the_amplitude_in_its_unit(bearing):
+    trace = named(bearing["Amplitude spectrum"], "x")
+    f, a = numbers(trace["x"]), numbers(trace["y"])
+    assert f[np.argmax(a)] == pytest.approx(30.0, abs=0.6)  # a bin
+    assert a.max() == pytest.approx(2.0, rel=0.152)  # µm; halfway between bins Hann reads 0.849
+
+
+def test_orbit_has_one_scale_and_its_section(bearing):
+    layout = bearing["Orbit and phase planes"]["layout"]
+    assert layout["yaxis"]["scaleanchor"] == "x"
+    assert np.ptp(layout["xaxis"]["range"]) == pytest.approx(np.ptp(layout["yaxis"]["range"]))
+    # The section's cage angle passes multiples of 1/8 turn 92.54 times a second; the motion has 30 Hz: no common period.
+    section = named(bearing["Orbit and phase planes"], "section")
+    assert len(section["x"]) == pytest.approx(1.75 * JIS_6306["outer"], abs=1)
+    x, y = numbers(section["x"]), numbers(section["y"])
+    assert ((x - 5.0) / 2.0) ** 2 + y**2 == pytest.approx(1.0, abs=1e-4)  # on the ellipse; five digits are drawn
+
+
+def test_section_of_the_scene_is_taken():
+    wanted = {"section": {"signal": "bearing.displacement_x", "angle": "bearing.inner_angle", "turns": 1}}
+    figure = figures(report.bearings.blocks(bearing_run(wanted)))["Orbit and phase planes"]
+    x = numbers(named(figure, "section")["x"])
+    assert x == pytest.approx(7.0, abs=1e-4)  # 5 + 2 µm at angle zero, each turn
+    assert len(x) == 52  # 30 turns a second, from 0.25 s (7.5 turns) to 2 s (60 turns, the last sample is just before it)
+
+
+def test_recurrence_of_a_periodic_motion_is_diagonal():
+    result = bearing_run()
+    (_, measures), *_ = [(b.title, {r[1]: r[2] for r in b.rows}) for b in report.bearings.blocks(result) if b.kind == "cells"]
+    # Every diagonal is whole but for the corners; the interval of recording is no multiple of the period.
+    assert float(measures["DET"]) > 99.5
+    picture = next(t for t in figures(report.bearings.blocks(result))["Recurrence"]["data"] if t["type"] == "heatmap")
+    z = np.array(picture["z"])
+    assert (z == z.T).all()
+    assert (np.diag(z) == 1).all()
+
+
+def test_settings_of_the_analysis_that_do_not_exist_are_named():
+    for analysis, meant in (
+        ({"marks": ["outter"]}, "outer"), ({"recurrence": {"treshold": 1}}, "threshold"), ({"bearing": "beering"}, "bearing"),
+    ):  # fmt: skip
+        with pytest.raises(BadInput, match=meant):
+            report.bearings.blocks(bearing_run(analysis))
+
+
+def test_dimensionless_bearing_has_no_units_of_measure():
+    result = bearing_run()
+    result.measures = dict.fromkeys(result.columns, "1")
+    axes = [a["title"]["text"] for f in figures(report.bearings.blocks(result)).values()
+            for k, a in f["layout"].items() if re.fullmatch(r"[xy]axis\d*", k)]  # fmt: skip
+    assert not [text for text in axes if re.search(r", (s|Hz|m|µm|mm/s|N)\b", text)]
+
+
+def test_bearing_record_knows_rotation_and_frequencies():
+    (record,) = bearings(bearing_run())
+    assert record.rotation == pytest.approx(SPEED / (2 * np.pi), rel=1e-9)  # rounding of the angle
+    assert record.rate == pytest.approx(RATE)
+    assert record.frequencies["outer"] == pytest.approx(JIS_6306["outer"], rel=1e-5)
+    assert record.defects == ("outer",)
+
+
+def test_sources_are_found_through_wildcards():
+    result = rotor_run()
+    assert source(result.scene, "front", "x") == "rotor.bearing_a.x"
+    assert source(result.scene, "rotor", "bearing_a.force_x") == "front.linearisation.force_x"
+    assert source(result.scene, "front", "clearance_change") == "rotor.bearing_a.clearance_change"  # by name; not recorded
+    assert recorded(result, "front", "x") == "rotor.bearing_a.x"
+    assert recorded(result, "front", "clearance_change") == ""
+
+
+def test_rotor_report_has_its_figures(rotor):
+    assert list(rotor) == ["Time history", "Run-up: synchronous motion", "Waterfall", "Orbits", "Forces of the bearings"]
+
+
+def test_run_up_shows_the_resonance_with_amplitude_and_phase(rotor):
+    figure = rotor["Run-up: synchronous motion"]
+    x = [t for t in figure["data"] if t.get("name") == "x"]
+    speed, amplitude, lag = numbers(x[0]["x"]), numbers(x[0]["y"]), numbers(x[1]["y"])
+    top = int(np.argmax(amplitude))
+    # Peak of r^2 / |1 - r^2 + 2 i zeta r| at r = (1 - 2 zeta^2)^-1/2, 1 / (2 zeta sqrt(1 - zeta^2)) high; a window of 4 turns
+    # is 0.25 s there, 5 rad/s: a quarter of the resonance's width.
+    assert speed[top] == pytest.approx(100.0 / np.sqrt(0.98) * 30 / np.pi, rel=0.02)
+    assert amplitude[top] == pytest.approx(10.0 * 5.025, rel=0.02)
+    assert np.interp(100.0 * 30 / np.pi, speed, lag) == pytest.approx(90.0, abs=3.0)
+    marked = numbers(named(figure, "critical speed (undamped)")["x"])
+    assert marked[0] == pytest.approx(954.93, abs=0.01)
+
+
+def test_waterfall_follows_the_rotation(rotor):
+    picture = next(t for t in rotor["Waterfall"]["data"] if t["type"] == "heatmap")
+    speed, f, z = numbers(picture["x"]), numbers(picture["y"]), np.array(picture["z"], dtype=float)
+    # The highest amplitude at a speed is at its frequency: within the spread over a window plus a bin.
+    assert f[np.argmax(z, axis=0)] == pytest.approx(speed / 60.0, abs=1.5 * (f[1] - f[0]) + 0.5 * 20.0 * 0.32 / (2 * np.pi))
+
+
+def test_orbits_are_shown_for_every_window_and_place():
+    shown = [b for b in report.rotor.blocks(rotor_run({"orbit_windows": [[1.0, 1.2], [19.0, 19.2]]})) if b.title == "Orbits"]
+    assert len(shown) == 2
+    first = shown[0].figure
+    orbits = [t for t in first["data"] if t["name"] == "orbit"]
+    assert len(orbits) == 2  # watched place and bearing
+    assert max(numbers(orbits[1]["x"])) == pytest.approx(0.1 * max(numbers(orbits[0]["x"])), rel=1e-4)
+    assert [first["layout"][k]["scaleanchor"] for k in ("yaxis", "yaxis2")] == ["x", "x2"]
+
+
+def test_campbell_diagram_adds_the_recorded_tangent_of_the_bearing():
+    result = rotor_run()
+    (record,) = rotors(result)
+    assert whirl(result, record) is None  # a bearing of unknown stiffness
+    free, held = np.zeros((3, 25)), np.zeros((3, 25))
+    held[:, [0, 6]] = 1e9  # N/m along x and y: far above the supports' 1e6
+    for tangent in (free, held):
+        result.snapshots = {"front.linearisation.stiffness": SimpleNamespace(time=np.array([0.0, 1.0, 2.0]), values=tangent)}
+        found = whirl(result, record)
+        assert found.frequency.shape == found.direction.shape == (61, 8)
+        # The bearing stands at the end of the shaft where a support of 1e6 N/m is: with it, the lowest mode is higher.
+        if tangent is free:
+            # 86.66 rad/s: Friswell et al., example 5.9.1, at rest
+            assert found.frequency[0, 0] == pytest.approx(86.66, rel=1e-3)
+            lowest = found.frequency[0, 0]
+        else:
+            assert found.frequency[0, 0] > 1.05 * lowest
+    figure = figures(report.rotor.blocks(result))["Campbell diagram"]
+    synchronous = named(figure, "1 × speed")
+    assert synchronous["y"][1] == pytest.approx(synchronous["x"][1] / 60.0, rel=1e-4)  # five digits are drawn
+
+
+def test_steady_rotor_has_a_spectrum_with_its_speed_marked():
+    figure = figures(report.rotor.blocks(rotor_run(rate=0.0, duration=5.0)))["Amplitude spectrum at 382 rpm"]
+    trace = named(figure, "x")
+    assert numbers(trace["x"])[np.argmax(numbers(trace["y"]))] == pytest.approx(40.0 / (2 * np.pi), abs=0.2)  # a bin
+
+
+def test_pages_of_both_systems_are_written(tmp_path):
+    for result in (bearing_run(), rotor_run()):
+        html = report.for_run(result, tmp_path).read_text(encoding="utf-8")
+        assert result.scene.title in html
+        assert html.count("<figure>") >= 5
