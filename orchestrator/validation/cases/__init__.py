@@ -14,6 +14,7 @@ from . import (
     iso16281,
     lumped_catenary,
     lyapunov_sum,
+    recurrence,
     stribeck,
     varying_compliance,
 )
@@ -21,5 +22,6 @@ from . import (
 MODULES = (
     en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
+    recurrence,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
