@@ -10,7 +10,7 @@ differently: the moment's lever is the one with which tilts move the contacts, s
 symmetric stiffness (`published_levers` brings the published one back); the races' radii, not the contacts', enter the cage's
 speed and the levers; damping acts contact by contact.
 
-Cost, 9 balls, film and waves of one order in both races: about 0.4 us a call from compiled code.
+Cost with 9 balls from compiled code: 0.15 us alone, 0.6 us with film and eight waves in both races, 0.85 us with everything.
 """
 
 from __future__ import annotations

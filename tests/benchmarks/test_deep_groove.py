@@ -1,0 +1,93 @@
+"""Speed of the deep groove bearing: one evaluation inside compiled code and from Python, and a static equilibrium.
+
+Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+"""
+
+import time
+
+import numpy as np
+import pytest
+
+from components.bearings.contacts import ball_contacts
+from components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
+from components.bearings.geometry import BallGeometry
+from components.bearings.hertz import effective_modulus
+from components.bearings.loads import static_loads
+from components.bearings.six_dof import bearing_outputs
+
+pytestmark = pytest.mark.benchmark
+njit = pytest.importorskip("numba").njit
+
+RACES = ("inner_waviness", "outer_waviness")
+FULL = {f"{race}.amplitude[{i}]": 1e-7 for race in RACES for i in range(1, 9)}
+SETTINGS = {
+    "contacts alone": ((), {}),
+    "film, one wave in each race": (("film", *RACES), {}),
+    "film, eight waves in each race": (("film", *RACES), FULL),
+    "the same with tangent and dampers": (("film", "damping", *RACES, "linearisation"), FULL),
+    "all effects": (tuple(DeepGrooveBearing.effects), FULL),
+}
+
+
+@njit
+def many(n, x, u, y, p, *effects):
+    """Evaluations with a moving inner ring, as in a rotor's loop."""
+    for _ in range(n):
+        u[0] += 1e-12
+        x[1] += 1e-6
+        bearing_outputs(x, u, y, p, *effects)
+
+
+def turning(effects, parameters):
+    """A loaded bearing with nine balls at 3000 rpm."""
+    bearing = DeepGrooveBearing(effects, parameters)
+    for name, value in zip((*DISPLACEMENT, "speed"), (8e-6, -6e-6, 2e-5, 2e-4, 1e-4, 314.0), strict=True):
+        bearing.set(name, value)
+    bearing.initialize(0.0)
+    return bearing
+
+
+def shortest(call, runs=7):
+    """Least time of several runs, s."""
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def test_evaluation_takes_under_three_microseconds():
+    n, measured = 20000, {}
+    print()
+    for label, (effects, parameters) in SETTINGS.items():
+        bearing = turning(effects, parameters)
+        u = bearing.u[0].copy()
+        many(1, bearing.x, u, bearing.y, *bearing.settled)
+        measured[label] = 1e6 * shortest(lambda b=bearing, u=u: many(n, b.x, u, b.y, *b.settled)) / n
+        bearing.step(0.0, 1e-6)
+        python = 1e6 * shortest(lambda b=bearing: [b.step(0.0, 1e-7) for _ in range(1000)]) / 1000
+        print(f"  {label:36s} {measured[label]:6.2f} us compiled {python:6.1f} us a step from Python, "
+              f"{bearing['loaded_balls']:.0f} balls loaded")
+    assert measured["film, eight waves in each race"] < 3.0
+
+
+def test_equilibrium_takes_under_five_milliseconds():
+    """All five loads, with clearance, one ball, axial at contact angle 0, and a small load, which comes down from a large one."""
+    geometry = BallGeometry(9, 0.0111, 0.0535)
+    K = geometry.stiffness(effective_modulus(2.06e11, 0.3, 2.06e11, 0.3))
+    loads = {
+        "radial, 1 kN": [1000.0, 0, 0, 0, 0],
+        "all five": [600.0, -900.0, 300.0, 4.0, -5.0],
+        "axial, contact angle 0": [0, 0, 1000.0, 0, 0],
+        "1 mN": [1e-3, 2e-3, 1e-3, 0, 0],
+    }
+    print()
+    for clearance in (0.0, 20e-6, -5e-6):
+        contacts = ball_contacts(geometry, K, clearance)
+        for label, forces in loads.items():
+            load = np.array(forces, dtype=float)
+            static_loads(contacts, load)
+            seconds = shortest(lambda c=contacts, f=load: [static_loads(c, f) for _ in range(20)]) / 20
+            print(f"  {label:24s} clearance {1e6 * clearance:4.0f} um: {1e3 * seconds:7.3f} ms")
+            assert seconds < 5e-3
