@@ -39,7 +39,7 @@ def _fit_error(ratio: float) -> float:
 
 
 def _ellipses() -> dict[str, float]:
-    found = {}
+    found: dict[str, float] = {}
     for ratio in RATIOS:
         shape = exact_ellipse(ratio)
         found |= {f"{ratio:g}.k": shape.k, f"{ratio:g}.second": shape.second, f"{ratio:g}.first": shape.first,
@@ -48,7 +48,7 @@ def _ellipses() -> dict[str, float]:
 
 
 def _harris() -> dict[str, float]:
-    found = {}
+    found: dict[str, float] = {}
     for name, bearing in HARRIS.items():
         for race in ("inner", "outer"):
             total, difference = bearing.curvature(race)
