@@ -143,7 +143,7 @@ class BeamRotor(Component):
                            "holds: more than the clearance of its bearings, or 0 where they offer no tangent", low=0.0, high=0.1)
     watched_position = parameter(0.5, "m", "place of the shaft whose motion is an output and where a force may act",
                                  low=0.0)
-    substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
+    substep = parameter(5e-5, "s", "longest internal step", low=1e-9, high=1.0)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
     force_x = input_(0.0, "N", "force on the shaft along x at the watched place", nominal=100.0)

@@ -1,0 +1,186 @@
+"""Hard cases of the rotors: nothing that holds them, very stiff bearings, speed zero or reversed, sizes at the edge."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from components.core.errors import StepFailed
+from components.rotor.beam import BeamRotor
+from components.rotor.jeffcott import JeffcottRotor
+from components.rotor.modal import critical_speeds, eigenvalues, modes
+
+FRISWELL = ("gyroscopic", "disks", "linear_supports")
+SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in (1, 2)}
+
+
+def started(effects, **parameters) -> BeamRotor:
+    rotor = BeamRotor(effects, parameters)
+    rotor.initialize(0.0)
+    return rotor
+
+
+@pytest.mark.parametrize("effects", [("gravity",), ("gravity", "disks", "gyroscopic"), ("gravity", "disks", "linear_supports")])
+def test_a_free_rotor_falls_like_a_stone(effects):
+    """No support, or supports of no stiffness: every point falls by g t²/2 and the shaft stays straight."""
+    rotor = started(effects, **(SOFT if "linear_supports" in effects else {}))
+    assert rotor["y"] == 0.0
+    rotor.step(0.0, 0.1)
+    N = 4 * rotor.nodes.size
+    # the method is exact for a constant force; elastic forces of the bending by rounding stay far below the weight
+    np.testing.assert_allclose(rotor.x[1:N:4], -0.5 * 9.81 * 0.01, rtol=1e-6)
+    np.testing.assert_allclose(rotor.x[2:N:4], 0.0, atol=1e-7)
+
+
+def test_a_free_rotor_has_four_motions_without_frequency():
+    rotor = started(("disks", "linear_supports"), **SOFT)
+    values = np.sort(np.abs(eigenvalues(rotor.matrices(), 0.0)))
+    # 8 zero eigenvalues; as double roots they show rounding's square root, 1e-8 of the largest
+    assert (values[:8] < 1e-6 * values[-1]).all()
+    assert values[8] > 100.0
+    assert modes(rotor.matrices(), 0.0).frequency.min() > 100.0
+    assert (critical_speeds(rotor.matrices()) > 0.0).all()
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 1e12])
+@pytest.mark.parametrize("h", [1e-3, 1e-2, 0.1])
+def test_stiff_bearings_through_the_port_at_large_macro_steps(stiffness, h):
+    """The node on 1e9 N/m has a frequency of 1e4 rad/s and more: plain force coupling ends at a few 10 us."""
+    rotor = BeamRotor(("gyroscopic", "disks", "unbalance", "gravity", "bearing_a", "bearing_b"))
+    fixed = started((*FRISWELL, "unbalance", "gravity"),
+                    **{f"linear_supports.stiffness_{axis}[{k}]": stiffness for axis in "xy" for k in (1, 2)})
+    for port in "ab":
+        for element in (1, 7):
+            rotor.set(f"bearing_{port}.stiffness[{element}]", stiffness)
+    rotor.initialize(0.0)
+    n = round(0.2 / h)
+    for k in range(n):
+        rotor.step(k * h, h)
+        fixed.step(k * h, h)
+    # the same springs in the same matrix, added in another order: rounding of 1e12 N/m beside 1e8 N/m over 4000 steps
+    np.testing.assert_allclose(rotor.y[:6], fixed.y[:6], rtol=1e-6, atol=1e-10)
+    assert abs(rotor["y"]) < 2e-3
+    assert abs(rotor["bearing_a.y"]) < 1e3 / stiffness
+
+
+@pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
+def test_a_reversed_rotor_is_the_mirror_image(rotor_class):
+    """Speed and phase reversed: x stays, y changes its sign; to rounding, because 2 pi - angle is not -angle to the last bit."""
+    def run(sign):
+        effects = ("unbalance", "internal_damping")
+        effects += ("disks", "gyroscopic", "linear_supports") if rotor_class is BeamRotor else ()
+        phase = "unbalance.phase[1]" if rotor_class is BeamRotor else "unbalance.phase"
+        rotor = rotor_class(effects, {"start_speed": sign * 130.0, phase: sign * 0.5, "start_angle": sign * 0.2})
+        rotor.initialize(0.0)
+        for k in range(200):
+            rotor.step(k * 1e-3, 1e-3)
+        return rotor
+
+    forward, backward = run(1.0), run(-1.0)
+    size = abs(forward["x"]) + abs(forward["y"])
+    assert size > 1e-6
+    assert backward["x"] == pytest.approx(forward["x"], abs=1e-9 * size)
+    assert backward["y"] == pytest.approx(-forward["y"], abs=1e-9 * size)
+    assert backward["angle"] == pytest.approx(2.0 * math.pi - forward["angle"], abs=1e-12)
+
+
+@pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
+def test_a_rotor_at_rest_has_no_unbalance_force(rotor_class):
+    effects = ("unbalance", "internal_damping") + (("disks", "linear_supports") if rotor_class is BeamRotor else ())
+    rotor = rotor_class(effects, {"start_speed": 0.0})
+    rotor.initialize(0.0)
+    rotor.step(0.0, 0.1)
+    assert rotor["x"] == rotor["y"] == rotor["angle"] == 0.0
+
+
+@pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
+def test_a_run_down_through_zero_turns_the_other_way(rotor_class):
+    rotor = rotor_class(("run_up",), {"start_speed": 50.0, "run_up.acceleration": 100.0, "run_up.end_speed": -50.0})
+    rotor.initialize(0.0)
+    for k in range(150):
+        rotor.step(k * 0.01, 0.01)
+    assert rotor["speed"] == -50.0
+    # up to 0.5 s forwards by 12.5 rad, to 1 s back by as much, then 25 rad backwards
+    # rounding of up to 30 000 additions of numbers below 7
+    assert rotor["angle"] == pytest.approx(-25.0 % (2.0 * math.pi), abs=1e-10)
+
+
+def test_ten_million_turns_of_the_angle_do_not_drift():
+    """1e5 macro steps of 100 turns and a quarter: the angle stays in [0, 2 pi), and the rounding does not add up one way."""
+    rotor = JeffcottRotor(parameters={"start_speed": 2.0 * math.pi * 100.25, "damping": 0.0, "stiffness": 0.0, "substep": 1.0})
+    rotor.initialize(0.0)
+    for k in range(100_000):
+        rotor.step(float(k), 1.0)
+    # w d has 630 rad in a double of 1e-13: 1e5 times that if all one way; it is the rounded speed that counts
+    error = (rotor["angle"] + math.pi) % (2.0 * math.pi) - math.pi
+    assert abs(error) < 1e-8
+    assert 0.0 <= rotor["angle"] < 2.0 * math.pi
+
+
+@pytest.mark.parametrize("mass", [1e4, 1e7])
+def test_a_huge_disk_on_a_thin_shaft(mass):
+    """The lowest frequency is that of the disk's mass on shaft and supports; high gyroscopic coupling stays stable."""
+    inertia = 0.1 * mass
+    numbers = {"disks.mass[1]": mass, "disks.mass[2]": 0.0, "disks.polar_inertia[1]": 2.0 * inertia,
+               "disks.polar_inertia[2]": 0.0, "disks.diametral_inertia[1]": inertia, "disks.diametral_inertia[2]": 0.0, "disks.position[1]": 0.75,
+               "disks.position[2]": 0.0, "watched_position": 0.75}
+    rotor = started((*FRISWELL, "unbalance"), start_speed=1000.0, **numbers, **{"unbalance.moment[1]": mass * 1e-6})
+    m = rotor.matrices()
+    middle = 4 * int(np.abs(rotor.nodes - 0.75).argmin())
+    unit = np.zeros(m.mass.shape[0])
+    unit[middle] = 1.0
+    stiffness = 1.0 / np.linalg.solve(m.stiffness, unit)[middle]
+    expected = math.sqrt(stiffness / mass)
+    # the shaft's 23 kg: half of them or less move with the disk
+    assert np.abs(eigenvalues(m, 1000.0).imag - expected).min() <= 23.0 / mass * expected
+    before = rotor.energy()
+    rotor.step(0.0, 1.0)
+    # the unbalance of a disk far above its critical speed: it turns about its centre of mass, 1 um away, after a start from rest
+    # within the first instants of which the disk drifts with e w = 1 mm/s
+    assert before == 0.0
+    assert abs(complex(rotor["velocity_x"], rotor["velocity_y"])) < 4e-3
+    assert np.isfinite(rotor.x).all()
+
+
+def test_very_short_elements():
+    """500 elements of 3 mm in a shaft of 50 mm diameter: the same frequencies and, to rounding of 1e13 N/m, the same sag."""
+    coarse = started((*FRISWELL, "gravity"), element=0.05)
+    fine = started((*FRISWELL, "gravity"), element=0.003)
+    assert fine.nodes.size >= 501
+    # sag: exact at the nodes but for the distributed load's work on the element's own shape, fourth order
+    assert fine["y"] == pytest.approx(coarse["y"], rel=1e-5)
+    before = fine["y"]
+    for k in range(20):
+        fine.step(k * 1e-3, 1e-3)
+    assert fine["y"] == pytest.approx(before, rel=1e-6)
+    assert abs(fine["x"]) < 1e-9
+
+
+def test_one_element_is_enough_to_run():
+    rotor = started(("gravity", "linear_supports"), element=10.0, watched_position=1.5)
+    assert rotor.nodes.size == 2
+    rotor.step(0.0, 0.01)
+    assert rotor["y"] == pytest.approx(-7810.0 * math.pi / 4.0 * 0.05**2 * 1.5 * 9.81 / 2e6, rel=1e-9)
+
+
+def test_an_infinite_force_is_a_failed_step_that_can_be_taken_back():
+    rotor = started((*FRISWELL,))
+    state = rotor.save()
+    rotor.set("force_x", math.inf)
+    with pytest.raises(StepFailed, match="not finite"):
+        rotor.step(0.0, 1e-3)
+    rotor.restore(state)
+    rotor.set("force_x", 1.0)
+    rotor.step(0.0, 1e-3)
+    assert 0.0 < rotor["x"] < 1e-3
+
+
+def test_an_undamped_jeffcott_rotor_at_its_critical_speed_grows_with_time():
+    """Amplitude e w t / 2, the one case without a steady state."""
+    rotor = JeffcottRotor(["unbalance"], {"damping": 0.0, "start_speed": 100.0, "substep": 1e-5})
+    rotor.initialize(0.0)
+    rotor.step(0.0, 2.0)
+    # beside the growing term stands one that does not grow, of e / 2
+    assert math.hypot(rotor["x"], rotor["y"]) == pytest.approx(0.5 * 1e-5 * 100.0 * 2.0, abs=1e-5)
