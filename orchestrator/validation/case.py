@@ -33,7 +33,7 @@ class Row:
     @property
     def inside(self) -> bool:
         """Whether the measured number lies in the range, its ends included."""
-        return self.margin >= 0.0
+        return bool(self.margin >= 0.0)  # the numbers may be those of NumPy
 
     def to_json(self) -> dict[str, Any]:
         """The row of the machine-readable output."""
