@@ -124,7 +124,8 @@ def test_a_huge_disk_on_a_thin_shaft(mass):
     """The lowest frequency is that of the disk's mass on shaft and supports; high gyroscopic coupling stays stable."""
     inertia = 0.1 * mass
     numbers = {"disks.mass[1]": mass, "disks.mass[2]": 0.0, "disks.polar_inertia[1]": 2.0 * inertia,
-               "disks.polar_inertia[2]": 0.0, "disks.diametral_inertia[1]": inertia, "disks.diametral_inertia[2]": 0.0, "disks.position[1]": 0.75,
+               "disks.polar_inertia[2]": 0.0, "disks.diametral_inertia[1]": inertia,
+               "disks.diametral_inertia[2]": 0.0, "disks.position[1]": 0.75,
                "disks.position[2]": 0.0, "watched_position": 0.75}
     rotor = started((*FRISWELL, "unbalance"), start_speed=1000.0, **numbers, **{"unbalance.moment[1]": mass * 1e-6})
     m = rotor.matrices()
