@@ -8,7 +8,8 @@ What is taken from the published model: groove geometry, Hertz contacts of both 
 films of both races under a constant nominal load, added to the balls' diameter, waves and defects of the races. What is done
 differently: the moment's lever is the one with which tilts move the contacts, so that the bearing has a potential and a
 symmetric stiffness (`published_levers` brings the published one back); the races' radii, not the contacts', enter the cage's
-speed and the levers; damping acts contact by contact.
+speed and the levers; damping acts contact by contact. Not in it: the balls' own inertia (centrifugal force, gyroscopic
+moment), sliding, flexible rings.
 
 Cost with 9 balls from compiled code: 0.15 us alone, 0.6 us with film and eight waves in both races, 0.85 us with everything.
 """

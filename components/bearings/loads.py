@@ -6,8 +6,9 @@ clearance none along the shaft, where the energy grows with z^5. So Newton's mat
 (Levenberg, Marquardt), which starts large and is let go on the way: far from contact the steps grow by a factor of ten each
 until a ball is met, near the solution it is Newton's method, and where nothing resists nothing moves.
 
-Measured on 60 000 bearings of 3 to 24 balls under random loads down to 1e-9 of the rated ones, components apart by up to 1e6:
-99.7 % converge, in 0.02 to 0.3 ms. What does not carries less than 0.1 N, or hangs on three balls, and says so.
+Measured: 15 000 bearings of 5 to 24 balls under random loads from 1e-7 to 1 times the largest sensible one, with components
+apart by a thousand, all converge, in 0.02 to 0.3 ms. Of 60 000 with 3 balls and more, down to 1e-9 times and apart by up to
+1e6, 0.3 % do not: they carry less than 0.1 N or hang on three or four balls, and the status says so.
 """
 
 from __future__ import annotations

@@ -184,6 +184,23 @@ def test_radial_loads_of_any_size_with_clearance(balls, force):
         np.testing.assert_allclose(carried[:2], load[:2], rtol=0.0, atol=BALANCED * force + 2e-10)
 
 
+def test_equilibria_of_random_bearings_are_found():
+    """5 to 24 balls of 2 to 32 mm, contact angles of 0 to 40 degrees, preload to clearance, loads over four decades."""
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        balls, d = int(rng.integers(5, 25)), 10.0 ** rng.uniform(-2.7, -1.5)
+        angle = float(rng.choice([0.0, rng.uniform(0.0, 0.7)]))
+        geometry = BallGeometry(balls, d, d * max(3.0, 0.45 * balls), *rng.uniform(0.51, 0.54, 2), angle)
+        contacts = ball_contacts(geometry, 1e10, float(rng.choice([0.0, -1e-5, 1e-5, 4e-5])))
+        largest = 1e10 * (0.05 * contacts.distance) ** 1.5
+        forces = largest * 10.0 ** rng.uniform(-4.0, 0.0) * rng.normal(size=5) * rng.choice([0.0, 1.0, 1e-3], size=5)
+        forces[3:] *= contacts.lever
+        found = static_loads(contacts, forces)
+        assert found.status == DONE
+        carried = -evaluate(found.displacement, contacts)[0]
+        np.testing.assert_allclose(carried[:3], forces[:3], rtol=0.0, atol=BALANCED * (np.abs(forces).max() + found.ball_loads.sum()))
+
+
 def test_coordinates_that_are_held_stay_and_the_others_balance():
     contacts = ball_contacts(ISO, ISO.stiffness(STEEL), 10e-6)
     forces = np.array([300.0, -1000.0, 200.0, 5.0, 5.0])
