@@ -65,23 +65,23 @@ def solve_path(
 ) -> HeatPath:
     """Heat from the inner to the outer ring by way of one ball; cells at the contact: the short semi-axis over `fineness`."""
     around = around or Surroundings()
-    short = min(p.along for p in (inner, outer) if p.along > 0.0) if max(inner.along, outer.along) > 0.0 else 0.02 * ball_radius
-    first, growth = short / fineness, 1.0 + 0.8 / fineness
+    growth = 1.0 + 0.8 / fineness
+    spots = [p.along if p.along > 0.0 else 0.02 * ball_radius for p in (inner, outer)]
+    first = min(spots) / fineness**1.5
     phi = _angles(inner, outer, fineness)
-    # the outermost ring of cells on the ball is left without a partner: near the equator it faces no race
-    theta = np.arcsin(graded(first, growth, 0.95 * ball_radius) / ball_radius)
-    equator = theta[-1] + (QUARTER - theta[-1]) * np.linspace(0.0, 1.0, 4)[1:]
-    theta = np.concatenate([theta, equator])
-    theta = np.concatenate([theta, math.pi - theta[-2::-1]])
+    north, south = (np.arcsin(_radii(spot, fineness, growth, 0.95 * ball_radius) / ball_radius) for spot in spots)
+    # near the equator the ball faces no race
+    equator = np.linspace(north[-1], math.pi - south[-1], 7)[1:-1]
+    theta = np.concatenate([north, equator, math.pi - south[::-1]])
     deep = ball_radius - graded(first, growth, ball_radius)[::-1]
     deep[0] = 0.0
     ball = spherical(deep, theta, phi, ball_conductivity)
     bodies = Bodies()
     index = bodies.add(ball)
     nodes = [bodies.node() if on > 0.0 else -1 for on in (around.convection, around.emissivity)]
-    n = theta.size // 2 - len(equator)
     surface, bare = index[-1], np.ones(ball.shape[1:])
-    for part, rows, temperature in ((inner, slice(0, n), temperatures[0]), (outer, slice(None, -n - 1, -1), temperatures[1])):
+    facing = (slice(0, north.size - 1), slice(None, -south.size, -1))
+    for part, rows, temperature in zip((inner, outer), facing, temperatures, strict=True):
         bare[rows] = _join_ring(bodies, part, ball, (surface[rows], rows), phi, first, growth, around, nodes, temperature)
     _expose(bodies, surface, ball.half[0][1][-1], bare * ball.area[0][-1], around, nodes)
     found, heat = bodies.solve(0.5 * sum(temperatures))
@@ -91,10 +91,18 @@ def solve_path(
                     (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())))
 
 
+def _radii(spot: float, fineness: int, growth: float, end: float) -> np.ndarray:
+    """Edges from the normal to `end`, m, finest around one at `spot`, where the contact ends along its short axis."""
+    first = spot / fineness**1.5
+    inside = spot - graded(first, growth, spot)[::-1]
+    inside[0] = 0.0
+    return np.concatenate([inside, spot + graded(first, growth, end - spot)[1:]])
+
+
 def _angles(inner: RingPart, outer: RingPart, fineness: int) -> np.ndarray:
     """Edges of the angle about the normal from the long axis of the contact; finer towards the tip of a slender one."""
     slender = min((p.along / p.across for p in (inner, outer) if p.along > 0.0), default=1.0)
-    return graded(QUARTER * slender / fineness, 1.0 + 1.0 / fineness, QUARTER)
+    return graded(0.5 * QUARTER * slender / fineness, 1.0 + 0.5 / fineness, QUARTER)
 
 
 def _join_ring(bodies, part, ball, facing, phi, first, growth, around, nodes, temperature) -> np.ndarray:

@@ -44,7 +44,7 @@ def test_constant_inputs_against_the_matrix_exponential(step):
     A, heated, cooled = network(made.parameters, 0.3)
     rest = np.linalg.solve(-A, 25.0 * heated + 280.0 * cooled)
     exact = rest + expm(1000.0 * A) @ (np.full(3, 293.15) - rest)
-    # third order, substep over the shortest time constant 2/10: (0.2)^3/24 of the balls' first rise, mostly forgotten after 1000 s
+    # third order, substep over the shortest time constant 2/10: (0.2)^3/24 of the balls' first rise, mostly forgotten at the end
     np.testing.assert_allclose(made.x[:3], exact, rtol=0.0, atol=2e-5)
 
 
@@ -89,7 +89,7 @@ def test_steady_state_is_that_of_the_resistances():
 @pytest.mark.parametrize("effects", [(), ALL], ids=["none", "all"])
 @pytest.mark.parametrize("substep", [0.5, 50.0, 1000.0])
 def test_heat_supplied_is_stored_or_released(effects, substep):
-    """A linear invariant of the method: to rounding, however rough the step. 1e-11 per step is what f_t by a difference leaves."""
+    """A linear invariant of the method: to rounding, however rough the step; f_t by a difference leaves 1e-11 a step."""
     made = started(effects, {"substep": substep}, friction_power=30.0)
     for k in range(5):
         made.u[1] = 1e-3 * np.array([made.variables[n].nominal for n in made.inputs])
@@ -134,7 +134,7 @@ def test_radiation_alone_cools_by_the_fourth_power():
     p = made.parameters
     c = p["inner_capacity"] + p["ball_capacity"] + p["outer_capacity"]
     rate = 3.0 * p["radiation.emissivity"] * p["radiation.area"] * STEFAN_BOLTZMANN / c
-    assert made["outer_temperature"] == pytest.approx((600.0**-3 + rate * 1000.0) ** (-1.0 / 3.0), abs=1e-3)  # 1e6 W/K are not rigid
+    assert made["outer_temperature"] == pytest.approx((600.0**-3 + rate * 1000.0) ** (-1.0 / 3.0), abs=1e-3)  # not quite rigid
 
 
 def test_radiative_coefficient():

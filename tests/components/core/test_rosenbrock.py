@@ -11,7 +11,6 @@ from components.core.kernels import DONE, NOT_FINITE, bind, kernel
 from components.core.rosenbrock import rodas3
 
 
-
 @kernel
 def stiff_derivatives(t, x, u, dx, p):
     """Prothero and Robinson: x0' = -stiffness (x0 - cos u) - sin(u) u'; x1' = -x1² (Riccati); x0 and x2 exchange nothing."""
