@@ -98,11 +98,9 @@ def orbit_chart(record: BearingRecord, begin: float, points: dict[str, np.ndarra
     window = slice(record.time.size - count, None)
 
     def curve(a: str, b: str) -> tuple[Series, ...]:
-        along = [scales.factor(n) * record.signals[n][window] for n in (a, b)]
-        made = (Series("motion", *along, faint=True),)
-        if points:
-            made += (Series("section", *(scales.factor(n) * points[n] for n in (a, b)), "dots"),)
-        return made
+        x, y = scales.factor(a), scales.factor(b)
+        motion = Series("motion", x * record.signals[a][window], y * record.signals[b][window], faint=True)
+        return (motion, Series("section", x * points[a], y * points[b], "dots")) if points else (motion,)
 
     def title(n: str) -> str:
         return f"{n.replace('_', ' ')}, {scales.unit(n)}"

@@ -51,7 +51,7 @@ def findings(options: Options) -> Findings:
     rows += [_at_least(SINE, "DET", _mean(sine, PER_PERIOD // 2)["DET"], 0.9999, "lines end at the plot's edges only")]
     rows += _rows(CHAOS, _mean(chaos, 1), of_doubling(CHAOS_THRESHOLD), CHAOS_TOLERANCE,
                   "tent map, conjugate to it: distances double, lines have geometric lengths of ratio 1/2")  # fmt: skip
-    entropy = -np.mean([_slope(line_survival(m)) for m in chaos])
+    entropy = -float(np.mean([_slope(line_survival(m)) for m in chaos]))
     rows += [_row(CHAOS, "correlation entropy K2 from the lengths of the lines", "K2", "nat/sample", entropy, np.log(2.0),
                   CHAOS_TOLERANCE, "ln 2, as every Rényi entropy of the map")]  # fmt: skip
     for r, period in WINDOWS.items():
