@@ -37,7 +37,8 @@ def test_the_coupling_of_rotor_and_bearings_converges_with_the_macro_step():
     runs = {h: finished(load_scene("rotor-run-up").with_changes({**fine, "master.step": h})) for h in (1.25e-5, 1e-4, 2e-4)}
     reference = runs.pop(1.25e-5)
     size = np.ptp(reference["rotor.x"])
-    one, two = (np.abs(np.interp(r.time, reference.time, reference["rotor.x"]) - r["rotor.x"]).max() / size for r in runs.values())
+    one, two = (np.abs(np.interp(r.time, reference.time, reference["rotor.x"]) - r["rotor.x"]).max() / size
+                for r in runs.values())
     assert two < 0.01
     assert one < 0.25 * two
 
