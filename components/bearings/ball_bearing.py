@@ -123,14 +123,14 @@ class TwoDofBearing(OdeComponent):
             return None if values[effect] is None else make(values[effect])
 
         def waves(v: Any) -> Any:
-            return race_waves(v.order, v.amplitude, v.phase, p.gap.size)
+            return race_waves(v.order, v.amplitude, v.phase, p.balls.shape[1])
 
         def pit(v: Any) -> Any:
             return smooth_pit(v.depth, v.width, v.position)
 
         def ball_pit(v: Any) -> Any:
-            if v.ball > p.gap.size:
-                raise BadInput(self.name, f"ball_defect.ball = {v.ball}", f"one of the {p.gap.size} balls")
+            if v.ball > p.balls.shape[1]:
+                raise BadInput(self.name, f"ball_defect.ball = {v.ball}", f"one of the {p.balls.shape[1]} balls")
             return smooth_pit(v.depth, v.width, v.position, v.ball)
 
         return (
@@ -195,9 +195,10 @@ class TwoDofBearing(OdeComponent):
     def energy(self) -> float:
         """Kinetic energy plus that of the contacts, J (or in units of the scales); the load is not counted."""
         p, clearance, _, _, *races = self.settled[:9]
-        fill_gaps(p.gap, None, self.x, 0.0, p, clearance, *races)
-        at = self.x[5] + np.arctan2(p.sine, p.cosine)
-        delta = np.maximum(self.x[0] * np.cos(at) + self.x[1] * np.sin(at) - p.gap, 0.0)
+        fill_gaps(self.x, 0.0, p, clearance, None, *races)
+        cosine, sine, gap, _ = p.balls
+        at = self.x[5] + np.arctan2(sine, cosine)
+        delta = np.maximum(self.x[0] * np.cos(at) + self.x[1] * np.sin(at) - gap, 0.0)
         return float(0.5 * p.mass * (self.x[2] ** 2 + self.x[3] ** 2) + 0.4 * p.stiffness * (delta**2.5).sum())
 
     def stable_step(self) -> float:
@@ -209,7 +210,7 @@ class TwoDofBearing(OdeComponent):
         for _ in range(20):  # 2/5 K d^2.5 = W (d + 2 gap), a contraction
             deepest = (2.5 * load / p.stiffness * (deepest + 2.0 * max(gap, 0.0))) ** 0.4 if deepest or gap > 0.0 else \
                 (2.5 * load / p.stiffness) ** (2.0 / 3.0)
-        balls = max(0.5 * p.gap.size, min(p.gap.size, 2))  # the largest sum of squared cosines
+        balls = max(0.5 * p.balls.shape[1], min(p.balls.shape[1], 2))  # the largest sum of squared cosines
         stiffness = 1.5 * p.stiffness * math.sqrt(deepest + max(-gap, 0.0)) * balls
         rate = math.sqrt(stiffness / p.mass) + p.damping / p.mass
         return 2.78 / rate if rate > 0.0 else math.inf

@@ -27,6 +27,10 @@ SPEED, LOAD, TRANSVERSE_LOAD = range(3)
 X, Y, VELOCITY_X, VELOCITY_Y, ACCELERATION_X, ACCELERATION_Y, FORCE_X, FORCE_Y, MAX_LOAD, LOADED, INNER, CAGE = range(12)
 
 
+# Rows of Constants.balls: direction of each ball seen from ball 0, and as workspace its gap and the gap's time derivative.
+COSINE, SINE, GAP, RATE = range(4)
+
+
 @kernel_tuple
 class Constants(NamedTuple):
     """What the kernels need of the parameters, and their workspace."""
@@ -36,10 +40,7 @@ class Constants(NamedTuple):
     stiffness: float
     cage_ratio: float
     spin_ratio: float
-    cosine: np.ndarray  # (Z,), directions of the balls seen from ball 0
-    sine: np.ndarray
-    gap: np.ndarray  # (Z,), workspace
-    rate: np.ndarray
+    balls: np.ndarray  # (4, Z): rows below; one array, as each that is handed on costs as much as a ball
 
 
 @kernel_tuple
@@ -83,10 +84,9 @@ class Ramp(NamedTuple):
 
 def constants(mass: float, damping: float, stiffness: float, geometry: BallGeometry) -> Constants:
     """Constants of a bearing; workspace included."""
-    n = geometry.balls
-    at = TWO_PI * np.arange(n) / n
-    return Constants(mass, damping, stiffness, geometry.cage_ratio, geometry.spin_ratio, np.cos(at), np.sin(at), np.zeros(n),
-                     np.zeros(n))
+    at = TWO_PI * np.arange(geometry.balls) / geometry.balls
+    balls = np.array([np.cos(at), np.sin(at), np.zeros_like(at), np.zeros_like(at)])
+    return Constants(mass, damping, stiffness, geometry.cage_ratio, geometry.spin_ratio, balls)
 
 
 @kernel
@@ -100,16 +100,8 @@ def ring_speed(t, u, ramp):
 
 
 @kernel
-def fill_gaps(gap, rate, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
-    """gap (Z,) of every ball, and with `rate` (Z,), not None, its time derivative."""
-    radial = 0.0
-    if clearance is not None:
-        radial = clearance.gap
-    for j in range(gap.size):
-        gap[j] = radial
-    if rate is not None:
-        for j in range(rate.size):
-            rate[j] = 0.0
+def add_faults(gap, rate, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """Waviness and defects added to the gap (Z,) of every ball, and to `rate` (Z,), unless None, their time derivative."""
     cage, cage_speed = x[5], p.cage_ratio * speed
     if inner_waves is not None:
         add_waves(gap, rate, cage - x[4], cage_speed - speed, inner_waves)
@@ -124,12 +116,26 @@ def fill_gaps(gap, rate, x, speed, p, clearance, inner_waves, outer_waves, inner
 
 
 @kernel
+def fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """The gaps of all balls and, with contact damping, their rates, in p.balls."""
+    radial = 0.0
+    if clearance is not None:
+        radial = clearance.gap
+    for j in range(p.balls.shape[1]):
+        p.balls[GAP, j] = radial
+    if damping is not None:
+        for j in range(p.balls.shape[1]):
+            p.balls[RATE, j] = 0.0
+        add_faults(p.balls[GAP], p.balls[RATE], x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    else:
+        add_faults(p.balls[GAP], None, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+
+
+@kernel
 def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
     """(sum of Q cos theta, sum of Q sin theta, largest Q, number of loaded balls)."""
-    if damping is not None:
-        fill_gaps(p.gap, p.rate, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
-    else:
-        fill_gaps(p.gap, None, x, speed, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    balls = p.balls
     c, s = math.cos(x[5]), math.sin(x[5])
     along, across = c * x[0] + s * x[1], c * x[1] - s * x[0]  # position in the frame of the cage
     v_along, v_across = 0.0, 0.0
@@ -137,15 +143,15 @@ def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_
         turn = p.cage_ratio * speed
         v_along, v_across = c * x[2] + s * x[3] + turn * across, c * x[3] - s * x[2] - turn * along
     sum_along, sum_across, largest, loaded = 0.0, 0.0, 0.0, 0
-    for j in range(p.cosine.size):
-        delta = along * p.cosine[j] + across * p.sine[j] - p.gap[j]
+    for j in range(balls.shape[1]):
+        delta = along * balls[COSINE, j] + across * balls[SINE, j] - balls[GAP, j]
         if delta > 0.0:
             load = p.stiffness * delta * math.sqrt(delta)
             if damping is not None:
-                approach = v_along * p.cosine[j] + v_across * p.sine[j] - p.rate[j]
+                approach = v_along * balls[COSINE, j] + v_across * balls[SINE, j] - balls[RATE, j]
                 load = max(load * (1.0 + 1.5 * damping.coefficient * approach), 0.0)  # a contact cannot pull
-            sum_along += load * p.cosine[j]
-            sum_across += load * p.sine[j]
+            sum_along += load * balls[COSINE, j]
+            sum_across += load * balls[SINE, j]
             largest = max(largest, load)
             loaded += 1
     return c * sum_along - s * sum_across, s * sum_along + c * sum_across, largest, loaded
@@ -208,12 +214,12 @@ advance = bind(rk4, __name__, derivatives=bearing_derivatives, outputs=end_of_st
 
 @kernel
 def elastic_force(x, p):
-    """(Fx, Fy, kxx, kxy, kyy): sums of the balls' elastic loads for the gaps in p.gap, and their derivatives by x and y."""
+    """(Fx, Fy, kxx, kxy, kyy): sums of the balls' elastic loads for the gaps in p.balls, and their derivatives by x and y."""
     c, s = math.cos(x[5]), math.sin(x[5])
     fx, fy, kxx, kxy, kyy = 0.0, 0.0, 0.0, 0.0, 0.0
-    for j in range(p.cosine.size):
-        nx, ny = c * p.cosine[j] - s * p.sine[j], s * p.cosine[j] + c * p.sine[j]
-        delta = x[0] * nx + x[1] * ny - p.gap[j]
+    for j in range(p.balls.shape[1]):
+        nx, ny = c * p.balls[COSINE, j] - s * p.balls[SINE, j], s * p.balls[COSINE, j] + c * p.balls[SINE, j]
+        delta = x[0] * nx + x[1] * ny - p.balls[GAP, j]
         if delta > 0.0:
             root = p.stiffness * math.sqrt(delta)
             fx += root * delta * nx
@@ -232,18 +238,18 @@ def static_position(x, load_x, load_y, p, clearance, inner_waves, outer_waves, i
     if there is one. There is none where no ball stands on the side to which the load pushes. Across the line of a single
     loaded ball there is no stiffness: a trace of the identity keeps the matrix regular and moves nothing, as nothing pushes.
     """
-    fill_gaps(p.gap, None, x, 0.0, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    fill_gaps(x, 0.0, p, clearance, None, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
     total = math.hypot(load_x, load_y)
     x[0], x[1] = 0.0, 0.0
     if total > 0.0:
         # where a single ball would carry the load, so far out that balls to both sides of it are in contact, too
-        reach = (p.gap.max() + (total / p.stiffness) ** (2.0 / 3.0)) / math.cos(math.pi / max(p.cosine.size, 3))
+        reach = (p.balls[GAP].max() + (total / p.stiffness) ** (2.0 / 3.0)) / math.cos(math.pi / max(p.balls.shape[1], 3))
         x[0], x[1] = reach * load_x / total, reach * load_y / total
     fx, fy, kxx, kxy, kyy = elastic_force(x, p)
     for _ in range(200):
         gx, gy = fx - load_x, fy - load_y
         # a deformation is the difference of two lengths and has their rounding
-        rounding = 1e-15 * (kxx + kyy) * (abs(x[0]) + abs(x[1]) + np.abs(p.gap).max())
+        rounding = 1e-15 * (kxx + kyy) * (abs(x[0]) + abs(x[1]) + np.abs(p.balls[GAP]).max())
         if math.hypot(gx, gy) <= rounding + 1e-15 * total:
             return DONE
         trace = 1e-12 * (kxx + kyy)

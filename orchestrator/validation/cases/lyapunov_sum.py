@@ -59,7 +59,7 @@ def _chart(found: dict[float, Lyapunov]) -> Chart:
     series = tuple(Series(f"exponent {i + 1}", tuple(found), [e.exponents[i] for e in found.values()], "line+points")
                    for i in range(4))
     quarter = Band("a quarter of the sum, -c/(2m)", -5.05, -4.95)
-    return Chart("Lyapunov exponents over the clearance", "radial clearance, um", (Panel("1/s", series, (quarter,)),),
+    return Chart("Lyapunov exponents over the clearance", "radial clearance, µm", (Panel("1/s", series, (quarter,)),),
                  "1000 rpm, c = 200 N s/m, m = 20 kg. Above zero: chaos.")
 
 

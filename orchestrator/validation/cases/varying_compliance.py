@@ -45,7 +45,7 @@ def findings(options: Options) -> Findings:
     swept = {gap: np.array([peak_to_peak(gap * MICRO, v) for v in SPEEDS]) for gap in (0, 1)}
     return Findings(
         compare(load_table("varying-compliance").rows, _measured(swept)),
-        {"radial clearance 20 um, 1000 rpm": shown},
+        {"radial clearance 20 µm, 1000 rpm": shown},
         (_resonances(swept), _clearances({v: diagram(v) for v in PERIODS}), _trap()),
         notes=("With clearance the bearing is softer, and its resonances move to lower speeds.",),
     )
@@ -98,10 +98,10 @@ def _measured(swept: dict[int, np.ndarray]) -> dict[str, float]:
 
 def _resonances(swept: dict[int, np.ndarray]) -> Chart:
     panels = tuple(
-        Panel(label, tuple(Series(f"{gap} um", SPEEDS, rows[:, axis] / MICRO, "line+points") for gap, rows in swept.items()))
-        for axis, label in enumerate(("along the load, um", "across the load, um"))
+        Panel(label, tuple(Series(f"{gap} µm", SPEEDS, rows[:, axis] / MICRO, "line+points") for gap, rows in swept.items()))
+        for axis, label in enumerate(("along the load, µm", "across the load, µm"))
     )
-    return Chart("Peak-to-peak motion over speed", "speed, rpm", panels, "Radial clearance 0 and 1 um, no fault anywhere.")
+    return Chart("Peak-to-peak motion over speed", "speed, rpm", panels, "Radial clearance 0 and 1 µm, no fault anywhere.")
 
 
 def diagram(rpm: float) -> Bifurcation:
@@ -114,10 +114,10 @@ def _clearances(diagrams: dict[float, Bifurcation]) -> Chart:
     panels = []
     for rpm, found in diagrams.items():
         x = np.repeat(found.values / MICRO, found.points.shape[1])
-        panels.append(Panel("across the load, um", (Series(f"{rpm:g} rpm", x, found.points.ravel() / MICRO, "dots"),),
+        panels.append(Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, found.points.ravel() / MICRO, "dots"),),
                             title=f"{rpm:g} rpm"))
     return Chart(
-        "Bifurcation over the clearance", "radial clearance, um", tuple(panels),
+        "Bifurcation over the clearance", "radial clearance, µm", tuple(panels),
         "Position across the load each time a ball has moved to the place of the next: one dot for a motion that repeats with "
         "every ball, a few for one that repeats after some, a cloud for chaos. Each value starts from equilibrium.",
     )  # fmt: skip
@@ -139,8 +139,8 @@ def _trap() -> Chart:
     return Chart(
         "What an absolute tolerance of 1e-6 does to lengths in metres", "log10 of the relative tolerance",
         (Panel("largest error over the swing", series, logarithmic=True),),
-        f"SciPy's LSODA with its default absolute tolerance on one motion in two forms: 3000 rpm, 20 um, {END:g} s, a swing of "
-        f"{swing * by.length / MICRO:.0f} um. In metres the tolerance is a sixteenth of the swing, and asking for a smaller "
+        f"SciPy's LSODA with its default absolute tolerance on one motion in two forms: 3000 rpm, 20 µm, {END:g} s, a swing of "
+        f"{swing * by.length / MICRO:.0f} µm. In metres the tolerance is a sixteenth of the swing, and asking for a smaller "
         "relative tolerance changes nothing.",
     )  # fmt: skip
 

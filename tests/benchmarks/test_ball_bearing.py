@@ -1,0 +1,131 @@
+"""Speed of the ball bearing with two degrees of freedom: accuracy over cost, beside SciPy in the same run.
+
+Run with `pytest -m benchmark -n 0 -s`. 8 balls, 20 µm radial clearance, 3000 rpm: contacts open and close all the time.
+SciPy gets a right-hand side that Numba has compiled, the same operations as the component's kernel, with the constants
+compiled in; what is compared is the whole loop.
+"""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from components.bearings.ball_bearing import BallBearing
+from components.bearings.dimensionless import scales
+
+pytestmark = pytest.mark.benchmark
+
+RPM, GAP, END, STEP = 3000.0, 20e-6, 0.5, 1e-3
+SPEED = RPM * 2.0 * math.pi / 60.0
+GRID = round(END / STEP)
+WANTED = 1e-3  # largest error of x and y over the largest x
+
+
+def bearing(substep):
+    made = BallBearing(["clearance"], {"clearance.radial_clearance": GAP, "speed": SPEED, "substep": substep})
+    made.initialize(0.0)
+    return made
+
+
+def motion(substep):
+    """Displacements at every macro step, (2, GRID), and the stepping time, s per simulated second."""
+    made, rows = bearing(substep), np.empty((GRID, 2))
+    start = time.perf_counter()
+    for k in range(GRID):
+        made.step(k * STEP, STEP)
+        rows[k] = made.y[:2]
+    return rows.T, (time.perf_counter() - start) / END
+
+
+def best(function, runs=5):
+    """The result and the shortest of several times."""
+    results = [function() for _ in range(runs)]
+    return results[-1][0], min(seconds for _, seconds in results)
+
+
+p = bearing(5e-5).constants()
+(COSINE, SINE), K, M, C, CAGE = p.balls[:2], p.stiffness, p.mass, p.damping, p.cage_ratio * SPEED
+LOAD = 196.0
+
+
+@njit(error_model="numpy")
+def right_hand_side(t, x):
+    c, s = math.cos(CAGE * t), math.sin(CAGE * t)
+    along, across = c * x[0] + s * x[1], c * x[1] - s * x[0]
+    fa, fb = 0.0, 0.0
+    for j in range(COSINE.size):
+        delta = along * COSINE[j] + across * SINE[j] - GAP
+        if delta > 0.0:
+            q = K * delta * math.sqrt(delta)
+            fa += q * COSINE[j]
+            fb += q * SINE[j]
+    dx = np.empty(4)
+    dx[0], dx[1] = x[2], x[3]
+    dx[2], dx[3] = (LOAD - C * x[2] - c * fa + s * fb) / M, (-C * x[3] - s * fa - c * fb) / M
+    return dx
+
+
+def scipy_motion(method, rtol):
+    """The same by SciPy, with an absolute tolerance for each state."""
+    by = scales(bearing(5e-5))
+    atol = rtol * by.length * np.array([1.0, 1.0, 1.0 / by.time, 1.0 / by.time])
+    start, grid = bearing(5e-5).x[:4], STEP * np.arange(1, GRID + 1)
+    before = time.perf_counter()
+    found = solve_ivp(right_hand_side, (0.0, END), start, method, t_eval=grid, rtol=rtol, atol=atol)
+    seconds = (time.perf_counter() - before) / END
+    assert found.success
+    return found.y[:2], seconds, found.nfev / END
+
+
+def test_accuracy_costs_less_than_with_scipy():
+    """At an error of 1e-3 at most 0.03 s per simulated second, and at least ten times faster than SciPy's best method."""
+    exact, _ = motion(2e-7)
+    right_hand_side(0.0, np.zeros(4))
+
+    def error(found):
+        return float(np.abs(found - exact).max() / np.abs(exact[0]).max())
+
+    print(f"\n  {'method':12s} {'step or rtol':>12s} {'error':>9s} {'s per simulated s':>18s} {'calls per s':>12s}")
+    own, theirs = [], []
+    for substep in (2e-4, 1e-4, 1e-3 / 15, 5e-5, 2.5e-5, 1e-5):
+        found, seconds = best(lambda h=substep: motion(h))
+        own.append((error(found), seconds))
+        print(f"  {'component':12s} {substep:12.1e} {own[-1][0]:9.1e} {seconds:18.4f} {4.0 / substep:12.0f}")
+    for method in ("RK45", "DOP853", "LSODA", "Radau", "BDF"):
+        for rtol in (1e-3, 1e-4, 1e-5, 1e-6, 1e-8):
+            found, seconds, calls = scipy_motion(method, rtol)
+            if method in ("RK45", "DOP853", "LSODA"):
+                seconds = min(seconds, *(scipy_motion(method, rtol)[1] for _ in range(2)))
+            theirs.append((error(found), seconds, method))
+            print(f"  {method:12s} {rtol:12.0e} {theirs[-1][0]:9.1e} {seconds:18.4f} {calls:12.0f}")
+    fastest = min(seconds for e, seconds in own if e <= WANTED)
+    rival, method = min((seconds, name) for e, seconds, name in theirs if e <= WANTED)
+    print(f"  at an error of {WANTED:g}: component {fastest:.4f} s per simulated second, {method} {rival:.3f} s: "
+          f"{rival / fastest:.0f} times as long")
+    assert fastest <= 0.03
+    assert rival >= 10.0 * fastest
+
+
+def test_price_of_an_effect():
+    """What is off costs nothing; what each effect adds to the bare bearing, printed."""
+    def cost(effects, parameters):
+        made = BallBearing(effects, parameters)
+        made.initialize(0.0)
+        made.step(0.0, 1e-3)
+
+        def once():
+            start = time.perf_counter()
+            made.step(0.0, END)
+            return None, (time.perf_counter() - start) / (4 * round(END / made["substep"]))
+
+        return best(once)[1]
+
+    print()
+    bare = cost((), {})
+    print(f"  one evaluation, no effect: {1e9 * bare:.0f} ns")
+    assert bare < 1e-6
+    for effect in BallBearing.effects:
+        print(f"  {effect:20s} {1e9 * (cost((effect,), {}) - bare):+6.0f} ns")
