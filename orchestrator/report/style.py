@@ -68,6 +68,7 @@ def layout(height: int, **more: Any) -> dict[str, Any]:
         "plot_bgcolor": PAPER,
         "margin": {"l": 66, "r": 20, "t": 34, "b": 48},
         "hovermode": "closest",
+        "separators": ".",  # no comma between thousands
         "colorway": list(CYCLE),
         "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom", "font": {"size": 12}, "bgcolor": "rgba(0,0,0,0)"},
         "hoverlabel": {"font": {"size": 12, "family": FONT, "color": INK}, "bgcolor": PAPER, "bordercolor": RULE},

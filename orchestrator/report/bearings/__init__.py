@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from ...analysis.machines import BearingRecord, after_transient, bearings
 from ..charts import draw_chart
+from ..heat import heat_chart
 from ..page import Block
 from .motion import history_chart, motion_table, orbit_chart, section_points
 from .repetition import quantified, recurrence_chart, recurrence_table
@@ -27,7 +28,8 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     made: list[Block] = []
     for record in found:
         made += _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")
-    return made
+    heat = heat_chart(result)
+    return [*made, draw_chart(heat)] if heat is not None else made
 
 
 def _of_one(result: Result, record: BearingRecord, who: str) -> list[Block]:

@@ -24,7 +24,8 @@ NAMES = {
     "shaft": "shaft",
 }
 LOWEST_BAND = 5.0  # times the highest defect frequency: below, the impacts' own harmonics are counted as resonance
-HIGHEST_BAND = 0.25  # of the rate of recording: what an unfiltered record folds back to below that was above three times it
+HIGHEST_BAND = 30.0  # above, a simulated signal is free of noise and impulsive, but carries next to nothing
+UNFOLDED = 0.25  # of the rate of recording: what an unfiltered record folds back to below that was above three times it
 SHOWN_HARMONICS = 10.0  # of the outer race's frequency, in the plain spectrum
 SHOWN_ENVELOPE = 4.5  # of the highest defect frequency, in the envelope's
 DECADES = 5.0  # shown below the highest line
@@ -112,7 +113,7 @@ def envelope_chart(record: BearingRecord, begin: float, analysis: Mapping[str, A
     top = max(record.frequencies["inner"], 2.0 * record.frequencies["ball"])
     band = analysis.get("envelope_band")
     if band is None:
-        bounds = LOWEST_BAND * top, HIGHEST_BAND * record.rate
+        bounds = LOWEST_BAND * top, min(HIGHEST_BAND * top, UNFOLDED * record.rate)
         if bounds[0] > 0.5 * bounds[1] or not np.ptp(x) > 0.0:
             return None
         band = resonance_band(x, record.rate, *bounds)

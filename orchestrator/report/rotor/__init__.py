@@ -15,6 +15,7 @@ from ...analysis.machines import RotorRecord, after_transient, rotors
 from ...analysis.spectra import unwrapped
 from ...analysis.whirl import whirl
 from ..charts import draw_chart
+from ..heat import heat_chart
 from ..page import Block
 from .campbell import campbell_chart
 from .orbits import forces_chart, orbits_chart
@@ -25,13 +26,15 @@ if TYPE_CHECKING:
     from ...validation.case import Row
 
 STEADY = 0.02  # relative change of the speed below which a run is no run-up
-TURNS = 8  # in the record, below which nothing is followed
+TURNS = 8  # in the record, below which nothing is followed; of an orbit
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures of every rotor of a run whose speed was recorded; none without one."""
     found = rotors(result)
-    return [b for record in found for b in _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")]
+    made = [b for record in found for b in _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")]
+    heat = heat_chart(result)
+    return [*made, draw_chart(heat)] if heat is not None else made
 
 
 def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
@@ -56,8 +59,7 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
         made.append(draw_chart(spectrum_chart(record, begin, who)))
     if diagram is not None:
         made.append(draw_chart(campbell_chart(diagram, who)))
-    if windows := _windows(analysis.get("orbit_windows"), record, turns):
-        made += [draw_chart(c) for c in orbits_chart(record, windows, who)]
+    made += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.get("orbit_windows"), record), who)]
     if any("force_x" in p for p in record.ports.values()):
         made.append(draw_chart(forces_chart(record, begin, who)))
     return made
@@ -67,12 +69,11 @@ def _turns(angle: np.ndarray) -> float:
     return abs(float(unwrapped(angle)[-1] - unwrapped(angle)[0])) / (2.0 * np.pi)
 
 
-def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord, turns: bool) -> list[tuple[float, float]]:
-    """Times of the orbits: the scene's, else the last eight turns, else the last tenth."""
-    t = record.time
+def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord) -> list[tuple[float, float]]:
+    """Times of the orbits: the scene's, else the last turns at the last speed, else the last tenth."""
+    first, last = float(record.time[0]), float(record.time[-1])
     if given is not None:
         return [(float(a), float(b)) for a, b in given]
-    if not turns:
-        return [(float(t[-1] - 0.1 * (t[-1] - t[0])), float(t[-1]))]
-    angle = np.abs(unwrapped(record.signals["angle"]) - unwrapped(record.signals["angle"])[-1])
-    return [(float(t[int(np.argmax(angle <= TURNS * 2.0 * np.pi))]), float(t[-1]))]
+    speed = abs(float(record.signals["speed"][-1]))
+    length = TURNS * 2.0 * np.pi / speed if speed > 0.0 else 0.1 * (last - first)
+    return [(max(first, last - length), last)]

@@ -30,12 +30,12 @@ def _from(record: RotorRecord, begin: float) -> slice:
 
 
 def history_chart(record: RotorRecord, begin: float, who: str = "") -> Chart:
-    """Displacement of the watched place and speed over the whole run."""
+    """Displacement of the watched place and, where it changes, speed over the whole run."""
     mark = ((begin, ""),) if begin > record.time[0] else ()
-    panels = (
-        Panel("displacement, µm", tuple(Series(n, record.time, MICRO * record.signals[n]) for n in ("x", "y")), x_marks=mark),
-        Panel("speed, rpm", (Series("speed", record.time, RPM * record.signals["speed"]),), x_marks=mark),
-    )
+    motion = tuple(Series(n, record.time, MICRO * record.signals[n]) for n in ("x", "y"))
+    panels: tuple[Panel, ...] = (Panel("displacement, µm", motion, x_marks=mark),)
+    if np.ptp(record.signals["speed"]) > 0.0:
+        panels += (Panel("speed, rpm", (Series("speed", record.time, RPM * record.signals["speed"]),), x_marks=mark),)
     text = "Displacement of the watched place of the shaft, x horizontal, y upwards."
     return Chart(f"{who}Time history", "time, s", panels, text + (" Thin vertical line: end of the transient." if mark else ""))
 
