@@ -164,7 +164,7 @@ class TwoDofBearing(OdeComponent):
         status = super()._initialize(t)
         self._pass_angle = self._shortest_pass()
         if (needed := self._longest_substep(t, 0.0)) < self._substep:
-            raise BadInput(self.name, f"substep = {self._substep:g} of time at a speed of {self._fastest(t, 0.0):g}",
+            raise BadInput(self.name, f"substep = {self._substep:g} at a speed of {self._fastest(t, 0.0):g}",
                            f"at most {needed:.3g}, a quarter of the passage of a ball through the narrowest defect",
                            "Reduce substep or widen the defect.")
         return status
@@ -206,10 +206,9 @@ class TwoDofBearing(OdeComponent):
         p, clearance = self.settle()[:2]
         gap = 0.0 if clearance is None else clearance.gap
         load = math.hypot(self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD])
-        deepest = 0.0
+        deepest = (2.5 * load / p.stiffness) ** (2.0 / 3.0)
         for _ in range(20):  # 2/5 K d^2.5 = W (d + 2 gap), a contraction
-            deepest = (2.5 * load / p.stiffness * (deepest + 2.0 * max(gap, 0.0))) ** 0.4 if deepest or gap > 0.0 else \
-                (2.5 * load / p.stiffness) ** (2.0 / 3.0)
+            deepest = (2.5 * load / p.stiffness * (deepest + 2.0 * max(gap, 0.0))) ** 0.4
         balls = max(0.5 * p.balls.shape[1], min(p.balls.shape[1], 2))  # the largest sum of squared cosines
         stiffness = 1.5 * p.stiffness * math.sqrt(deepest + max(-gap, 0.0)) * balls
         rate = math.sqrt(stiffness / p.mass) + p.damping / p.mass
@@ -224,6 +223,7 @@ class BallBearing(TwoDofBearing):
     """
 
     title = "Ball bearing with two degrees of freedom"
+    system = "bearings"
     default_stop = 0.5
 
     clearance = RadialClearance

@@ -111,6 +111,7 @@ class DimensionlessBallBearing(TwoDofBearing):
     """
 
     title = "Ball bearing with two degrees of freedom, dimensionless"
+    system = "bearings"
     default_step = 1.0
     default_stop = 640.0
 
