@@ -93,9 +93,9 @@ def constants(mass: float, damping: float, stiffness: float, geometry: BallGeome
 def ring_speed(t, u, ramp):
     """(w, w') of the inner ring."""
     if ramp is not None:
-        if t < ramp.duration:
+        if 0.0 <= t < ramp.duration:
             return u[SPEED] + ramp.acceleration * t, ramp.acceleration
-        return u[SPEED] + ramp.acceleration * ramp.duration, 0.0
+        return u[SPEED] + ramp.acceleration * min(max(t, 0.0), ramp.duration), 0.0
     return u[SPEED], 0.0
 
 

@@ -259,3 +259,44 @@ def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     expected = m * 1e-6 * w**2 / math.hypot(k - m * w**2, c * w)
     # the curvature of the contact's law: (radius / preload)² / 24 is far below a permille at 1 % of the preload
     np.testing.assert_allclose(radius, expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("ring", "order", "line"),
+    [
+        ("outer", 7, "Z FTF"), ("outer", 9, "Z FTF"),
+        ("inner", 9, "Z (fr - FTF) + fr"), ("inner", 7, "Z (fr - FTF) - fr"), ("inner", 1, "fr"),
+    ],
+)  # fmt: skip
+def test_waves_of_a_race_shake_the_shaft_at_the_known_lines(ring, order, line):
+    """Wardle's rule: radial motion comes from orders i Z ± 1; preload makes the bearing so linear that no other line shows."""
+    bearing = started(
+        ["clearance", f"{ring}_waviness"],
+        {"clearance.radial_clearance": -20e-6, "damping": 2e4, f"{ring}_waviness.order[1]": order,
+         f"{ring}_waviness.amplitude[1]": 1e-8},
+        rpm=1800.0, load=0.0,
+    )
+    fr = 30.0
+    ftf = 0.5 * fr * (1.0 - 11.9 / 52.0)
+    passing = 8 * (fr - ftf)
+    expected = {"Z FTF": 8 * ftf, "Z (fr - FTF) + fr": passing + fr, "Z (fr - FTF) - fr": passing - fr, "fr": fr}[line]
+    bearing.step(0.0, 0.2)  # a transient decays with c / (2 m) = 500 1/s
+    y = run(bearing, 2.0)[:, bearing.outputs.index("displacement_y")]
+    amplitude = np.abs(np.fft.rfft(y * np.hanning(y.size)))
+    frequency = np.fft.rfftfreq(y.size, 1e-3)
+    assert frequency[np.argmax(amplitude)] == pytest.approx(expected, abs=0.5)  # spacing of the bins
+    away = np.abs(frequency - expected) > 3.0
+    assert amplitude[away].max() < 0.01 * amplitude.max()
+
+
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_waves_as_many_as_balls_do_not_shake_the_shaft(ring):
+    bearing = started(
+        ["clearance", f"{ring}_waviness"],
+        {"clearance.radial_clearance": -20e-6, f"{ring}_waviness.order[1]": 8, f"{ring}_waviness.amplitude[1]": 1e-6},
+        rpm=1800.0, load=0.0,
+    )
+    rows = run(bearing, 0.1)
+    assert np.abs(rows[:, :2]).max() < 1e-15  # m; all balls are squeezed alike, what is left is rounding
+    loads = rows[:, bearing.outputs.index("max_ball_load")]
+    assert np.ptp(loads) > 0.1 * loads.mean()
