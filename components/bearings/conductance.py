@@ -158,16 +158,31 @@ class AngularContactConductance(Component):
         return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"],
                             p["contact_angle"])
 
+    def material(self) -> float:
+        """E' of balls and rings, Pa."""
+        p = self.parameters
+        return effective_modulus(p["modulus"], p["poisson_ratio"], p["modulus"], p["poisson_ratio"])
+
+    @property
+    def ball_loads(self) -> np.ndarray:
+        """Loads of the balls behind the present outputs, (Z,) N."""
+        return self._balls[:, LOAD].copy()
+
+    @property
+    def raceways(self) -> tuple[float, float]:
+        """Diameters where the balls touch the inner and the outer ring, m."""
+        p = self.parameters
+        across = p["ball_diameter"] * math.cos(p["contact_angle"])
+        return p["pitch_diameter"] - across, p["pitch_diameter"] + across
+
     def _initialize(self, t: float) -> int:
         _, bulk, *effects = self._settled()
         p, geometry = self.parameters, self.geometry()
-        modulus = effective_modulus(p["modulus"], p["poisson_ratio"], p["modulus"], p["poisson_ratio"])
+        modulus, raceways = self.material(), self.raceways
         inner, outer = (
             thermal_contact(geometry.contact(race, modulus), geometry.radii(race), p["ball_conductivity"], p["ring_conductivity"])
             for race in ("inner", "outer")
         )
-        across = p["ball_diameter"] * math.cos(p["contact_angle"])
-        raceways = p["pitch_diameter"] - across, p["pitch_diameter"] + across
         if "ring_walls" in self.on:
             self._check_walls(raceways)
         constants = Constants(

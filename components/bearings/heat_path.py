@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .conductance import AngularContactConductance
 from .finite_volumes import Bodies, Grid, cylindrical, graded, spherical
 
 QUARTER = 0.5 * math.pi
@@ -89,6 +90,35 @@ def solve_path(
     conductance = 4.0 * heat[0] / (temperatures[0] - temperatures[1])
     return HeatPath(conductance, (heat[0] + heat[1]) / heat[0], bodies.size,
                     (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())))
+
+
+def solve_bearing(
+    bearing: AngularContactConductance, bore: float, outside: float, around: Surroundings | None = None, fineness: int = 3
+) -> float:
+    """Conductance in W/K of all balls under the bearing's present loads, each with its parts of the rings.
+
+    The faces at `bore` and `outside` (diameters in m) are each at one temperature, so that the balls are in parallel.
+    A part of a ring is as thick as the ring under the raceway, and as large as its wall conducts. Balls that carry the same
+    to six digits are reckoned once; one that touches nothing, with nothing around it, not at all.
+    """
+    p, total = bearing.parameters, 0.0
+    loads, count = np.unique([float(f"{load:.6g}") for load in bearing.ball_loads], return_counts=True)
+    for load, balls in zip(loads, count, strict=True):
+        if load == 0.0 and around is None:
+            continue
+        inner, outer = (_ring_part(bearing, race, load, edge) for race, edge in (("inner", bore), ("outer", outside)))
+        path = solve_path(inner, outer, 0.5 * p["ball_diameter"], p["ball_conductivity"], around, fineness=fineness)
+        total += balls * path.conductance
+    return total
+
+
+def _ring_part(bearing: AngularContactConductance, race: str, load: float, edge: float) -> RingPart:
+    geometry, p = bearing.geometry(), bearing.parameters
+    raceway = bearing.raceways[race == "outer"]
+    along, across = (0.5 * axis for axis in geometry.contact(race, bearing.material()).axes(load))
+    thickness = 0.5 * abs(raceway - edge)
+    area = 2.0 * math.pi * p["width"] * thickness / abs(math.log(edge / raceway)) / p["balls"]
+    return RingPart(along, across, geometry.radii(race), thickness, area, p["ring_conductivity"])
 
 
 def _radii(spot: float, fineness: int, growth: float, end: float) -> np.ndarray:

@@ -16,6 +16,7 @@ from . import (
     lyapunov_sum,
     recurrence,
     stribeck,
+    thermal_scaling,
     varying_compliance,
 )
 
@@ -23,5 +24,6 @@ MODULES = (
     en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
     recurrence,
+    thermal_scaling,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}

@@ -1,0 +1,32 @@
+"""The case on heat resistance: it passes, and its references are no copies of what they judge."""
+
+import pytest
+
+from orchestrator.validation.case import Options, compare, outcome
+from orchestrator.validation.cases import CASES, thermal_scaling
+from orchestrator.validation.reference import load_table
+
+
+@pytest.fixture(scope="module")
+def findings():
+    return CASES["thermal-scaling"].function(Options(in_process=True))
+
+
+def test_it_passes(findings):
+    assert outcome(findings.rows) == "passed"
+    assert len(findings.rows) == len(load_table("thermal-scaling").rows) + len(thermal_scaling.SOLID_LOADS) + 4
+
+
+def test_finite_volumes_are_another_route(findings):
+    """Equal to four digits they would be the same formula; all but one differ by more than a per mille."""
+    rows = [r for r in findings.rows if r.reference.quantity == "resistance of the lumped path"]
+    middle = [0.5 * (r.reference.low + r.reference.high) for r in rows]
+    assert sum(abs(r.measured / m - 1.0) > 1e-3 for r, m in zip(rows, middle, strict=True)) >= len(rows) - 2
+
+
+def test_the_table_is_sharp():
+    """Balls of another conductivity, or a ring that tilts an angle of 1 degree more, would not pass."""
+    rows = [r for r in load_table("thermal-scaling").rows if r.measure == "7008C.1000.0"]
+    for more in ({"ball_conductivity": 45.0}, {"contact_angle": 0.28}, {"modulus": 2.06e11}):
+        wrong = thermal_scaling.bearing("7008C", (), 1000.0, 0.0, more)
+        assert outcome(compare(tuple(rows), {"7008C.1000.0": 1.0 / wrong["conductance"]})) == "failed"
