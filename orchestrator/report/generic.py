@@ -37,7 +37,7 @@ def _range_row(row: Row) -> RangeRow:
             share = row.margin / max(abs(end), abs(row.measured), 1e-12)
             place = share if low is not None else 1.0 - share
     unit = "" if r.unit == "1" else r.unit
-    ends = [number(e).replace("–", "") if e is not None else "" for e in (low, high)]
+    ends = [number(e, low, high) if e is not None else "" for e in (low, high)]
     text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
     if low == high and low is not None:
         text = ends[0]

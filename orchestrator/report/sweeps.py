@@ -6,15 +6,12 @@ import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from .bifurcation import section_panel
 from .chart import Chart, Panel, Series
 from .style import number
 
 if TYPE_CHECKING:
     from ..sweep import Sweep
-
-SHOWN_POINTS = 400  # of one section: more only blacken the picture
 
 
 def section_chart(sweep: Sweep) -> Chart | None:
@@ -25,9 +22,7 @@ def section_chart(sweep: Sweep) -> Chart | None:
     last, signal = list(sweep.varied)[-1], wanted["signal"]
     label, panels = f"{signal}, {sweep.units[f'{signal}, mean']}", []
     for title, members in _groups(sweep):
-        shown = [sweep.section[i][-SHOWN_POINTS:] for i in members]
-        at = np.concatenate([np.full(s.size, sweep.varied[last][i]) for s, i in zip(shown, members, strict=True)])
-        panels.append(Panel(label, (Series("section", at, np.concatenate(shown), "dots"),), title=title))
+        panels.append(section_panel(label, sweep.varied[last][members], [sweep.section[i] for i in members], title=title))
     text = (f"Every point is {wanted['signal']} at one passage of {wanted['angle']}, {wanted.get('turns', 1)} a turn, after the "
             "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
             "quasi-periodic or chaotic.")

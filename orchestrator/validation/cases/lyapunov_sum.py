@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from components.bearings.ball_bearing import BallBearing
 
 from ...analysis.bifurcation import stroboscopic_points
 from ...analysis.lyapunov import Lyapunov, lyapunov_spectrum
 from ...analysis.sections import distinct
+from ...report.bifurcation import bifurcation_chart
 from ...report.chart import Band, Chart, Panel, Series
 from ..case import Case, Findings, Options, compare
 from ..reference import load_table
@@ -35,11 +38,16 @@ def exponents(clearance: float, damping: float = 200.0) -> Lyapunov:
                              transient=TRANSIENT)
 
 
-def places(clearance: float) -> int:
-    """Number of places in which the shaft is found at 300 passages of a ball, after 200 more."""
+def passages(clearance: float) -> np.ndarray:
+    """Position, (300, 2) m, at 300 passages of a ball, after 200 more."""
     made = bearing(clearance)
     period = 1.0 / made.geometry.defect_frequencies(SPEED / (2.0 * math.pi))["outer"]
-    return distinct(stroboscopic_points(made, period, 300, ("displacement_x", "displacement_y"), transient=200), SAME)
+    return stroboscopic_points(made, period, 300, ("displacement_x", "displacement_y"), transient=200)
+
+
+def places(clearance: float) -> int:
+    """Number of places in which the shaft is found at the passages."""
+    return distinct(passages(clearance), SAME)
 
 
 def findings(options: Options) -> Findings:
@@ -49,7 +57,7 @@ def findings(options: Options) -> Findings:
     for gap in (0.0, 2.0, 5.0, 30.0):
         measured |= {f"{gap:g}.sum": found[gap].sum, f"{gap:g}.largest": found[gap].largest, f"{gap:g}.places": places(gap)}
     rows = compare(load_table("lyapunov-sum").rows, measured)
-    return Findings(rows, charts=(_chart(found),), notes=(
+    return Findings(rows, charts=(_chart(found), _diagram(found)), notes=(
         "Between order and chaos, around 20 um, the largest exponent depends on the length of the run and on the start: no "
         "number of it is held against anything.",
     ))  # fmt: skip
@@ -61,6 +69,16 @@ def _chart(found: dict[float, Lyapunov]) -> Chart:
     quarter = Band("a quarter of the sum, -c/(2m)", -5.05, -4.95)
     return Chart("Lyapunov exponents over the clearance", "radial clearance, µm", (Panel("1/s", series, (quarter,)),),
                  "1000 rpm, c = 200 N s/m, m = 20 kg. Above zero: chaos.")
+
+
+def _diagram(found: dict[float, Lyapunov]) -> Chart:
+    across = [1e6 * passages(gap)[:, 1] for gap in found]
+    return bifurcation_chart(
+        "Section of the motion over the clearance, and its largest exponent", "radial clearance, µm", "across the load, µm",
+        tuple(found), across, [e.largest for e in found.values()],
+        text="Position across the load at 300 passages of a ball. What the exponent says of a motion shows in the points: one or "
+        "few below zero, a cloud above.",
+    )  # fmt: skip
 
 
 CASE = Case(

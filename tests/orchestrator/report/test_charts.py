@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from orchestrator.report.bifurcation import bifurcation_chart
+from orchestrator.report.bifurcation import bifurcation_chart, section_panel
 from orchestrator.report.chart import Chart, Lines, Panel, Picture, Series
 from orchestrator.report.charts import DRAWN_DOTS, draw_chart
 from orchestrator.report.heat import heat_chart
@@ -111,8 +111,9 @@ def test_bifurcation_diagram_has_every_point_at_its_parameter_and_its_exponent()
     assert points["marker"]["colorscale"][1][0] == pytest.approx(-low / (high - low))
     assert curve["y"] == [-5.0, 7.0, None]
     assert zero["y"] == [0.0, 0.0]
-    plain = draw_chart(bifurcation_chart("t", "gap, µm", "x, µm", [10.0], [np.array([1.0])])).figure
-    assert len(plain["data"]) == 1
+    plain = section_panel("x, µm", [10.0, 20.0], [np.array([1.0]), np.array([2.0, 3.0])])
+    assert plain.series[0].x.tolist() == [10.0, 20.0, 20.0]
+    assert not len(plain.series[0].shades)
 
 
 def test_heat_is_shown_where_temperatures_are_recorded():
