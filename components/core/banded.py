@@ -56,16 +56,18 @@ def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
 def factor_general(band):
     """Factor a general banded matrix in place.
 
-    band: (N, 2 w + 1), band[i, w + k] = A[i, i + k]; afterwards L without its unit diagonal and U, 1 / U[i, i] at band[i, w].
+    band: (N, 2 w + 1), band[i, w + k] = A[i, i + k], zero beyond the matrix; afterwards L without its unit diagonal and U, 1 / U[i, i] at band[i, w].
     """
     n, w = band.shape[0], band.shape[1] // 2
     for i in range(n):
-        for m in range(max(0, i - w), i):
-            scale = band[i, w + m - i] * band[m, w]
-            band[i, w + m - i] = scale
-            for k in range(1, min(w, n - 1 - m) + 1):
-                band[i, w + m - i + k] -= scale * band[m, w + k]
         band[i, w] = 1.0 / band[i, w]
+        pivot = band[i, w + 1 :]
+        for m in range(1, min(w, n - 1 - i) + 1):
+            row = band[i + m, w - m :]
+            scale = row[0] * band[i, w]
+            row[0] = scale
+            for k in range(w):
+                row[k + 1] -= scale * pivot[k]
 
 
 @kernel

@@ -13,7 +13,7 @@ from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE
 from ..core.variables import input_, output, parameter
 from .elements import Disk, circular_section, solid_disk
-from .integration import Imbalance, advance_rotor, make_solver, rotor_outputs
+from .integration import advance_rotor, make_solver, rotor_outputs
 from .model import (
     DOFS,
     HALF,
@@ -167,7 +167,7 @@ class BeamRotor(Component):
         load[self._watched : self._watched + 2] += self.u[0, :2]
         q = equilibrium(stiffness, load, self._ports, self.u, p.start_fall)
         self.x = np.concatenate((q, np.zeros(2 * q.size), [p.start_angle % TURN]))
-        self._method = generalized_alpha(math.inf, 1.0)
+        self._substep, self._step_length = p.substep, math.nan
         return DONE
 
     def _build(self) -> None:
@@ -215,21 +215,21 @@ class BeamRotor(Component):
             add_product(mass, falling, self._load)
         self._imbalance = None
         if unbalance is not None:
-            dofs = np.array([DOFS * node for node in at.values()], dtype=np.int64)
-            self._imbalance = Imbalance(dofs, unbalance.moment[present], unbalance.phase[present])
+            rows = [(DOFS * node, unbalance.moment[k], unbalance.phase[k]) for k, node in at.items()]
+            self._imbalance = np.array(rows).reshape(-1, 3)
         ports = [(nearest_node(nodes, b.position), b.u, b.y) for b, _ in bearings]
         self._ports = np.array(ports, dtype=np.int64).reshape(-1, 3)
         self._watched = DOFS * nearest_node(nodes, p.watched_position)
 
     def _step(self, t: float, h: float) -> int:
-        p, run_up = self.settled[0], self.settled[6]
-        n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
-        if h / n != self._method.step:
-            self._method = generalized_alpha(h / n, p.spectral_radius)
-            self._solver = make_solver(self._method, self._mass, self._damping, self._stiffness, len(self._ports))
-        return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, p.start_speed, self._watched, self._stiffness,
-                             self._load, self._method, self._solver, self._ports, self._gyroscopic, self._circulatory,
-                             self._imbalance, run_up)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        if h / n != self._step_length:
+            self._step_length = h / n
+            p, method = self.settled[0], generalized_alpha(h / n, self.settled[0].spectral_radius)
+            solver = make_solver(method, self._mass, self._damping, self._stiffness, len(self._ports))
+            self._arguments = (p.start_speed, self._watched, self._load, method, solver, self._ports, self._gyroscopic,
+                               self._circulatory, self._imbalance, self.settled[6])
+        return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, *self._arguments)
 
     def _outputs(self, t: float) -> None:
         rotor_outputs(t, self.x, self.y, self._load.size, self.settled[0].start_speed, self._watched, self._ports,

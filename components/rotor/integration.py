@@ -1,4 +1,9 @@
-"""Implicit integration of a beam rotor: generalised-alpha method on banded matrices."""
+"""Implicit integration of a beam rotor: generalised-alpha method on banded matrices.
+
+A step solves A dq = f - K q + P v + R a for the change dq of the displacements. The matrices are those of the shaft, its disks
+and supports, to which the present speed adds the gyroscopic and circulatory ones, and the bearings at the ports their tangents;
+they are put together and factored anew only where speed or tangents have changed.
+"""
 
 from __future__ import annotations
 
@@ -7,33 +12,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import add_product, factor_general, solve_general
+from ..core.banded import factor_general, solve_general
 from ..core.generalized_alpha import Method
 from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from .model import HALF, WIDTH
 from .ports import add_loads, add_tangents, follow_tangents, port_outputs
 from .spin import acceleration_at, angle_after, speed_at
+
+SYSTEM, STIFFNESS, BY_VELOCITY, BY_ACCELERATION = range(4)  # A, K, P and R in `Solver.fixed` and `Solver.now`
 
 
 @kernel_tuple
 class Solver(NamedTuple):
-    """Matrices of one step length, factored for the speed and the tangents of the last step, and room to work."""
+    """Matrices of one step length, and room to work; bands (N, 15)."""
 
-    effective: np.ndarray  # (N, 15) what a step solves with, at speed 0 and without ports
-    by_velocity: np.ndarray  # (N, 15) times the velocity at the start of a step: its share of the right-hand side
-    by_acceleration: np.ndarray  # (N, 15)
-    factors: np.ndarray  # (N, 15)
-    room: np.ndarray  # (2, N)
-    speed: np.ndarray  # (1,) rad/s, for which `factors` holds; NaN: nothing is factored
-    tangents: np.ndarray  # (k, 2, 4, 4) of the ports, for which `factors` holds
-
-
-@kernel_tuple
-class Imbalance(NamedTuple):
-    """Unbalanced masses."""
-
-    dof: np.ndarray  # (k,) int, of x; that of y is the next
-    moment: np.ndarray  # (k,) kg.m, mass times eccentricity
-    phase: np.ndarray  # (k,) rad, ahead of the rotor's angle
+    fixed: np.ndarray  # (4, N, 15) at speed 0 and without ports
+    now: np.ndarray  # (4, N, 15) of the last step; A as its factors
+    room: np.ndarray  # (4, N + 14) right-hand side; displacement, velocity and acceleration between zeros
+    speed: np.ndarray  # (1,) rad/s, to which `now` belongs; NaN: to none
+    tangents: np.ndarray  # (k, 2, 4, 4) of the ports, to which `now` belongs
 
 
 def make_solver(method: Method, mass, damping, stiffness, ports: int) -> Solver:
@@ -42,64 +39,48 @@ def make_solver(method: Method, mass, damping, stiffness, ports: int) -> Solver:
     m, c, k = (1.0 - am) / (beta * d * d), (1.0 - af) * gamma / (beta * d), 1.0 - af
     v_v, v_a = velocity_shares(method)
     a_v, a_a = -(1.0 - am) / (beta * d), am - (1.0 - am) * (0.5 / beta - 1.0)
-    N = mass.shape[0]
-    return Solver(m * mass + c * damping + k * stiffness, -a_v * mass - v_v * damping, -a_a * mass - v_a * damping,
-                  np.zeros_like(mass), np.zeros((2, N)), np.array([math.nan]), np.zeros((ports, 2, 4, 4)))
+    system = m * mass + c * damping + k * stiffness
+    fixed = np.array([system, stiffness, -a_v * mass - v_v * damping, -a_a * mass - v_a * damping])
+    return Solver(fixed, np.zeros_like(fixed), np.zeros((4, mass.shape[0] + 2 * HALF)), np.array([math.nan]),
+                  np.zeros((ports, 2, 4, 4)))
 
 
 @kernel
 def velocity_shares(method):
-    """The velocity at which a step's forces are taken is v_v v + v_a a + the solved increment's share."""
+    """The velocity at which a step's forces are taken is v_v v + v_a a and a share of dq / d."""
     gamma_beta = method.gamma / method.beta
     v_v = method.alpha_f + (1.0 - method.alpha_f) * (1.0 - gamma_beta)
     return v_v, (1.0 - method.alpha_f) * method.step * (1.0 - 0.5 * gamma_beta)
 
 
 @kernel
-def advance_rotor(t, h, n, x, u, y, counts, speed, watched, stiffness, load, method, solver, ports, gyroscopic, circulatory,
-                  imbalance, run_up):
+def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver, ports, gyroscopic, circulatory, imbalance,
+                  run_up):
     """n equal steps from t to t + h, then the outputs.
 
-    x: displacement, velocity, acceleration, (N,) each, angle.  stiffness: (N, 15).  load: (N,) constant forces.
-    gyroscopic, circulatory: (N, 15) per rad/s, or None.  counts: steps, factorizations.
+    x: displacement, velocity, acceleration, (N,) each, angle.  load: (N,) constant forces.  gyroscopic, circulatory: (N, 15)
+    per rad/s, or None.  imbalance: (k, 3) first degree of freedom, kg.m, rad; or None.  counts: steps, factorizations.
     """
     N = load.size
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    b, z = solver.room[0], solver.room[1]
+    b = solver.room[0, :N]
     d, af, gamma, beta = method.step, method.alpha_f, method.gamma, method.beta
-    v_v, v_a = velocity_shares(method)
     for step in range(n):
         start = t + step * d
-        s = (step + 1.0 - af) * d
+        s = (step + 1.0 - af) * d  # forces are taken here
         now = speed_at(t + s, speed, run_up)
         if follow_tangents(s, ports, u, solver.tangents) or solver.speed[0] != now:
-            factor(now, method, solver, ports, gyroscopic, circulatory)
+            prepare(now, method, solver, ports, gyroscopic, circulatory)
             counts[1] += 1
-        for j in range(N):
-            b[j] = load[j]
-            z[j] = -q[j]
+        b[:] = load
         b[watched] += u[0, 0] + s * (u[1, 0] + s * u[2, 0])
         b[watched + 1] += u[0, 1] + s * (u[1, 1] + s * u[2, 1])
-        add_product(stiffness, z, b)
-        add_product(solver.by_velocity, v, b)
-        if method.alpha_f < 0.5:  # the midpoint rule does without the acceleration
-            add_product(solver.by_acceleration, a, b)
-        for j in range(N):
-            z[j] = v_v * v[j] + v_a * a[j]
-        add_loads(s, ports, u, solver.tangents, q, z, b)
+        add_loads(s, ports, u, b)
         if imbalance is not None:
             angle = angle_after(x[3 * N], start, (1.0 - af) * d, speed, run_up)
             add_imbalance(angle, now, acceleration_at(t + s, speed, run_up), imbalance, b)
-        if gyroscopic is not None or circulatory is not None:
-            for j in range(N):
-                z[j] *= -now
-            if gyroscopic is not None:
-                add_product(gyroscopic, z, b)
-            if circulatory is not None:
-                for j in range(N):
-                    z[j] = -now * q[j]
-                add_product(circulatory, z, b)
-        solve_general(solver.factors, b)
+        add_history(solver, q, v, a, af < 0.5)  # the midpoint rule does without the acceleration
+        solve_general(solver.now[SYSTEM], b)
         for j in range(N):
             v_old, a_old = v[j], a[j]
             q[j] += b[j]
@@ -116,33 +97,63 @@ def advance_rotor(t, h, n, x, u, y, counts, speed, watched, stiffness, load, met
 
 
 @kernel
-def factor(speed, method, solver, ports, gyroscopic, circulatory):
-    """Factors of the matrix of a step at this speed with the ports' present tangents."""
+def prepare(speed, method, solver, ports, gyroscopic, circulatory):
+    """Matrices at this speed with the ports' present tangents, and the factors of A."""
+    v_v, v_a = velocity_shares(method)
     k = 1.0 - method.alpha_f
     c = k * method.gamma / (method.beta * method.step)
-    factors = solver.factors
-    factors[:] = solver.effective
+    now = solver.now
+    now[:] = solver.fixed
     if gyroscopic is not None:
-        for j in range(factors.shape[0]):
-            for i in range(factors.shape[1]):
-                factors[j, i] += c * speed * gyroscopic[j, i]
+        add_band(c * speed, gyroscopic, now[SYSTEM])
+        add_band(-v_v * speed, gyroscopic, now[BY_VELOCITY])
+        add_band(-v_a * speed, gyroscopic, now[BY_ACCELERATION])
     if circulatory is not None:
-        for j in range(factors.shape[0]):
-            for i in range(factors.shape[1]):
-                factors[j, i] += k * speed * circulatory[j, i]
-    add_tangents(ports, solver.tangents, k, c, factors)
-    factor_general(factors)
+        add_band(k * speed, circulatory, now[SYSTEM])
+        add_band(speed, circulatory, now[STIFFNESS])
+    add_tangents(ports, solver.tangents, k, c, now[SYSTEM])
+    add_tangents(ports, solver.tangents, 1.0, 0.0, now[STIFFNESS])
+    add_tangents(ports, solver.tangents, 0.0, -v_v, now[BY_VELOCITY])
+    add_tangents(ports, solver.tangents, 0.0, -v_a, now[BY_ACCELERATION])
+    factor_general(now[SYSTEM])
     solver.speed[0] = speed
+
+
+@kernel
+def add_band(factor, band, result):
+    """result += factor * band."""
+    for i in range(band.shape[0]):
+        for k in range(band.shape[1]):
+            result[i, k] += factor * band[i, k]
+
+
+@kernel
+def add_history(solver, q, v, a, accelerated):
+    """Add -K q + P v + R a to the right-hand side; the zeros around the vectors spare the loops their bounds."""
+    N, room = q.size, solver.room
+    K, P, R = solver.now[STIFFNESS], solver.now[BY_VELOCITY], solver.now[BY_ACCELERATION]
+    room[1, HALF : HALF + N] = q
+    room[2, HALF : HALF + N] = v
+    if accelerated:
+        room[3, HALF : HALF + N] = a
+    for i in range(N):
+        value = 0.0
+        for k in range(WIDTH):
+            value += P[i, k] * room[2, i + k] - K[i, k] * room[1, i + k]
+        if accelerated:
+            for k in range(WIDTH):
+                value += R[i, k] * room[3, i + k]
+        room[0, i] += value
 
 
 @kernel
 def add_imbalance(angle, speed, acceleration, imbalance, b):
     """Add the inertia forces of masses that turn with the shaft, U (w² cos + w' sin, w² sin - w' cos)."""
-    for k in range(imbalance.dof.size):
-        cosine, sine = math.cos(angle + imbalance.phase[k]), math.sin(angle + imbalance.phase[k])
-        j, U = imbalance.dof[k], imbalance.moment[k]
-        b[j] += U * (speed * speed * cosine + acceleration * sine)
-        b[j + 1] += U * (speed * speed * sine - acceleration * cosine)
+    for k in range(imbalance.shape[0]):
+        j, moment, phase = int(imbalance[k, 0]), imbalance[k, 1], imbalance[k, 2]
+        cosine, sine = math.cos(angle + phase), math.sin(angle + phase)
+        b[j] += moment * (speed * speed * cosine + acceleration * sine)
+        b[j + 1] += moment * (speed * speed * sine - acceleration * cosine)
 
 
 @kernel

@@ -49,7 +49,7 @@ def equilibrium(stiffness: np.ndarray, load: np.ndarray, ports: np.ndarray, u: n
     follow_tangents(0.0, ports, u, tangents)
     band, total, still = stiffness.copy(), load.copy(), np.zeros_like(load)
     add_tangents(ports, tangents, 1.0, 0.0, band)
-    add_loads(0.0, ports, u, tangents, still, still, total)
+    add_loads(0.0, ports, u, total)
     q, held = solve_static(band, total)
     if held:
         return q
