@@ -6,7 +6,7 @@ The conductance is the quantity, not the resistance: without load no ball touche
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -154,13 +154,13 @@ class AngularContactConductance(Component):
 
     def geometry(self) -> BallGeometry:
         """The bearing's geometry."""
-        p = self.parameters
+        p: Any = self.parameters
         return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"],
                             p["contact_angle"])
 
     def material(self) -> float:
         """E' of balls and rings, Pa."""
-        p = self.parameters
+        p: Any = self.parameters
         return effective_modulus(p["modulus"], p["poisson_ratio"], p["modulus"], p["poisson_ratio"])
 
     @property
@@ -171,13 +171,14 @@ class AngularContactConductance(Component):
     @property
     def raceways(self) -> tuple[float, float]:
         """Diameters where the balls touch the inner and the outer ring, m."""
-        p = self.parameters
+        p: Any = self.parameters
         across = p["ball_diameter"] * math.cos(p["contact_angle"])
         return p["pitch_diameter"] - across, p["pitch_diameter"] + across
 
     def _initialize(self, t: float) -> int:
         _, bulk, *effects = self._settled()
-        p, geometry = self.parameters, self.geometry()
+        p: Any = self.parameters
+        geometry = self.geometry()
         modulus, raceways = self.material(), self.raceways
         inner, outer = (
             thermal_contact(geometry.contact(race, modulus), geometry.radii(race), p["ball_conductivity"], p["ring_conductivity"])
@@ -191,7 +192,8 @@ class AngularContactConductance(Component):
             outer,
             0.5 * p["ball_diameter"],
             1.0 / (2.0 * math.pi * p["ring_conductivity"] * p["width"]),
-            *(finite_ring(ring_part(diameter, p["width"], p["balls"]), p["ring_conductivity"]) for diameter in raceways),
+            finite_ring(ring_part(raceways[0], p["width"], p["balls"]), p["ring_conductivity"]),
+            finite_ring(ring_part(raceways[1], p["width"], p["balls"]), p["ring_conductivity"]),
             raceways[1] / raceways[0],
             math.pi * p["pitch_diameter"] * p["width"],
             p["closest_gap"],
@@ -204,7 +206,7 @@ class AngularContactConductance(Component):
         return DONE
 
     def _check_walls(self, raceways: tuple[float, float]) -> None:
-        p = self.parameters
+        p: Any = self.parameters
         bore, outside = p["ring_walls.bore"], p["ring_walls.outside_diameter"]
         if not (bore < raceways[0] and raceways[1] < outside):
             raise BadInput(self.name, f"rings from {bore:g} m to {outside:g} m", f"walls around {raceways[0]:.4g} m and "

@@ -47,7 +47,7 @@ class Grid:
 
 
 def _grid(shape, half, area) -> Grid:
-    full = tuple(tuple(np.broadcast_to(h, shape) for h in pair) for pair in half)
+    full = tuple((np.broadcast_to(low, shape), np.broadcast_to(high, shape)) for low, high in half)
     faces = tuple(np.broadcast_to(a, tuple(n + (i == axis) for i, n in enumerate(shape))) for axis, a in enumerate(area))
     return Grid(shape, full, faces)
 

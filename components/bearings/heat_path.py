@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -95,25 +96,49 @@ def solve_path(
 def solve_bearing(
     bearing: AngularContactConductance, bore: float, outside: float, around: Surroundings | None = None, fineness: int = 3
 ) -> float:
-    """Conductance in W/K of all balls under the bearing's present loads, each with its parts of the rings.
+    """Conductance in W/K from the bore to the outside (diameters in m, each at one temperature) under the present loads.
 
-    The faces at `bore` and `outside` (diameters in m) are each at one temperature, so that the balls are in parallel.
-    A part of a ring is as thick as the ring under the raceway, and as large as its wall conducts. Balls that carry the same
-    to six digits are reckoned once; one that touches nothing, with nothing around it, not at all.
+    Every ball's path is solved with the ellipses of its own load; a part of a ring is as thick as the ring under the raceway,
+    and as large as its wall conducts. Then both rings are solved in radius and angle, with the balls between them, so that
+    heat goes round to where the load is. Balls that carry the same to six digits are reckoned once; one that touches
+    nothing, with nothing around it, not at all.
     """
-    p, total = bearing.parameters, 0.0
-    loads, count = np.unique([float(f"{load:.6g}") for load in bearing.ball_loads], return_counts=True)
-    for load, balls in zip(loads, count, strict=True):
+    p: Any = bearing.parameters
+    loads, ball = np.unique([float(f"{load:.6g}") for load in bearing.ball_loads], return_inverse=True)
+    balls = np.zeros(loads.size)
+    for i, load in enumerate(loads):
         if load == 0.0 and around is None:
             continue
         inner, outer = (_ring_part(bearing, race, load, edge) for race, edge in (("inner", bore), ("outer", outside)))
         path = solve_path(inner, outer, 0.5 * p["ball_diameter"], p["ball_conductivity"], around, fineness=fineness)
-        total += balls * path.conductance
-    return total
+        walls = sum(part.thickness / (part.conductivity * part.area) for part in (inner, outer))
+        balls[i] = path.conductance / (1.0 - path.conductance * walls)  # without the walls, which the rings add again
+    return solve_rings(balls[ball], (bore, *bearing.raceways, outside), p["width"], p["ring_conductivity"])
+
+
+def solve_rings(balls: np.ndarray, diameters: tuple[float, float, float, float], width: float, conductivity: float) -> float:
+    """Conductance in W/K of two rings, inner and outer diameter each in m, with balls (Z,) in W/K evenly spaced between them.
+
+    Each ball's heat is spread over its pitch, because its own constriction is in its conductance.
+    """
+    per_ball = 6
+    phi = np.linspace(0.0, 2.0 * math.pi, per_ball * balls.size + 1)
+    bodies, faces = Bodies(), []
+    for first, last, outer in ((*diameters[:2], False), (*diameters[2:], True)):
+        ring = cylindrical(0.5 * np.linspace(first, last, 9), phi, [0.0, width], conductivity)
+        index = bodies.add(ring, closed=1)
+        raceway, far = (0, -1) if outer else (-1, 0)
+        bodies.hold(index[far], 1.0 / ring.half[0][outer][far], 0.0 if outer else 1.0)
+        faces.append((index[raceway], ring.half[0][not outer][raceway]))
+    (inner, under), (outside, above) = faces
+    through = np.repeat(balls, per_ball).reshape(inner.shape) / per_ball
+    bodies.link(inner, outside, through / (1.0 + through * (under + above)))
+    return float(bodies.solve(0.5)[1][0])
 
 
 def _ring_part(bearing: AngularContactConductance, race: str, load: float, edge: float) -> RingPart:
-    geometry, p = bearing.geometry(), bearing.parameters
+    p: Any = bearing.parameters
+    geometry = bearing.geometry()
     raceway = bearing.raceways[race == "outer"]
     along, across = (0.5 * axis for axis in geometry.contact(race, bearing.material()).axes(load))
     thickness = 0.5 * abs(raceway - edge)

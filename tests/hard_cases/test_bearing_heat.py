@@ -9,6 +9,8 @@ import pytest
 
 from components.bearings.conductance import AngularContactConductance
 from components.bearings.temperatures import BearingTemperatures
+from orchestrator.run import run
+from orchestrator.scene import read_scene
 
 SIDES = ("gas_path", "convection", "radiation")
 
@@ -149,3 +151,42 @@ def test_very_hot_and_absolute_zero():
     assert np.isfinite(made.x).all()
     assert (made.x[:3] > 0.0).all()
     assert math.isfinite(made["clearance_change"])
+
+
+# -- both together -----------------------------------------------------------------------------------------------------
+def coupled(step, stop, algorithm="gauss-seidel"):
+    """The conductance under a constant load, its radiation at the temperatures it brings about; 40 W of friction."""
+    scene = read_scene({
+        "stop_time": stop,
+        "connections": [
+            "path.conductance -> heat.conductance",
+            "heat.inner_temperature -> path.radiation.inner_temperature",
+            "heat.outer_temperature -> path.radiation.outer_temperature",
+        ],
+        "units": {
+            "path": {"component": "AngularContactConductance", "effects": ["ball_bulk", "gas_path", "radiation"],
+                     "parameters": {"axial_force": 300.0, "radiation.emissivity": 1.0}},
+            "heat": {"component": "BearingTemperatures", "parameters": {"friction_power": 40.0, "substep": min(step, 20.0)}},
+        },
+        "master": {"algorithm": algorithm, "step": step},
+    })  # fmt: skip
+    result = run(scene, in_process=True)
+    assert result.outcome == "done", result.message
+    return result
+
+
+def test_conductance_and_temperatures_settle_whatever_the_step():
+    """The steady state does not know the step, up to more than an hour."""
+    ends = []
+    for step in (20.0, 200.0, 4000.0):
+        result = coupled(step, 40000.0)
+        ends.append([result[f"heat.{part}_temperature"][-1] for part in ("inner", "ball", "outer")])
+    np.testing.assert_allclose(ends[1:], np.array(ends[:1]).repeat(2, 0), rtol=0.0, atol=1e-2)  # K, of a rise of 40 K
+
+
+def test_first_order_in_the_macro_step_without_extrapolation():
+    """Held inputs: what couples is the weak radiation, so the error is small, and falls with the step."""
+    fine = coupled(2.0, 800.0)["heat.inner_temperature"][-1]
+    errors = [abs(coupled(step, 800.0, "jacobi")["heat.inner_temperature"][-1] - fine) for step in (100.0, 50.0)]
+    assert errors[0] < 0.05  # K
+    assert errors[1] < 0.7 * errors[0]

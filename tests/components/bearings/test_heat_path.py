@@ -8,9 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from components.bearings.conductance import AngularContactConductance
 from components.bearings.constriction import ball_spreading, constriction, finite_ring
 from components.bearings.finite_volumes import Bodies, cartesian, cylindrical, graded, spherical
-from components.bearings.heat_path import RingPart, Surroundings, solve_path
+from components.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 from components.core.errors import BadInput
 
 ROUND = 1e-10  # a few thousand cells, solved directly
@@ -210,3 +211,45 @@ def test_resistance_times_cube_root_of_load_is_nearly_constant():
     constrictions = [1.0 / p.conductance - behind - s for p, s in zip((once, twice), spreading, strict=True)]
     assert constrictions[0] / constrictions[1] == pytest.approx(2.0, rel=0.02)
     assert constrictions[0] == pytest.approx(4.0 * constriction(5e-4, 8e-5, 46.0), rel=0.03)
+
+
+# -- the whole bearing -------------------------------------------------------------------------------------------------
+DIAMETERS = (0.04, 0.0463, 0.0617, 0.068)
+
+
+def walls(conductivity):
+    """Resistance of both rings of `DIAMETERS`, 15 mm wide, K/W."""
+    logs = math.log(DIAMETERS[1] / DIAMETERS[0]) + math.log(DIAMETERS[3] / DIAMETERS[2])
+    return logs / (2.0 * math.pi * conductivity * 0.015)
+
+
+def test_rings_with_equal_balls_are_walls_in_series():
+    balls = np.full(16, 0.015)
+    expected = 1.0 / (walls(46.0) + 1.0 / balls.sum())
+    assert solve_rings(balls, DIAMETERS, 0.015, 46.0) == pytest.approx(expected, rel=1e-9)  # nothing flows round: exact
+
+
+def test_rings_with_unequal_balls_lie_between_two_bounds():
+    """Raceways at one temperature each, or no heat round the rings at all."""
+    balls = np.zeros(16)
+    balls[[0, 1, 15]] = 0.3, 0.1, 0.1
+    found = solve_rings(balls, DIAMETERS, 0.015, 46.0)
+    isothermal = 1.0 / (walls(46.0) + 1.0 / balls.sum())
+    separate = sum(1.0 / (16.0 * walls(46.0) + 1.0 / g) for g in balls if g)
+    assert 1.001 * separate < found < 0.999 * isothermal
+    assert solve_rings(balls, DIAMETERS, 0.015, 46e6) == pytest.approx(balls.sum(), rel=1e-5)  # walls that cost nothing
+    assert solve_rings(np.roll(balls, 5), DIAMETERS, 0.015, 46.0) == pytest.approx(found, rel=1e-9)
+
+
+def test_a_bearing_without_load_and_surroundings_conducts_nothing():
+    made = AngularContactConductance()
+    made.initialize(0.0)
+    assert abs(solve_bearing(made, 40e-3, 68e-3)) < 1e-11  # rounding of rings that conduct 20 W/K
+
+
+def test_a_bearing_with_equal_loads_is_its_balls_in_parallel():
+    made = AngularContactConductance((), {"axial_force": 1000.0})
+    made.initialize(0.0)
+    lumped = AngularContactConductance(("ball_bulk", "ring_walls"), {"axial_force": 1000.0})
+    lumped.initialize(0.0)
+    assert solve_bearing(made, 40e-3, 68e-3, fineness=3) == pytest.approx(lumped["conductance"], rel=0.03)  # grid 2 %, rings 1 %
