@@ -182,7 +182,9 @@ def _square(panel: Panel) -> tuple[list[float], list[float]]:
 def _lines(drawing: _Drawing, panel: Panel, n: str, ends: tuple[float, float]) -> None:
     """Vertical lines through the panel; their texts at its top, those that come first in the panel before others."""
     shared = panel.x_range or (float(min(_values(panel, "x"), default=0.0)), float(max(_values(panel, "x"), default=1.0)))
-    taken: list[float] = []
+    room = LABEL_GAP * (shared[1] - shared[0])
+    everywhere = [at for family in panel.lines for at, _ in family.at]
+    taken: list[tuple[float, float]] = []
     for family in panel.lines:
         colour = LINE_COLOURS[drawing.line_names.index(family.name) % len(LINE_COLOURS)]
         x = [v for at, _ in family.at for v in (at, at, math.nan)]
@@ -204,12 +206,28 @@ def _lines(drawing: _Drawing, panel: Panel, n: str, ends: tuple[float, float]) -
         }
         drawing.data.append(trace)
         for at, text in family.at:
-            if text and all(abs(at - other) > LABEL_GAP * (shared[1] - shared[0]) for other in taken):
-                taken.append(at)
-                font = {"size": 11, "color": colour}
+            side = _side(at, room, everywhere, taken) if text else 0
+            if side:
+                taken.append((min(at, at + side * room), max(at, at + side * room)))
+                font, anchor = {"size": 11, "color": colour}, "left" if side > 0 else "right"
                 drawing.notes.append(
-                    label(text, at, 1, xref="x" + n, yref=f"y{n} domain", xanchor="left", yanchor="top", font=font, xshift=1)
+                    label(text, at, 1, xref="x" + n, yref=f"y{n} domain", xanchor=anchor, yanchor="top", font=font, xshift=side)
                 )
+
+
+def _side(at: float, room: float, lines: list[float], taken: list[tuple[float, float]]) -> int:
+    """Where a line's text of a width goes: 1 right of it, -1 left where another line is too near there, 0 nowhere."""
+
+    def free(low: float, high: float) -> bool:
+        return all(high <= a or low >= b for a, b in taken)
+
+    def empty(low: float, high: float) -> bool:
+        return not any(low < x < high for x in lines if x != at)
+
+    right, left = (at, at + room), (at - room, at)
+    if free(*right) and (empty(*right) or not (free(*left) and empty(*left))):
+        return 1
+    return -1 if free(*left) and empty(*left) else 0
 
 
 def _picture(picture: Picture, n: str, place: tuple[list[float], list[float]]) -> dict[str, Any]:

@@ -12,6 +12,8 @@ from components.core.errors import BadInput
 from orchestrator import report
 from orchestrator.analysis.machines import bearings, recorded, rotors, source
 from orchestrator.analysis.whirl import whirl
+from orchestrator.run import run
+from orchestrator.scene import load_scene
 from tests.orchestrator.report.machines import JIS_6306, RATE, SPEED, bearing_run, rotor_run
 
 UNIT = re.compile(r", (m|N|s|mm|µm|Hz|rpm|degrees|mm/s|m/s²|1|1/s|%|√µm)\b|number of at least")
@@ -215,3 +217,23 @@ def test_pages_of_both_systems_are_written(tmp_path):
         html = report.for_run(result, tmp_path).read_text(encoding="utf-8")
         assert result.scene.title in html
         assert html.count("<figure>") >= 5
+
+
+@pytest.mark.parametrize(
+    ("name", "stop", "expected"),
+    [
+        ("outer-ring-defect", 0.3, {"Amplitude spectrum", "Envelope spectrum", "Orbit and phase planes", "Recurrence"}),
+        ("gyroscopic-rotor", 6.0, {"Time history", "Run-up: synchronous motion", "Waterfall", "Campbell diagram", "Orbits"}),
+    ],
+)
+def test_shipped_scenes_have_their_figures(name, stop, expected):
+    scene = load_scene(name).with_changes({"stop_time": stop, "analysis.transient": 0.1})
+    result = run(scene, in_process=True)
+    made = figures(report.SYSTEMS[scene.analysis["system"]](result))
+    assert expected <= set(made)
+    if "Campbell diagram" in made:
+        # Friswell et al., example 5.9.1: synchronous critical speeds on isotropic supports 86.4, 86.9 and 260.5 rad/s (825, 830,
+        # 2488 rpm); with supports a fifth stiffer upwards they lie at and above these.
+        marked = numbers(named(made["Campbell diagram"], "critical speed (undamped)")["x"])
+        first = np.unique(marked[~np.isnan(marked)])[0]
+        assert 825.0 <= first <= 830.0
