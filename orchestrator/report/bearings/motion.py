@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...analysis.machines import BearingRecord
-from ...analysis.sections import distinct, section
+from ...analysis.sections import crossings, distinct, section
 from ...analysis.spectra import TURN
 from ..chart import Chart, Panel, Series
 from ..page import Cells
@@ -60,7 +60,10 @@ def _turning(record: BearingRecord) -> str:
 
 
 def section_points(result: Result, record: BearingRecord, begin: float) -> dict[str, np.ndarray]:
-    """Signals (k,) at the instants of the section: the scene's, else each ball's passing, else each turn; empty without angle."""
+    """Signals (k,) at the instants of the section: the scene's, else each ball's passing, else each turn.
+
+    Where no angle was recorded: where the velocity along x rises through zero, the turning points of x. Empty without it, too.
+    """
     kept = after(record, begin)
     wanted = result.scene.analysis.get("section", {})
     angle, turns = record.signals.get("cage_angle"), float(record.balls or 1)
@@ -72,19 +75,23 @@ def section_points(result: Result, record: BearingRecord, begin: float) -> dict[
             angle = result.columns[name]
     elif angle is None:
         angle, turns = record.signals.get("inner_angle"), 1.0
-    if angle is None:
+    motion = {n: v[kept] for n, v in record.signals.items() if n.startswith(("displacement", "velocity"))}
+    if angle is not None:
+        found = section(angle[kept], TURN / turns, *motion.values())
+    elif "velocity_x" in motion:
+        found = crossings(record.time[kept], motion["velocity_x"], *motion.values())
+    else:
         return {}
-    names = [n for n in record.signals if n.startswith(("displacement", "velocity"))]
-    found = section(angle[kept], TURN / turns, *(record.signals[n][kept] for n in names))
-    return dict(zip(names, found, strict=True))
+    return dict(zip(motion, found, strict=True))
 
 
-def period_of(points: dict[str, np.ndarray], record: BearingRecord) -> int:
+def period_of(points: dict[str, np.ndarray], record: BearingRecord, begin: float) -> int:
     """Number of distinct points of a section: after how many passages the motion repeats; 0 without a section."""
     if not points or not points["displacement_x"].size:
         return 0
     x, y = points["displacement_x"], points["displacement_y"]
-    reach = max(float(np.ptp(record.signals[n][-10 * x.size :])) for n in ("displacement_x", "displacement_y")) or 1.0
+    kept = after(record, begin)
+    reach = max(float(np.ptp(record.signals[n][kept])) for n in ("displacement_x", "displacement_y")) or 1.0
     return distinct(np.stack((x, y), axis=1) / reach, SAME)
 
 
@@ -112,7 +119,7 @@ def orbit_chart(record: BearingRecord, begin: float, points: dict[str, np.ndarra
             panels.append(Panel(title(v), curve(n, v), title=f"Phase plane {n[-1]}", x_label=title(n)))
     text = f"Pale: the last {count / record.rate:.3g}{' s' if scales.dimensional else ''} of the run."
     if points:
-        found, size = period_of(points, record), points[x].size
+        found, size = period_of(points, record, begin), points[x].size
         text += f" Dots: section, {size} instants after the transient, "
         text += "all at one place." if found == 1 else f"in {found} groups."
     return Chart(f"{who}Orbit and phase planes", "", tuple(panels), text, columns=len(panels), height=330)
@@ -131,7 +138,7 @@ def motion_table(record: BearingRecord, begin: float, points: dict[str, np.ndarr
         shape = [float(np.abs(centred).max()) / rms, float(np.mean(centred**4)) / rms**4] if rms > 0.0 else [np.nan, np.nan]
         rows.append((n.replace("_", " "), scales.unit(n), *(number(v) for v in (float(x.mean()), rms, float(np.ptp(x)), *shape))))
     header = ("signal", "unit", "mean", "rms about the mean", "peak to peak", "crest factor", "kurtosis")
-    period = period_of(points, record)
+    period = period_of(points, record, begin)
     text = f"After the transient, {record.time[kept].size} samples at {record.rate:.5g}{scales.hertz}. A sine has kurtosis 1.5."
     if period:
         text += f" The section has {period} distinct point{'s' if period > 1 else ''} ({100 * SAME:g} % of the range apart)."

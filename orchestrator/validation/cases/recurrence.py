@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.special import erf
 from scipy.stats import norm
 
-from ...analysis.recurrence import Quantification, line_survival, quantify, recurrence_matrix
+from ...analysis.recurrence import Quantification, embed, line_survival, quantify, recurrence_matrix
 from ...report.chart import Chart, Panel, Picture, Series
 from ..case import Case, Findings, Options, Row
 from ..reference import TableRow
@@ -18,6 +18,7 @@ STATES = 2000
 REALISATIONS = 10  # of what is random; their mean is compared
 NOISE, SINE, CHAOS = "white noise", "sine", "logistic map, r = 4"
 NOISE_THRESHOLD = 0.3  # standard deviations
+STARTS = np.linspace(0.11, 0.89, REALISATIONS)
 PER_PERIOD, SINE_THRESHOLD = 40, 0.5  # samples; radius of the circle is 1
 CHAOS_THRESHOLD = 0.01  # of the range
 WINDOWS = {3.2: 2, 3.5: 4, 3.83: 3}  # r -> period
@@ -43,7 +44,7 @@ def findings(options: Options) -> Findings:
     noise = [recurrence_matrix(x, NOISE_THRESHOLD) for x in np.random.default_rng(1).normal(size=(REALISATIONS, STATES, 1))]
     angle = 2.0 * np.pi / PER_PERIOD * np.arange(STATES)
     sine = [recurrence_matrix(np.stack((np.sin(angle), np.cos(angle)), axis=1), SINE_THRESHOLD)]
-    chaos = [recurrence_matrix(uniform(logistic(4.0, s)), CHAOS_THRESHOLD) for s in np.linspace(0.11, 0.89, REALISATIONS)]
+    chaos = [recurrence_matrix(uniform(logistic(4.0, s)), CHAOS_THRESHOLD) for s in STARTS]
     rows = _rows(NOISE, _mean(noise, 1), of_noise(NOISE_THRESHOLD), NOISE_TOLERANCE,
                  "closed form for independent normal numbers")  # fmt: skip
     rows += _rows(SINE, _mean(sine, PER_PERIOD // 2), of_circle(STATES, PER_PERIOD, SINE_THRESHOLD), ROUNDING,
@@ -51,6 +52,9 @@ def findings(options: Options) -> Findings:
     rows += [_at_least(SINE, "DET", _mean(sine, PER_PERIOD // 2)["DET"], 0.9999, "lines end at the plot's edges only")]
     rows += _rows(CHAOS, _mean(chaos, 1), of_doubling(CHAOS_THRESHOLD), CHAOS_TOLERANCE,
                   "tent map, conjugate to it: distances double, lines have geometric lengths of ratio 1/2")  # fmt: skip
+    embedded = [recurrence_matrix(embed(uniform(logistic(4.0, s))[:, 0], 2), CHAOS_THRESHOLD, "maximum") for s in STARTS]
+    rows += [_row(CHAOS, "recurrence rate of two delay coordinates, maximum norm", "RR2", "1", _mean(embedded, 1)["RR"],
+                  0.5 * of_doubling(CHAOS_THRESHOLD)["RR"], CHAOS_TOLERANCE, "half of the near pairs stay near")]  # fmt: skip
     entropy = -float(np.mean([_slope(line_survival(m)) for m in chaos]))
     rows += [_row(CHAOS, "correlation entropy K2 from the lengths of the lines", "K2", "nat/sample", entropy, np.log(2.0),
                   CHAOS_TOLERANCE, "ln 2, as every Rényi entropy of the map")]  # fmt: skip

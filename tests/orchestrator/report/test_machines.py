@@ -105,6 +105,15 @@ def test_section_of_the_scene_is_taken():
     assert len(x) == 52  # 30 turns a second, from 0.25 s (7.5 turns) to 2 s (60 turns, the last sample is just before it)
 
 
+def test_without_an_angle_the_section_is_where_the_velocity_rises_through_zero():
+    result = bearing_run()
+    for name in ("bearing.inner_angle", "bearing.cage_angle"):
+        del result.columns[name]
+    section = named(figures(report.bearings.blocks(result))["Orbit and phase planes"], "section")
+    assert numbers(section["x"]) == pytest.approx(3.0, abs=1e-4)  # x = 5 + 2 cos: its least, in µm
+    assert numbers(section["y"]) == pytest.approx(0.0, abs=1e-4)
+
+
 def test_recurrence_of_a_periodic_motion_is_diagonal():
     result = bearing_run()
     (_, measures), *_ = [(b.title, {r[1]: r[2] for r in b.rows}) for b in report.bearings.blocks(result) if b.kind == "cells"]
