@@ -165,7 +165,7 @@ class AngularContactConductance(Component):
 
     @property
     def ball_loads(self) -> np.ndarray:
-        """Loads of the balls behind the present outputs, (Z,) N."""
+        """Loads of the balls when the outputs were last computed, (Z,) N."""
         return self._balls[:, LOAD].copy()
 
     @property
