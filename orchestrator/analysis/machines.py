@@ -18,7 +18,7 @@ from components.core.errors import BadInput, nearest
 
 from ..units.component import make
 from .signals import uniform
-from .spectra import TURN, unwrapped
+from .spectra import TURN, turns_steadily
 
 if TYPE_CHECKING:
     from components.core.component import Component
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
 SHORT = {"displacement_x": "x", "displacement_y": "y"}  # where the motion comes from a rotor's port
+STEADY = 0.02  # relative change of a speed, below which it has frequencies
 DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
 
 
@@ -36,8 +37,9 @@ DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "bal
 class BearingRecord:
     """The recorded part of a bearing of a run, sampled evenly.
 
-    signals: name as in the component -> (n,), those of `BEARING` that were recorded.  measures: their units of measure.
-    rotation: mean speed of the inner ring after the transient, turns per unit of time; NaN if nothing recorded tells.
+    signals: name as in the component -> (n,), those of `BEARING` that were recorded; an angle that after the transient stands
+        or turns back, or was recorded less than four times a turn, is not among them.  measures: their units of measure.
+    rotation: speed of the inner ring after the transient, turns per unit of time; NaN if it changes or nothing recorded tells.
     frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.
     defects: the races and balls that have a defect.
     """
@@ -119,7 +121,9 @@ def bearings(result: Result) -> list[BearingRecord]:
 
 def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, str]) -> BearingRecord:
     values = {n: np.asarray(result.columns[c], dtype=float) for n, c in columns.items()}
-    angles = {n: unwrapped(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
+    kept = after_transient(result)
+    values = {n: v for n, v in values.items() if not n.endswith("_angle") or turns_steadily(v[kept])}
+    angles = {n: np.unwrap(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
     rate, time, signals = uniform(result.time, *(values | angles).values())
     geometry = component.geometry
     rotation = _rotation(result, unit, values, geometry.cage_ratio)
@@ -135,15 +139,24 @@ def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, st
 
 
 def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
-    """Mean speed of the inner ring after the transient, turns per unit of time."""
+    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or nothing recorded tells."""
     kept = after_transient(result)
-    span = result.time[-1] - result.time[kept.start]
+    time = result.time[kept]
     for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):
         if name in values:
-            turned = unwrapped(values[name])[kept]
-            return float(turned[-1] - turned[0]) / (ratio * TURN * span)
+            turned = np.unwrap(values[name][kept]) / (ratio * TURN)
+            middle = turned.size // 2
+            halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1))]
+            return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
     speed = recorded(result, unit, "speed")
-    return float(result.columns[speed][kept].mean()) / TURN if speed else float("nan")
+    if not speed:
+        return float("nan")
+    values_of_speed = result.columns[speed][kept] / TURN
+    return _steady(values_of_speed, float(values_of_speed.mean()))
+
+
+def _steady(speeds: np.ndarray, mean: float) -> float:
+    return mean if float(np.ptp(speeds)) <= STEADY * abs(mean) else float("nan")
 
 
 def rotors(result: Result) -> list[RotorRecord]:

@@ -134,6 +134,12 @@ def unwrapped(angle: np.ndarray) -> np.ndarray:
     return np.unwrap(angle)
 
 
+def turns_steadily(angle: np.ndarray) -> bool:
+    """Whether a recorded angle always turns the same way, and was recorded often enough to tell: sections and orders need it."""
+    steps = (np.diff(angle) + np.pi) % TURN - np.pi
+    return bool(steps.size) and bool((steps > 0.0).all() or (steps < 0.0).all()) and float(np.abs(steps).max()) < 0.5 * np.pi
+
+
 def follow(time: np.ndarray, angle: np.ndarray, x: np.ndarray, order: float = 1.0, turns: int = 4) -> Track:
     """The component of x (n,) at `order` times the rotation, over windows of `turns` turns that lie a turn apart.
 

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from components.core.errors import BadInput, nearest
+
 from ...analysis.machines import BearingRecord
 from ...analysis.sections import crossings, distinct, section
-from ...analysis.spectra import TURN
+from ...analysis.spectra import TURN, turns_steadily
 from ..chart import Chart, Panel, Series
 from ..page import Cells
 from ..style import number
@@ -70,8 +72,11 @@ def section_points(result: Result, record: BearingRecord, begin: float) -> dict[
     if wanted:
         name = wanted["angle"]
         turns = float(wanted.get("turns", 1))
+        if name not in result.columns:
+            where = f"{result.scene.name}: analysis.section.angle"
+            raise BadInput(where, repr(name), "a recorded signal", nearest(name, result.columns))
         angle = record.signals.get(name.removeprefix(f"{record.unit}."))
-        if angle is None and name in result.columns and result.time.size == record.time.size:
+        if angle is None and result.time.size == record.time.size and turns_steadily(result.columns[name][kept]):
             angle = result.columns[name]
     elif angle is None:
         angle, turns = record.signals.get("inner_angle"), 1.0

@@ -97,10 +97,10 @@ def _strongest(record: BearingRecord, begin: float, found: list[Family]) -> str:
         return ""
     scales = Scales(record)
     at, height = peak(f, a, found[0].frequency, max(0.02 * found[0].frequency, 2.5 * f[1]))
-    signal = name.replace("_", " ")
+    signal, unit = name.replace("_", " "), f" {scales.unit(name)}" if scales.dimensional else ""
     return (
         f" The {found[0].name} is expected at {found[0].frequency:.5g}{scales.hertz}; the highest line of {signal} thereabouts "
-        f"is at {at:.5g}{scales.hertz}, {scales.factor(name) * height:.3g} {scales.unit(name)}."
+        f"is at {at:.5g}{scales.hertz}, {scales.factor(name) * height:.3g}{unit}."
     )
 
 
@@ -127,7 +127,7 @@ def envelope_chart(record: BearingRecord, begin: float, analysis: Mapping[str, A
                   x_range=(0.0, highest))  # fmt: skip
     chosen = "given" if "envelope_band" in analysis else "the most impulsive of the signal (kurtogram)"
     text = (
-        f"Envelope of the band {low:.0f} to {high:.0f}{scales.hertz}, {chosen}. What hits a resonance again and again shows here "
+        f"Envelope of the band {low:.4g} to {high:.4g}{scales.hertz}, {chosen}. What hits a resonance again and again shows here "
         "with the frequency of its repetition; sidebands: how its strength varies as it turns through the loaded zone."
     )
     return Chart(f"{who}Envelope spectrum", scales.frequency, (panel,), text, height=300)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...analysis.machines import RotorRecord, after_transient, rotors
-from ...analysis.spectra import unwrapped
+from ...analysis.machines import STEADY, RotorRecord, after_transient, rotors
+from ...analysis.spectra import turns_steadily
 from ...analysis.whirl import whirl
 from ..charts import draw_chart
 from ..heat import heat_chart
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from ...results import Result
     from ...validation.case import Row
 
-STEADY = 0.02  # relative change of the speed below which a run is no run-up
 TURNS = 8  # in the record, below which nothing is followed; of an orbit
 
 
@@ -48,7 +47,7 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
         critical = np.asarray(analysis.get("critical_speeds", []), dtype=float)
     varies = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     moves = {"x", "y"} <= record.signals.keys()
-    turns = "angle" in record.signals and _turns(record.signals["angle"]) >= TURNS
+    turns = "angle" in record.signals and _turns(record.signals["angle"][record.time >= begin]) >= TURNS
     made: list[Block] = []
     if moves:
         made.append(draw_chart(history_chart(record, begin, who)))
@@ -66,7 +65,8 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
 
 
 def _turns(angle: np.ndarray) -> float:
-    return abs(float(unwrapped(angle)[-1] - unwrapped(angle)[0])) / (2.0 * np.pi)
+    """Turns of a recorded angle; 0 where it stands or turns back."""
+    return abs(float(np.ptp(np.unwrap(angle)))) / (2.0 * np.pi) if turns_steadily(angle) else 0.0
 
 
 def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord) -> list[tuple[float, float]]:

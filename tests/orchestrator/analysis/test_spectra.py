@@ -5,7 +5,17 @@ import pytest
 
 from components.core.errors import BadInput
 from orchestrator.analysis.signals import amplitude_spectrum
-from orchestrator.analysis.spectra import Family, envelope, envelope_spectrum, follow, peak, resonance_band, unwrapped, waterfall
+from orchestrator.analysis.spectra import (
+    Family,
+    envelope,
+    envelope_spectrum,
+    follow,
+    peak,
+    resonance_band,
+    turns_steadily,
+    unwrapped,
+    waterfall,
+)
 
 RATE = 5000.0
 TIME = np.arange(20_000) / RATE  # 4 s, bins of 0.25 Hz
@@ -104,6 +114,14 @@ def test_an_angle_recorded_too_rarely_is_refused():
         unwrapped((3.0 * np.arange(100)) % (2 * np.pi))
     with pytest.raises(BadInput, match="order tracking"):
         follow(TIME[:100], 50.0 * TIME[:100], TIME[:100])
+
+
+def test_steady_turning_is_told_from_standing_and_turning_back():
+    assert turns_steadily((5.0 * TIME) % (2 * np.pi))
+    assert turns_steadily((-5.0 * TIME) % (2 * np.pi))
+    assert not turns_steadily(np.zeros_like(TIME))
+    assert not turns_steadily(np.sin(TIME) + 0.5)
+    assert not turns_steadily((2.0 * np.arange(100)) % (2 * np.pi))  # 3 samples a turn
 
 
 def test_waterfall_shows_a_rising_frequency():

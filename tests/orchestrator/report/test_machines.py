@@ -128,6 +128,7 @@ def test_recurrence_of_a_periodic_motion_is_diagonal():
 def test_settings_of_the_analysis_that_do_not_exist_are_named():
     for analysis, meant in (
         ({"marks": ["outter"]}, "outer"), ({"recurrence": {"treshold": 1}}, "threshold"), ({"bearing": "beering"}, "bearing"),
+        ({"section": {"signal": "bearing.displacement_x", "angle": "bearing.cag_angle"}}, "cage_angle"),
     ):  # fmt: skip
         with pytest.raises(BadInput, match=meant):
             report.bearings.blocks(bearing_run(analysis))
@@ -147,6 +148,24 @@ def test_bearing_record_knows_rotation_and_frequencies():
     assert record.rate == pytest.approx(RATE)
     assert record.frequencies["outer"] == pytest.approx(JIS_6306["outer"], rel=1e-5)
     assert record.defects == ("outer",)
+
+
+def test_a_speed_that_changes_or_turns_back_has_no_frequencies():
+    result = bearing_run()
+    for shape in (1.0 + 0.2 * result.time, 1.0 - 1.0 * result.time, np.zeros_like(result.time)):
+        angle = np.cumsum(SPEED * shape) / RATE
+        result.columns |= {"bearing.inner_angle": angle % (2 * np.pi), "bearing.cage_angle": 0.4 * angle % (2 * np.pi)}
+        (record,) = bearings(result)
+        assert not record.frequencies
+        titles = set(figures(report.bearings.blocks(result)))
+        assert titles == {"Time history", "Amplitude spectrum", "Orbit and phase planes", "Recurrence"}
+
+
+def test_rotor_that_turns_back_is_shown_without_orders():
+    result = rotor_run(rate=-4.0)
+    assert set(figures(report.rotor.blocks(result))) == {
+        "Time history", "Amplitude spectrum at 191 rpm", "Orbits", "Forces of the bearings",
+    }  # fmt: skip
 
 
 def test_sources_are_found_through_wildcards():
