@@ -4,13 +4,9 @@ Everything here ends in the gap of each ball, the length by which the surfaces o
 perfect bearing; a bearing model subtracts it from its contact deformation. Ball j stands at angle + 2 pi j / Z, j = 0 ... Z - 1.
 
 How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, `settle` hands the kernels
-`race_waves(...)` and `smooth_pit(...)` in their place, and a kernel calls, with `gap` and `rate` of shape (Z,) filled beforehand,
-
-    add_waves(gap, rate, cage - inner, cage_speed - speed, inner_waves)         race fixed to the inner ring
-    add_waves(gap, rate, cage, cage_speed, outer_waves)                         race at rest
-    add_pit(gap, rate, cage - inner, cage_speed - speed, inner_pit)             a pit turns with its ring
-    add_pit(gap, rate, cage, cage_speed, outer_pit)
-    add_ball_pit(gap, rate, spin, spin_speed, ball_pit)                         meets the inner, half a turn later the outer race
+`race_waves(...)` and `smooth_pit(...)` in their place, and a kernel calls `add_faults` with `gap` and `rate`, (Z,), filled
+beforehand. What belongs to the inner ring turns with it, the outer ring is at rest, and a pit on a ball meets the inner race
+and half a turn of the ball later the outer one.
 
 `rate` gets the time derivative of the gap, for contact damping; hand over None where nobody asks for it. The angle `spin` is
 that of the ball against the cage and needs a state of its own: spin_speed = spin_ratio * speed with `BallGeometry.spin_ratio`,
@@ -142,3 +138,22 @@ def add_ball_pit(gap, rate, spin, speed, pit):
     gap[pit.ball] += inner_depth + outer_depth
     if rate is not None:
         rate[pit.ball] += (inner_slope + outer_slope) * speed
+
+
+@kernel
+def add_faults(gap, rate, angles, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+    """Waves and pits of a bearing added to gap (Z,) and, unless None, to rate (Z,).
+
+    angles: of the inner ring, of the cage and, with a pit on a ball, its spin.  p: has cage_ratio and spin_ratio.
+    """
+    inner, cage, cage_speed = angles[0], angles[1], p.cage_ratio * speed
+    if inner_waves is not None:
+        add_waves(gap, rate, cage - inner, cage_speed - speed, inner_waves)
+    if outer_waves is not None:
+        add_waves(gap, rate, cage, cage_speed, outer_waves)
+    if inner_pit is not None:
+        add_pit(gap, rate, cage - inner, cage_speed - speed, inner_pit)
+    if outer_pit is not None:
+        add_pit(gap, rate, cage, cage_speed, outer_pit)
+    if ball_pit is not None:
+        add_ball_pit(gap, rate, angles[2], p.spin_ratio * speed, ball_pit)

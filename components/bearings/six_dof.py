@@ -14,7 +14,7 @@ import numpy as np
 from ..core.kernels import NOT_FINITE, hold_inputs, kernel, kernel_tuple
 from .contacts import COS, ENERGY, GAP, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces
 from .film import CENTRAL_EXPONENT
-from .races import TWO_PI, add_ball_pit, add_pit, add_waves, wrapped
+from .races import TWO_PI, add_faults, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
 FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
@@ -63,8 +63,7 @@ def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float) -> C
 def place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
     """Directions and gaps of all balls into p.balls."""
     balls = p.balls
-    gap, cage, cage_speed = balls[:, GAP], x[1], p.cage_ratio * speed
-    c, s = math.cos(cage), math.sin(cage)
+    c, s = math.cos(x[1]), math.sin(x[1])
     film_thickness = 0.0
     if film is not None:
         film_thickness = (film.inner + film.outer) * abs(speed) ** CENTRAL_EXPONENT
@@ -72,16 +71,7 @@ def place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, bal
         balls[j, COS] = c * p.cosine[j] - s * p.sine[j]
         balls[j, SIN] = s * p.cosine[j] + c * p.sine[j]
         balls[j, GAP] = -film_thickness
-    if inner_waves is not None:
-        add_waves(gap, None, cage - x[0], cage_speed - speed, inner_waves)
-    if outer_waves is not None:
-        add_waves(gap, None, cage, cage_speed, outer_waves)
-    if inner_pit is not None:
-        add_pit(gap, None, cage - x[0], cage_speed - speed, inner_pit)
-    if outer_pit is not None:
-        add_pit(gap, None, cage, cage_speed, outer_pit)
-    if ball_pit is not None:
-        add_ball_pit(gap, None, x[2], p.spin_ratio * speed, ball_pit)
+    add_faults(balls[:, GAP], None, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
 
 
 @kernel

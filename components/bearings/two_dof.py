@@ -21,7 +21,7 @@ import numpy as np
 from ..core.integrators import rk4
 from ..core.kernels import DONE, NOT_CONVERGED, bind, kernel, kernel_tuple
 from .geometry import BallGeometry
-from .races import TWO_PI, add_ball_pit, add_pit, add_waves, wrapped
+from .races import TWO_PI, add_faults, wrapped
 
 SPEED, LOAD, TRANSVERSE_LOAD = range(3)
 X, Y, VELOCITY_X, VELOCITY_Y, ACCELERATION_X, ACCELERATION_Y, FORCE_X, FORCE_Y, MAX_LOAD, LOADED, INNER, CAGE = range(12)
@@ -100,22 +100,6 @@ def ring_speed(t, u, ramp):
 
 
 @kernel
-def add_faults(gap, rate, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
-    """Waviness and defects added to the gap (Z,) of every ball, and to `rate` (Z,), unless None, their time derivative."""
-    cage, cage_speed = x[5], p.cage_ratio * speed
-    if inner_waves is not None:
-        add_waves(gap, rate, cage - x[4], cage_speed - speed, inner_waves)
-    if outer_waves is not None:
-        add_waves(gap, rate, cage, cage_speed, outer_waves)
-    if inner_pit is not None:
-        add_pit(gap, rate, cage - x[4], cage_speed - speed, inner_pit)
-    if outer_pit is not None:
-        add_pit(gap, rate, cage, cage_speed, outer_pit)
-    if ball_pit is not None:
-        add_ball_pit(gap, rate, x[6], p.spin_ratio * speed, ball_pit)
-
-
-@kernel
 def fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
     """The gaps of all balls and, with contact damping, their rates, in p.balls."""
     radial = 0.0
@@ -126,9 +110,9 @@ def fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_p
     if damping is not None:
         for j in range(p.balls.shape[1]):
             p.balls[RATE, j] = 0.0
-        add_faults(p.balls[GAP], p.balls[RATE], x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+        add_faults(p.balls[GAP], p.balls[RATE], x[4:], speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
     else:
-        add_faults(p.balls[GAP], None, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+        add_faults(p.balls[GAP], None, x[4:], speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
 
 
 @kernel
