@@ -10,8 +10,10 @@ from . import (
     en50318_2002,
     en50318_2018,
     en50367,
+    friswell,
     hertz_textbook,
     iso16281,
+    jeffcott,
     lumped_catenary,
     lyapunov_sum,
     recurrence,
@@ -24,6 +26,6 @@ MODULES = (
     en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
     recurrence,
-    thermal_scaling,
+    thermal_scaling, friswell, jeffcott,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
