@@ -1,4 +1,4 @@
-"""Small linear units with exact steps, so that what a test measures is the coupling and nothing else.
+"""Small linear units with exact steps, so that what a test measures is the coupling alone; a bearing as tests start it.
 
 The units are the halves of two masses between springs and dampers,
 
@@ -9,9 +9,12 @@ cut so that the first gets the force f and the second, which owns the coupling s
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.linalg import expm
 
+from components.bearings.ball_bearing import BallBearing
 from components.core.component import Component
 from components.core.kernels import DONE, NOT_FINITE, hold_inputs
 from components.core.variables import input_, output, parameter
@@ -147,3 +150,15 @@ def exact_two_masses(t: float) -> np.ndarray:
     k1, kc, k2, c = 10.0, 100.0, 1000.0, 0.01
     A = np.array([[0, 1, 0, 0], [-k1 - kc, -2 * c, kc, c], [0, 0, 0, 1], [kc, c, -k2 - kc, -2 * c]])
     return expm(A * t) @ np.array([0.0, 100.0, 0.0, -100.0])
+
+
+RPM = 2.0 * math.pi / 60.0
+
+
+def ball_bearing(effects=(), parameters=None, rpm=1000.0, **inputs) -> BallBearing:
+    """The bearing with two degrees of freedom at a speed, with values of inputs, initialized."""
+    bearing = BallBearing(effects, parameters)
+    for name, value in {"speed": rpm * RPM, **inputs}.items():
+        bearing.set(name, value)
+    bearing.initialize(0.0)
+    return bearing

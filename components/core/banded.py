@@ -56,7 +56,8 @@ def banded_product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
 def factor_general(band):
     """Factor a general banded matrix in place.
 
-    band: (N, 2 w + 1), band[i, w + k] = A[i, i + k], zero beyond the matrix; afterwards L without its unit diagonal and U, 1 / U[i, i] at band[i, w].
+    band: (N, 2 w + 1), band[i, w + k] = A[i, i + k], zero beyond the matrix; afterwards L without its unit diagonal and U,
+    with 1 / U[i, i] at band[i, w].
     """
     n, w = band.shape[0], band.shape[1] // 2
     for i in range(n):

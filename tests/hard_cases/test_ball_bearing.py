@@ -12,20 +12,11 @@ from components.bearings.ball_bearing import BallBearing
 from components.bearings.dimensionless import dimensionless
 from components.bearings.two_dof import bearing_derivatives
 from components.core.errors import BadInput, StepFailed
-
-RPM = 2.0 * math.pi / 60.0
-
-
-def started(effects=(), parameters=None, rpm=1000.0, **inputs):
-    bearing = BallBearing(effects, parameters)
-    for name, value in {"speed": rpm * RPM, **inputs}.items():
-        bearing.set(name, value)
-    bearing.initialize(0.0)
-    return bearing
+from tests.support import RPM, ball_bearing
 
 
 def with_gap(micrometres, rpm=1000.0, **inputs):
-    return started(["clearance"], {"clearance.radial_clearance": 1e-6 * micrometres}, rpm, **inputs)
+    return ball_bearing(["clearance"], {"clearance.radial_clearance": 1e-6 * micrometres}, rpm, **inputs)
 
 
 def run(bearing, duration, h=1e-3):
@@ -38,7 +29,7 @@ def run(bearing, duration, h=1e-3):
 
 
 def test_zero_clearance_is_no_clearance():
-    zero, off = with_gap(0.0), started()
+    zero, off = with_gap(0.0), ball_bearing()
     run(zero, 0.1)
     run(off, 0.1)
     assert zero.y.tobytes() == off.y.tobytes()
@@ -56,7 +47,7 @@ def test_preload_needs_no_load(micrometres):
 
 
 def test_one_ball_on_the_line_of_the_load_carries_it():
-    bearing = started(["clearance"], {"balls": 1}, rpm=0.0)
+    bearing = ball_bearing(["clearance"], {"balls": 1}, rpm=0.0)
     seen = run(bearing, 0.1)
     x = 10e-6 + (196.0 / 1.334e10) ** (2.0 / 3.0)
     np.testing.assert_allclose(seen["displacement_x"], x, rtol=1e-12)  # the start is the equilibrium, to rounding
@@ -66,7 +57,7 @@ def test_one_ball_on_the_line_of_the_load_carries_it():
 @pytest.mark.parametrize("balls", [1, 2])
 def test_balls_that_cannot_carry_the_load_let_the_shaft_fall(balls):
     """No ball in the load's direction: no equilibrium, and a start in the middle says so by falling."""
-    bearing = started(["clearance"], {"balls": balls, "start_cage_angle": 0.5 * math.pi}, rpm=0.0)
+    bearing = ball_bearing(["clearance"], {"balls": balls, "start_cage_angle": 0.5 * math.pi}, rpm=0.0)
     assert (bearing["displacement_x"], bearing["displacement_y"]) == (0.0, 0.0)
     seen = run(bearing, 0.02)
     assert seen["displacement_x"][-1] > 100e-6
@@ -74,7 +65,7 @@ def test_balls_that_cannot_carry_the_load_let_the_shaft_fall(balls):
 
 
 def test_a_single_turning_ball_hits_and_lets_go():
-    bearing = started(["clearance"], {"balls": 1, "damping": 2e4}, rpm=3000.0)
+    bearing = ball_bearing(["clearance"], {"balls": 1, "damping": 2e4}, rpm=3000.0)
     seen = run(bearing, 0.2)
     assert set(np.unique(seen["loaded_balls"])) == {0.0, 1.0}
     assert seen["max_ball_load"].min() == 0.0
@@ -83,7 +74,7 @@ def test_a_single_turning_ball_hits_and_lets_go():
 def test_free_flight_is_ballistic_to_rounding():
     """No ball in contact: x = x0 + v t + W t² / (2 m), which the method integrates exactly."""
     start = {"x": 3e-3, "y": -2e-3, "velocity_x": -0.4, "velocity_y": 0.3}
-    bearing = started(["clearance", "given_start"], {"clearance.radial_clearance": 2.0, "damping": 0.0,
+    bearing = ball_bearing(["clearance", "given_start"], {"clearance.radial_clearance": 2.0, "damping": 0.0,
                                                      **{f"given_start.{n}": v for n, v in start.items()}}, rpm=3000.0)
     seen = run(bearing, 0.5)
     t = 1e-3 * np.arange(1, 501)
@@ -115,9 +106,9 @@ def test_the_exponent_at_zero():
 @pytest.mark.parametrize("effect", ["inner_defect", "outer_defect", "ball_defect"])
 def test_a_pit_narrower_than_a_step_is_refused(effect):
     with pytest.raises(BadInput, match=r"substep = 5e-05 .*at most .*Reduce substep or widen the defect"):
-        started([effect], {f"{effect}.width": 1e-3}, rpm=3000.0)
-    started([effect], {f"{effect}.width": 1e-3}, rpm=0.0)  # at rest nothing passes it
-    started([effect], {f"{effect}.width": 1e-3, "substep": 1e-7}, rpm=-3000.0)
+        ball_bearing([effect], {f"{effect}.width": 1e-3}, rpm=3000.0)
+    ball_bearing([effect], {f"{effect}.width": 1e-3}, rpm=0.0)  # at rest nothing passes it
+    ball_bearing([effect], {f"{effect}.width": 1e-3, "substep": 1e-7}, rpm=-3000.0)
 
 
 def test_steps_become_shorter_where_the_speed_outgrows_a_pit():
@@ -125,7 +116,7 @@ def test_steps_become_shorter_where_the_speed_outgrows_a_pit():
     pit, effects = {"outer_defect.width": 0.005, "outer_defect.depth": 3e-6}, ("clearance", "outer_defect")
 
     def displacement(effects, parameters):
-        bearing = started(effects, parameters, rpm=0.0)
+        bearing = ball_bearing(effects, parameters, rpm=0.0)
         bearing.set("speed", 400.0)
         return run(bearing, 0.1)["displacement_x"], bearing.work["steps"]
 
@@ -141,7 +132,7 @@ def test_steps_become_shorter_where_the_speed_outgrows_a_pit():
 
 def test_steps_become_shorter_along_a_ramp():
     ramp = {"speed_ramp.acceleration": 4e3, "speed_ramp.duration": 0.1, "outer_defect.width": 0.005}
-    bearing = started(["outer_defect", "speed_ramp"], ramp, rpm=0.0)
+    bearing = ball_bearing(["outer_defect", "speed_ramp"], ramp, rpm=0.0)
     done = [0]
     for k in range(150):
         bearing.step(k * 1e-3, 1e-3)
@@ -172,7 +163,8 @@ def test_reversed_speed_is_the_mirror_image():
 def test_ten_million_steps_do_not_drift_the_angle():
     """Against the angle in extended precision. Each step rounds once, at most half a unit of 2 pi: 4.4e-16 rad."""
     speed, h, steps = 314.159, 1e-5, 1000
-    bearing = started(["clearance"], {"balls": 1, "clearance.radial_clearance": 1.0, "substep": h}, rpm=speed / RPM, load=0.0)
+    alone = {"balls": 1, "clearance.radial_clearance": 1.0, "substep": h}
+    bearing = ball_bearing(["clearance"], alone, rpm=speed / RPM, load=0.0)
     for k in range(10_000):
         bearing.step(k * steps * h, steps * h)
     assert bearing.work["steps"] == 10_000_000
@@ -207,7 +199,7 @@ def by_weight(mass, stiffness):
     faster = factor**-0.5  # of the frequencies, sqrt(W / (m x_s)), with the load the weight of the mass in both
     parameters = {"mass": mass, "contact_stiffness": stiffness, "clearance.radial_clearance": 20e-6 * factor,
                   "damping": large["damping"] * mass / 20.0 * faster, "substep": large["substep"] / faster}
-    return started(["clearance"], parameters, rpm=3000.0 * faster, load=load), END / faster
+    return ball_bearing(["clearance"], parameters, rpm=3000.0 * faster, load=load), END / faster
 
 
 @pytest.fixture(scope="module")
@@ -246,11 +238,11 @@ def test_tiny_mass_on_a_huge_stiffness():
     """1 mg on 1e14 N/m^1.5: refused above its stable step, and one motion in both forms below it."""
     light = {"mass": 1e-6, "contact_stiffness": 1e14, "damping": 1e-3, "clearance.radial_clearance": 1e-8}
     with pytest.raises(BadInput, match="substep"):
-        started(["clearance"], light, load=1.0)
+        ball_bearing(["clearance"], light, load=1.0)
     limit = BallBearing(["clearance"], light | {"substep": 1e-9})
     limit.set("load", 1.0)
     light["substep"] = 0.05 * limit.stable_step()
-    bearing = started(["clearance"], light, rpm=60000.0, load=1.0)
+    bearing = ball_bearing(["clearance"], light, rpm=60000.0, load=1.0)
     other, by = dimensionless(bearing)
     other.initialize(0.0)
     h = 100.0 * light["substep"]

@@ -9,8 +9,8 @@ from components.bearings.ball_bearing import BallBearing
 from components.bearings.dimensionless import dimensionless, scales
 from components.bearings.two_dof import bearing_derivatives, elastic_force
 from components.core.errors import BadInput
+from tests.support import RPM, ball_bearing
 
-RPM = 2.0 * math.pi / 60.0
 MICRO = 1e-6
 ALL = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_waviness", "inner_defect", "outer_defect",
        "ball_defect", "load_variation", "speed_ramp")
@@ -21,16 +21,8 @@ DEFECTS = {"inner_defect.width": 0.5, "outer_defect.width": 0.6, "inner_defect.p
            "ball_defect.ball": 3}
 
 
-def started(effects=(), parameters=None, rpm=1000.0, **inputs):
-    bearing = BallBearing(effects, parameters)
-    for name, value in {"speed": rpm * RPM, **inputs}.items():
-        bearing.set(name, value)
-    bearing.initialize(0.0)
-    return bearing
-
-
 def with_clearance(micrometres, rpm=1000.0, **parameters):
-    return started(["clearance"], {"clearance.radial_clearance": micrometres * MICRO, **parameters}, rpm)
+    return ball_bearing(["clearance"], {"clearance.radial_clearance": micrometres * MICRO, **parameters}, rpm)
 
 
 def run(bearing, duration, h=1e-3):
@@ -95,7 +87,7 @@ def slow_derivatives(bearing, t, x):
 def test_the_equations_are_those_of_the_docstring(effects):
     parameters = WAVES | DEFECTS | {"unbalance.phase": 0.4, "contact_damping.coefficient": 2.0}
     given = {n: v for n, v in parameters.items() if n.partition(".")[0] in effects}
-    bearing = started(effects, given, transverse_load=30.0)
+    bearing = ball_bearing(effects, given, transverse_load=30.0)
     rng, dx = np.random.default_rng(5), np.empty(bearing.x.size)
     for _ in range(200):
         x = np.concatenate((rng.normal(size=2) * 2e-5, rng.normal(size=2) * 0.05, rng.uniform(0.0, 6.28, bearing.x.size - 4)))
@@ -108,7 +100,7 @@ def test_the_equations_are_those_of_the_docstring(effects):
 @pytest.mark.parametrize("effects", [(), ("clearance",), ALL], ids=["none", "clearance", "all"])
 def test_dimensional_and_dimensionless_are_the_same_trajectory(effects):
     given = {n: v for n, v in (WAVES | DEFECTS).items() if n.partition(".")[0] in effects}
-    bearing = started(effects, given, transverse_load=10.0)
+    bearing = ball_bearing(effects, given, transverse_load=10.0)
     other, by = dimensionless(bearing)
     other.initialize(0.0)
     assert other.constants()[:3] == pytest.approx((1.0, bearing["damping"] / (bearing["mass"] / by.time), 1.0), rel=1e-14)
@@ -142,7 +134,7 @@ def test_scales_of_the_published_set():
 
 @pytest.mark.parametrize(("cage", "expected"), [(0.0, 3.9937e-6), (math.pi / 8.0, 4.0213e-6)])
 def test_static_deflection_without_clearance(cage, expected):
-    bearing = started(parameters={"start_cage_angle": cage})
+    bearing = ball_bearing(parameters={"start_cage_angle": cage})
     assert bearing["displacement_x"] == pytest.approx(expected, rel=2e-5)  # five printed digits
     assert bearing["displacement_y"] == pytest.approx(0.0, abs=1e-18)
     assert bearing["force_x"] == pytest.approx(-196.0, rel=1e-12)  # on the shaft, against a load along +x
@@ -159,7 +151,7 @@ def test_radial_clearance_is_half_the_diametral_one():
 
 @pytest.mark.parametrize(("cage", "along", "across"), [(0.0, 305.3, 206.4), (math.pi / 8.0, 304.3, 260.7)])
 def test_linearised_frequencies_without_clearance(cage, along, across):
-    bearing = started(parameters={"start_cage_angle": cage})
+    bearing = ball_bearing(parameters={"start_cage_angle": cage})
     _, _, kxx, _, kyy = elastic_force(bearing.x, bearing.settled[0])
     found = [math.sqrt(k / bearing["mass"]) / (2.0 * math.pi) for k in (kxx, kyy)]
     assert found == pytest.approx((along, across), rel=2e-4)  # four printed digits
@@ -174,7 +166,7 @@ def test_stiffness_across_the_load_with_clearance():
 
 def test_energy_changes_by_the_power_of_load_and_damping():
     """dE/dt = W v_x - c v² at random states of a bearing that does not turn: no integration, so nothing to excuse."""
-    bearing = started(["clearance"], rpm=0.0)
+    bearing = ball_bearing(["clearance"], rpm=0.0)
     rng, dx = np.random.default_rng(3), np.empty(6)
     for _ in range(50):
         bearing.x[:4] = np.concatenate((rng.normal(size=2) * 2e-5, rng.normal(size=2) * 0.01))
@@ -210,7 +202,7 @@ def test_order_of_convergence():
 def test_restitution_of_the_contact_damping():
     """Hunt and Crossley chose their law so that a slow impact at speed v returns with 1 - k v of it."""
     k, v = 0.2, 0.05
-    bearing = started(
+    bearing = ball_bearing(
         ["clearance", "contact_damping", "given_start"],
         {"balls": 1, "damping": 0.0, "clearance.radial_clearance": 50e-6, "contact_damping.coefficient": k, "substep": 1e-6,
          "given_start.velocity_x": v},
@@ -222,7 +214,7 @@ def test_restitution_of_the_contact_damping():
 
 
 def test_contacts_with_strong_damping_never_pull():
-    bearing = started(["clearance", "contact_damping"], {"contact_damping.coefficient": 1e4, "substep": 1e-6})
+    bearing = ball_bearing(["clearance", "contact_damping"], {"contact_damping.coefficient": 1e4, "substep": 1e-6})
     loads = run(bearing, 0.02, 1e-5)[:, bearing.outputs.index("max_ball_load")]
     assert loads.min() >= 0.0
     assert loads.max() > 0.0
@@ -230,7 +222,7 @@ def test_contacts_with_strong_damping_never_pull():
 
 def test_angles_follow_a_ramp():
     ramp = {"speed_ramp.acceleration": 50.0, "speed_ramp.duration": 0.2}
-    bearing = started(["speed_ramp"], ramp, rpm=0.0)
+    bearing = ball_bearing(["speed_ramp"], ramp, rpm=0.0)
     run(bearing, 0.5)
     turned = 0.5 * 50.0 * 0.2**2 + 10.0 * 0.3
     assert bearing["inner_angle"] == pytest.approx(turned % (2.0 * math.pi), rel=1e-12)  # roundings of 10^4 steps
@@ -239,7 +231,7 @@ def test_angles_follow_a_ramp():
 
 def test_a_slope_of_the_speed_is_a_ramp():
     """The angle comes from the input's polynomial, not from its value at the start of a step."""
-    bearing = started(rpm=0.0)
+    bearing = ball_bearing(rpm=0.0)
     bearing.u[:, bearing.inputs.index("speed")] = 3.0, 50.0, -20.0
     bearing.step(0.0, 0.1)
     assert bearing["inner_angle"] == pytest.approx(3.0 * 0.1 + 25.0 * 0.01 - 20.0 * 1e-3 / 3.0, rel=1e-13)  # integral of it
@@ -247,7 +239,7 @@ def test_a_slope_of_the_speed_is_a_ramp():
 
 def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     """Preload makes the bearing nearly linear: the orbit is the circle m e w² / (k - m w²), by the linearised stiffness."""
-    bearing = started(["clearance", "unbalance"], {"clearance.radial_clearance": -20e-6, "unbalance.eccentricity": 1e-6,
+    bearing = ball_bearing(["clearance", "unbalance"], {"clearance.radial_clearance": -20e-6, "unbalance.eccentricity": 1e-6,
                                                    "damping": 3e4}, rpm=3000.0, load=0.0)
     _, _, kxx, kxy, kyy = elastic_force(bearing.x, bearing.settled[0])
     assert (kxy, kyy) == pytest.approx((0.0, kxx), abs=1e-9 * kxx)
@@ -270,7 +262,7 @@ def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
 )  # fmt: skip
 def test_waves_of_a_race_shake_the_shaft_at_the_known_lines(ring, order, line):
     """Wardle's rule: radial motion comes from orders i Z ± 1; preload makes the bearing so linear that no other line shows."""
-    bearing = started(
+    bearing = ball_bearing(
         ["clearance", f"{ring}_waviness"],
         {"clearance.radial_clearance": -20e-6, "damping": 2e4, f"{ring}_waviness.order[1]": order,
          f"{ring}_waviness.amplitude[1]": 1e-8},
@@ -291,7 +283,7 @@ def test_waves_of_a_race_shake_the_shaft_at_the_known_lines(ring, order, line):
 
 @pytest.mark.parametrize("ring", ["inner", "outer"])
 def test_waves_as_many_as_balls_do_not_shake_the_shaft(ring):
-    bearing = started(
+    bearing = ball_bearing(
         ["clearance", f"{ring}_waviness"],
         {"clearance.radial_clearance": -20e-6, f"{ring}_waviness.order[1]": 8, f"{ring}_waviness.amplitude[1]": 1e-6},
         rpm=1800.0, load=0.0,

@@ -76,8 +76,8 @@ FACTS: dict[str, Facts] = {
         form=frozenset({"oil_flow.inlet_temperature"}),
     ),
     "DeepGrooveBearing": Facts(
-        plain=(("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction", "thermal_growth"),
-               {"diametral_clearance": 5e-6}, 20),
+        plain=(("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction",
+                "thermal_growth"), {"diametral_clearance": 5e-6}, 20),
         disturbance={"x": 2e-5, "y": -1e-5, "tilt_x": 1e-4, "velocity_x": 1e-3, "tilt_rate_y": 1e-2, "speed": 30.0},
         strengths={
             "damping.factor": ({}, 1e-8),
