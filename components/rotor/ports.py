@@ -7,6 +7,25 @@ a macro step the rotor solves with this line, so that a stiff bearing is as good
 long the step; the bearing need not pass directional derivatives. What the master extrapolates in time are F_0, K and C,
 which change as balls pass and as the line follows a curved law: the motion itself is counted once. In the first sweeps of a
 master each initialization is a step of Newton's method. With K = C = 0 and F_0 the load this is plain force coupling.
+
+Measured: a rotor of 0.6 m with a disk of 8 kg at 500 rad/s on two deep groove bearings with damping d = 25 us * stiffness,
+substep 10 us; largest error of the journals' motion over its range, after the start, for macro steps in us.
+
+    diametral clearance 10 um                 20      50     100     200     500    1000
+    tangent, bearings first, linear       0.10 %  0.26 %  0.92 %     9 %    70 %   110 %
+    tangent, jacobi, held                 0.46 %   1.0 %   2.7 %     8 %    49 %   110 %
+    tangent, jacobi, linear               0.16 %   1.1 %   8.4 %  unstable from here on
+    force, jacobi or sequential, linear   0.37 %  unstable from here on
+    force, jacobi, held                    7.1 %  unstable from here on
+    preload of 10 um
+    tangent, bearings first, linear         5e-6    5e-6    6e-6    8e-6    2e-5    2e-4
+    tangent, jacobi, linear                 5e-6    5e-6    6e-6    2e-5    3e-4    1e-3
+    force, jacobi, linear                 unstable at 20 us already
+
+Where balls lose contact the macro step must resolve their passing, here 3.5 ms from ball to ball; where they do not, it need
+not even do that. Plain coupling with held forces is stable below 2 d/k (measured for a linear spring-damper of 1e8 N/m
+and d/k = 10 us: up to 1.0 times that, not at 1.1), without damping never; it also needs a spectral radius below 1 (0.8 above).
+With a linear bearing the tangent coupling has no limit: 1e9 N/m at steps of 2 ms give the motion of supports in the rotor.
 """
 
 from __future__ import annotations

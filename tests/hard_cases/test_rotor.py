@@ -11,6 +11,10 @@ from components.core.errors import StepFailed
 from components.rotor.beam import BeamRotor
 from components.rotor.jeffcott import JeffcottRotor
 from components.rotor.modal import critical_speeds, eigenvalues, modes
+from orchestrator.run import run
+from orchestrator.scene import load_scene, read_scene
+
+from .linear_bearing import MOTION
 
 FRISWELL = ("gyroscopic", "disks", "linear_supports")
 SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in (1, 2)}
@@ -185,3 +189,74 @@ def test_an_undamped_jeffcott_rotor_at_its_critical_speed_grows_with_time():
     rotor.step(0.0, 2.0)
     # beside the growing term stands one that does not grow, of e / 2
     assert math.hypot(rotor["x"], rotor["y"]) == pytest.approx(0.5 * 1e-5 * 100.0 * 2.0, abs=1e-5)
+
+
+# -- coupling with bearings in units of their own ----------------------------------------------------------------------
+TIME_CONSTANT = 1e-5  # s, damping over stiffness of the linear bearings
+
+
+def coupled(step, tangent, extrapolation=0, stiffness=1e8, substep=1e-5, steps=200):
+    """A rotor on two spring-dampers as units of their own, Jacobi; it starts straight under a sudden unbalance."""
+    rotor = {"component": "BeamRotor", "effects": ["disks", "gyroscopic", "unbalance", "bearing_a", "bearing_b"],
+             "parameters": {"substep": substep}}
+    bearing = {"component": "tests.hard_cases.linear_bearing:LinearBearing", "effects": ["tangent"] * tangent,
+               "parameters": {"k": stiffness, "d": stiffness * TIME_CONSTANT}}
+    connections = [f"rotor.bearing_{p}.{n} -> {p}.{n}" for p in "ab" for n in MOTION]
+    names = ["force_x", "force_y"]
+    names += [f"{n}[{k}]" for n in ("stiffness", "damping") for k in range(1, 26)] if tangent else []
+    connections += [f"{p}.{'tangent.' * tangent}{n} -> rotor.bearing_{p}.{n}" for p in "ab" for n in names]
+    return run(read_scene({
+        "title": "Rotor on two spring-dampers", "stop_time": steps * step, "connections": connections,
+        "units": {"rotor": rotor, "a": bearing, "b": bearing},
+        "master": {"algorithm": "jacobi", "step": step, "extrapolation": extrapolation},
+        "record": {"signals": ["rotor.x", "rotor.y", "rotor.bearing_a.x"]},
+    }), in_process=True)
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.9, True), (1.2, False)])
+def test_plain_force_coupling_ends_at_twice_the_time_constant_of_the_bearing(share, stable):
+    """Held forces: H < 2 d/k; the other limit, 2 m/d, is that of the end node's 0.2 kg or more: 400 us."""
+    result = coupled(share * 2.0 * TIME_CONSTANT, tangent=False, substep=2e-6, steps=5000)
+    grown = result.outcome != "done" or np.abs(result.columns["rotor.bearing_a.x"]).max() > 1e-3
+    assert grown != stable
+
+
+@pytest.mark.parametrize("extrapolation", [0, 1, 2])
+@pytest.mark.parametrize("stiffness", [1e8, 1e9])
+def test_tangent_coupling_is_the_monolithic_rotor_at_any_macro_step(stiffness, extrapolation):
+    """A hundred times the plain coupling's limit, with the result of supports inside the rotor."""
+    step = 200.0 * TIME_CONSTANT
+    result = coupled(step, True, extrapolation, stiffness)
+    inside = {f"linear_supports.{n}_{axis}[{k}]": v for axis in "xy" for k in (1, 2)
+              for n, v in (("stiffness", stiffness), ("damping", stiffness * TIME_CONSTANT))}
+    rotor = started(("disks", "gyroscopic", "unbalance", "linear_supports"), substep=1e-5, **inside)
+    for k in range(200):
+        rotor.step(k * step, step)
+    # the same matrix, but for the order of additions: rounding of 1e9 N/m beside 1e8 N/m over 40 000 steps
+    assert result.columns["rotor.x"][-1] == pytest.approx(rotor["x"], rel=1e-6)
+    assert result.columns["rotor.y"][-1] == pytest.approx(rotor["y"], rel=1e-6)
+
+
+def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
+    """Two and four times the limit 2 d/k = 50 us of plain coupling; the tangent's error there is below 3 and 15 per cent."""
+    effects = ["gyroscopic", "disks", "unbalance", "gravity", "linear_supports", "bearing_a", "bearing_b"]
+    constant = {"units.rotor.effects": effects, "stop_time": 0.3,
+                "record": {"signals": ["rotor.bearing_a.x", "rotor.bearing_a.y"]}}
+    scene = load_scene("rotor-run-up")
+    parameters = {n: v for n, v in scene.units["rotor"].parameters.items() if not n.startswith("run_up")}
+    constant["units.rotor.parameters"] = parameters | {"start_speed": 500.0, "substep": 1e-5}
+    tangent = scene.with_changes(constant)
+    reference = run(tangent.with_changes({"master.step": 2e-5}), in_process=True)
+    size = np.ptp(reference.columns["rotor.bearing_a.y"])
+    for step, tolerance in ((1e-4, 0.03), (2e-4, 0.15)):
+        result = run(tangent.with_changes({"master.step": step}), in_process=True)
+        expected = np.interp(result.time, reference.time, reference.columns["rotor.bearing_a.y"])
+        difference = np.abs(result.columns["rotor.bearing_a.y"] - expected)[result.time > 0.1]  # after the start, from rest
+        assert difference.max() <= tolerance * size, step
+    sides = {"rotor.bearing_a": "left", "rotor.bearing_b": "right"}
+    plain = tangent.with_changes({
+        "connections": [c for port, side in sides.items() for c in (f"{port}.* -> {side}.*", f"{side}.* -> {port}.*")],
+        "units.left.effects": ["damping"], "units.right.effects": ["damping"], "units.rotor.parameters.start_fall": 1e-5,
+        "master.step": 1e-4,
+    })
+    assert run(plain, in_process=True).outcome != "done"
