@@ -260,3 +260,22 @@ def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
         "master.step": 1e-4,
     })
     assert run(plain, in_process=True).outcome != "done"
+
+
+@pytest.mark.parametrize("disk", [0.3, 0.57])
+@pytest.mark.parametrize("clearance", [-10e-6, 0.0, 10e-6, 60e-6, 190e-6])
+def test_a_rotor_that_only_its_bearings_hold_finds_its_place(clearance, disk):
+    """From no contact at all into the balls, within the master's sweeps: the bearings' forces carry the weight."""
+    result = run(load_scene("rotor-run-up").with_changes({
+        "stop_time": 1e-4, "units.left.parameters.diametral_clearance": clearance,
+        "units.right.parameters.diametral_clearance": clearance, "units.rotor.parameters.disks.position": [disk, 0.0],
+        "record": {"signals": ["left.force_x", "left.force_y", "right.force_x", "right.force_y"]},
+    }), in_process=True)
+    assert result.info["counters"]["master"]["initial_sweeps"] <= 20
+    left, right = ([result.columns[f"{side}.force_{axis}"][0] for axis in "xy"] for side in ("left", "right"))
+    shaft = 7810.0 * math.pi / 4.0 * 0.03**2 * 0.6 * 9.81
+    disk_weight = 8.0 * 9.81
+    # what the master leaves over of its residual of 1e-9 and less
+    assert left[1] + right[1] == pytest.approx(shaft + disk_weight, rel=1e-6)
+    assert left[0] + right[0] == pytest.approx(0.0, abs=1e-6 * disk_weight)
+    assert right[1] - left[1] == pytest.approx(disk_weight * (disk - 0.3) / 0.25, abs=0.05 * disk_weight)  # but for moments
