@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from ..core.banded import add_product
+from ..core.banded import add_product, factor_general, solve_general
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE
 from ..core.variables import input_, output, parameter
 from .elements import Disk, circular_section, solid_disk
-from .integration import advance_rotor, make_solver, rotor_outputs
+from .integration import add_imbalance, advance_rotor, make_solver, rotor_outputs
 from .model import (
     DOFS,
     HALF,
@@ -28,7 +28,7 @@ from .model import (
     turned,
 )
 from .ports import Bearing
-from .spin import TURN, RunUp, speed_at
+from .spin import TURN, RunUp, acceleration_at, speed_at
 from .statics import equilibrium
 
 MAX_DISKS = 4
@@ -165,8 +165,14 @@ class BeamRotor(Component):
             stiffness = stiffness + speed_at(t, p.start_speed, run_up) * self._circulatory
         load = self._load.copy()
         load[self._watched : self._watched + 2] += self.u[0, :2]
-        q = equilibrium(stiffness, load, self._ports, self.u, p.start_fall)
-        self.x = np.concatenate((q, np.zeros(2 * q.size), [p.start_angle % TURN]))
+        q, force = equilibrium(stiffness, load, self._ports, self.u, p.start_fall)
+        angle, speed = p.start_angle % TURN, speed_at(t, p.start_speed, run_up)
+        if self._imbalance is not None:
+            add_imbalance(angle, speed, acceleration_at(t, p.start_speed, run_up), self._imbalance, force)
+        factors = self._mass.copy()
+        factor_general(factors)
+        solve_general(factors, force)  # the acceleration: a method with a spectral radius below 1 begins with it
+        self.x = np.concatenate((q, np.zeros(q.size), force, [angle]))
         self._substep, self._step_length = p.substep, math.nan
         return DONE
 
@@ -176,16 +182,22 @@ class BeamRotor(Component):
         if p.inner_diameter >= p.outer_diameter:
             came = f"inner_diameter = {p.inner_diameter:g} m"
             raise BadInput(self.name, came, f"less than the outer diameter of {p.outer_diameter:g} m")
-        bearings = [(b, n) for b, n in zip(bearings, ("bearing_a", "bearing_b"), strict=True) if b is not None]
-        present = [] if disks is None else [k for k in range(MAX_DISKS) if disks.mass[k] + disks.diametral_inertia[k] > 0.0]
+        bearings = [b for b in bearings if b is not None]
+        present: list[int] = []
+        if disks is not None:
+            present = np.flatnonzero(disks.mass + disks.polar_inertia + disks.diametral_inertia).tolist()
+        if unbalance is not None and (lost := set(np.flatnonzero(unbalance.moment).tolist()) - set(present)):
+            k = min(lost) + 1
+            raise BadInput(self.name, f"unbalance.moment[{k}] without disk {k}", "an unbalance at a disk",
+                           f"Give disks.mass[{k}], or set the unbalance to 0.")
 
         def places(positions, what: str) -> list[float]:
             return checked_positions(positions, p.length, self.name, what)
 
         fixed = places([p.watched_position], "watched_position")
-        fixed += places([disks.position[k] for k in present], "a disk") if present else []
+        fixed += places([disks.position[k] for k in present], "a disk")
         fixed += places(supports.position, "a support") if supports is not None else []
-        fixed += places([b.position for b, _ in bearings], "a bearing")
+        fixed += places([b.position for b in bearings], "a bearing")
         nodes = node_positions(p.length, fixed, p.element)
         section = circular_section(p.outer_diameter, p.inner_diameter, p.youngs_modulus, p.shear_modulus, p.density)
         shaft = assemble_shaft(section, nodes)
@@ -217,7 +229,7 @@ class BeamRotor(Component):
         if unbalance is not None:
             rows = [(DOFS * node, unbalance.moment[k], unbalance.phase[k]) for k, node in at.items()]
             self._imbalance = np.array(rows).reshape(-1, 3)
-        ports = [(nearest_node(nodes, b.position), b.u, b.y) for b, _ in bearings]
+        ports = [(nearest_node(nodes, b.position), b.u, b.y) for b in bearings]
         self._ports = np.array(ports, dtype=np.int64).reshape(-1, 3)
         self._watched = DOFS * nearest_node(nodes, p.watched_position)
 

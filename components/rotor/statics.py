@@ -39,21 +39,24 @@ def solve_static(stiffness: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, b
     return (q if held else first), held
 
 
-def equilibrium(stiffness: np.ndarray, load: np.ndarray, ports: np.ndarray, u: np.ndarray, fall: float) -> np.ndarray:
-    """Displacements under a constant load and the ports' loads, (N,).
+def equilibrium(
+    stiffness: np.ndarray, load: np.ndarray, ports: np.ndarray, u: np.ndarray, fall: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements under a constant load and the ports' loads, and the forces that are left there, (N,) each.
 
     A shaft that nothing holds is straight; where it has ports it is moved by `fall`, m, along the constant load.
     stiffness: (N, 15).  load: (N,).  ports: (k, 3) node, first input, first output.  u: (3, m) inputs.
     """
     tangents = np.zeros((len(ports), 2, DOFS, DOFS))
     follow_tangents(0.0, ports, u, tangents)
-    band, total, still = stiffness.copy(), load.copy(), np.zeros_like(load)
+    band, total = stiffness.copy(), load.copy()
     add_tangents(ports, tangents, 1.0, 0.0, band)
     add_loads(0.0, ports, u, total)
     q, held = solve_static(band, total)
-    if held:
-        return q
-    weight = load.reshape(-1, DOFS)[:, :2].sum(axis=0)
-    if len(ports) and weight.any():
-        still.reshape(-1, DOFS)[:, :2] = fall / np.hypot(*weight) * weight
-    return still
+    if not held:
+        q[:] = 0.0
+        weight = load.reshape(-1, DOFS)[:, :2].sum(axis=0)
+        if len(ports) and weight.any():
+            q.reshape(-1, DOFS)[:, :2] = fall / np.hypot(*weight) * weight
+    add_product(band, -q, total)
+    return q, total

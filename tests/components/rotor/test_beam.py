@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from components.core.errors import BadInput
 from components.rotor.beam import BeamRotor
 from components.rotor.modal import modes
 
@@ -66,6 +67,17 @@ def test_order_in_time_is_two(radius):
     assert errors[-1] < 1e-3 * np.abs(exact[0::4]).max()
 
 
+def test_the_first_acceleration_is_that_of_the_unbalance_that_sets_in():
+    """A method with a spectral radius below 1 begins with it: M a = U w² (cos, sin), everything else is in equilibrium."""
+    rotor = started((*FRISWELL, "unbalance", "gravity", "internal_damping"), start_speed=150.0, start_angle=0.8)
+    m = rotor.matrices()
+    N = m.mass.shape[0]
+    force = m.mass @ rotor.x[2 * N : 3 * N]
+    expected = np.zeros(N)
+    expected[8:10] = 1e-3 * 150.0**2 * math.cos(0.8), 1e-3 * 150.0**2 * math.sin(0.8)
+    np.testing.assert_allclose(force, expected, atol=1e-6)  # N; rounding of 1e9 N/m times the sag of 1 mm
+
+
 def test_energy_is_kept_without_damping():
     """The midpoint rule keeps a quadratic energy, gyroscopic forces do no work: rounding of 20 000 steps."""
     rotor = started((*FRISWELL, "gravity"), start_speed=500.0)
@@ -104,6 +116,11 @@ def test_a_free_rotor_keeps_its_momenta():
     assert np.abs(rotor.x[N : 2 * N]).max() > 1e-4  # it whirls
     # the elastic forces of the stiffest mode, 1e10 N/m times 1e-5 m, cancel to rounding: 1e-11 N over 0.5 s
     np.testing.assert_allclose(momenta(), before, atol=1e-7 * scale)
+
+
+def test_an_unbalance_without_its_disk_is_refused():
+    with pytest.raises(BadInput, match=r"unbalance.moment\[3\] without disk 3"):
+        started(("disks", "unbalance"), **{"unbalance.moment[3]": 1e-3})
 
 
 def test_sag_is_that_of_beam_theory():
