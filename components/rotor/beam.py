@@ -103,7 +103,10 @@ class BeamRotor(Component):
 
     with G the gyroscopic and H the circulatory matrix (internal damping). Speed and angle are imposed; in a run-up the
     driving torque is taken to act about each section's own axis, so that it needs no term here. Without supports and
-    bearings the rotor is free. Time integration: generalised-alpha, one banded factorisation a speed and tangent.
+    bearings the rotor is free. Time integration: generalised-alpha, one banded factorisation a speed and tangent; with 20
+    elements 2.4 us a substep, 9 us with a new speed or tangent. The midpoint rule shifts a frequency by (w h)²/12: the substep
+    of 20 us resolves the journals' motion on rolling bearings (0.9 % of it with a macro step of 100 us, 2.6 % with a substep of
+    50 us, 8.5 % with 100 us); without bearings 200 us do for the first modes of a slender rotor.
     Defaults: Friswell, Penny, Garvey & Lees, Dynamics of Rotating Machines, example 5.9.1 (numbers read in public code).
     """
 
@@ -143,7 +146,7 @@ class BeamRotor(Component):
                            "holds: more than the clearance of its bearings, or 0 where they offer no tangent", low=0.0, high=0.1)
     watched_position = parameter(0.5, "m", "place of the shaft whose motion is an output and where a force may act",
                                  low=0.0)
-    substep = parameter(5e-5, "s", "longest internal step", low=1e-9, high=1.0)
+    substep = parameter(2e-5, "s", "longest internal step", low=1e-9, high=1.0)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
     force_x = input_(0.0, "N", "force on the shaft along x at the watched place", nominal=100.0)
