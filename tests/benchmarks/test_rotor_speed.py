@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -143,8 +144,8 @@ def test_a_whole_job_in_a_fresh_process(ross):
 import time
 start = time.perf_counter()
 import sys
-sys.path.insert(0, {os.path.dirname(__file__)!r})
-from test_rotor import nonlinear_scene, run
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from {Path(__file__).stem} import nonlinear_scene, run
 assert run(nonlinear_scene(), in_process=True).outcome == "done"
 print(time.perf_counter() - start)
 """
