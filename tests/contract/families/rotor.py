@@ -25,7 +25,7 @@ FACTS: dict[str, Facts] = {
     "BeamRotor": Facts(
         moving=frozenset({"angle"}),
         plain=(("gyroscopic", "disks", "unbalance", "internal_damping", "gravity", "run_up", "linear_supports", "bearing_a"),
-               {"element": 0.75}, 3),
+               {"element": 0.75, "substep": 5e-4}, 3),
         disturbance={"force_x": 10.0, "force_y": 5.0},
         strengths={
             "disks.mass[1]": (NO_DISK, 1e-5),
