@@ -35,7 +35,7 @@ from .loads import StaticLoads, static_loads
 from .races import BallDefect, Defect, Waviness, race_waves, smooth_pit, wrapped
 from .six_dof import SPEED, Films, Levers, advance, bearing_outputs, constants, elastic_energy, place
 
-DISPLACEMENT = ("x", "y", "z", "tilt_x", "tilt_y")
+DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
@@ -147,9 +147,9 @@ class DeepGrooveBearing(Component):
                    "+1.7 % at ratios of the radii of 5 to 33")
     first_ball = parameter(0.0, "rad", "angle of ball 1 at the start")
 
-    x = input_(0.0, "m", "displacement of the inner ring along x", nominal=1e-5)
-    y = input_(0.0, "m", "displacement of the inner ring along y, upwards", nominal=1e-5)
-    z = input_(0.0, "m", "displacement of the inner ring along the shaft", nominal=1e-5)
+    displacement_x = input_(0.0, "m", "displacement of the inner ring along x", nominal=1e-5)
+    displacement_y = input_(0.0, "m", "displacement of the inner ring along y, upwards", nominal=1e-5)
+    displacement_z = input_(0.0, "m", "displacement of the inner ring along the shaft", nominal=1e-5)
     tilt_x = input_(0.0, "rad", "rotation of the inner ring about x", nominal=1e-4)
     tilt_y = input_(0.0, "rad", "rotation of the inner ring about y", nominal=1e-4)
     velocity_x = input_(0.0, "m/s", "velocity along x", nominal=1e-3)

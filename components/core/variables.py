@@ -9,7 +9,6 @@ import enum
 import math
 from dataclasses import dataclass, replace
 from numbers import Real
-from typing import Any
 
 from .errors import BadInput
 from .measure import parse
@@ -91,12 +90,11 @@ def choice(start: str, choices: tuple[str, ...], text: str) -> Variable:
     return Variable(Causality.PARAMETER, Kind.CHOICE, start, "1", text, choices=choices)
 
 
-# Inputs and outputs are typed as Any, because on an instance the names x, y and u, which some have, are its arrays.
-def input_(start: float, unit: str, text: str, **more) -> Any:
+def input_(start: float, unit: str, text: str, **more) -> Variable:
     """A continuous input; within a step it follows a polynomial of degree 0 to 2 in time."""
     return Variable(Causality.INPUT, Kind.REAL, start, unit, text, **more)
 
 
-def output(unit: str, text: str, **more) -> Any:
+def output(unit: str, text: str, **more) -> Variable:
     """A continuous output."""
     return Variable(Causality.OUTPUT, Kind.REAL, 0.0, unit, text, **more)

@@ -152,8 +152,8 @@ class BeamRotor(Component):
     force_x = input_(0.0, "N", "force on the shaft along x at the watched place", nominal=100.0)
     force_y = input_(0.0, "N", "force on the shaft along y at the watched place", nominal=100.0)
 
-    x = output("m", "displacement along x at the watched place", nominal=1e-5)
-    y = output("m", "displacement along y at the watched place", nominal=1e-5)
+    displacement_x = output("m", "displacement along x at the watched place", nominal=1e-5)
+    displacement_y = output("m", "displacement along y at the watched place", nominal=1e-5)
     velocity_x = output("m/s", "velocity along x at the watched place", nominal=1e-2)
     velocity_y = output("m/s", "velocity along y at the watched place", nominal=1e-2)
     speed = output("rad/s", "speed of rotation", nominal=100.0)

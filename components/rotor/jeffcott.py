@@ -68,8 +68,8 @@ class JeffcottRotor(OdeComponent):
     force_x = input_(0.0, "N", "force on the disk along x", nominal=10.0)
     force_y = input_(0.0, "N", "force on the disk along y", nominal=10.0)
 
-    x = output("m", "displacement of the shaft's center along x", nominal=1e-5)
-    y = output("m", "displacement of the shaft's center along y, upwards", nominal=1e-5)
+    displacement_x = output("m", "displacement of the shaft's center along x", nominal=1e-5)
+    displacement_y = output("m", "displacement of the shaft's center along y, upwards", nominal=1e-5)
     velocity_x = output("m/s", "velocity along x", nominal=1e-3)
     velocity_y = output("m/s", "velocity along y", nominal=1e-3)
     speed = output("rad/s", "speed of rotation", nominal=100.0)

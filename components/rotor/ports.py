@@ -54,8 +54,8 @@ class Bearing(Effect):
     stiffness = input_(0.0, "1", "tangent by displacement, N/m for the translations, N.m/rad for the tilts", size=25, nominal=1e7)
     damping = input_(0.0, "1", "tangent by velocity, N.s/m for the translations, N.m.s/rad for the tilts", size=25, nominal=1e3)
 
-    x = output("m", "displacement along x", nominal=1e-5)
-    y = output("m", "displacement along y, upwards", nominal=1e-5)
+    displacement_x = output("m", "displacement along x", nominal=1e-5)
+    displacement_y = output("m", "displacement along y, upwards", nominal=1e-5)
     tilt_x = output("rad", "rotation of the section about x", nominal=1e-5)
     tilt_y = output("rad", "rotation of the section about y", nominal=1e-5)
     velocity_x = output("m/s", "velocity along x", nominal=1e-2)

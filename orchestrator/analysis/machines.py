@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
-SHORT = {"displacement_x": "x", "displacement_y": "y"}  # where the motion comes from a rotor's port
 STEADY = 0.02  # relative change of a speed, below which it has frequencies
+ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
 DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
 
 
@@ -111,7 +111,7 @@ def bearings(result: Result) -> list[BearingRecord]:
     for unit in wanted:
         if unit not in scene.units:
             raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
-        columns = {n: c for n in BEARING if (c := recorded(result, unit, n) or recorded(result, unit, SHORT.get(n, n)))}
+        columns = {n: c for n in BEARING if (c := recorded(result, unit, n))}
         if {"displacement_x", "displacement_y"} <= columns.keys():
             component: Any = component_of(scene, unit)
             if hasattr(component, "geometry"):
@@ -163,7 +163,7 @@ def rotors(result: Result) -> list[RotorRecord]:
     """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
     found = []
     for unit in result.scene.units:
-        own = {n: result.columns[f"{unit}.{n}"] for n in ("x", "y", "speed", "angle") if f"{unit}.{n}" in result.columns}
+        own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
         if "speed" in own:
             component = component_of(result.scene, unit)
             ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
@@ -174,6 +174,6 @@ def rotors(result: Result) -> list[RotorRecord]:
 def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
     # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
     bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
-    places = {n: f"{unit}.{port}.{n}" for n in ("x", "y")}
+    places = {n: f"{unit}.{port}.displacement_{n}" for n in "xy"}
     places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
     return {n: result.columns[c] for n, c in places.items() if c in result.columns}

@@ -92,7 +92,7 @@ def nonlinear_scene():
     return load_scene("rotor-run-up").with_changes({
         "stop_time": STEPS * H, "master.step": H, "units.rotor.parameters": tables,
         "units.rotor.effects": ["gyroscopic", "disks", "unbalance", "gravity", "bearing_a", "bearing_b"],
-        "record": {"signals": ["rotor.x", "rotor.y"]},
+        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]},
     })
 
 
@@ -118,7 +118,7 @@ def test_linear_bearings_at_equal_steps(ross):
     print(f"  linear bearings in the rotor: {1e6 * mine / STEPS:.1f} us a step, {later / mine:.0f} times faster")
     assert rotor.nodes.size == 21
     # both are of second order; after 100 rad of unbalance they differ by the shift in phase, 100 (w h)²/12 = 2 %, or less
-    assert abs(complex(rotor["x"], rotor["y"]) - complex(x, y)) < 0.05 * abs(complex(x, y))
+    assert abs(complex(rotor["displacement_x"], rotor["displacement_y"]) - complex(x, y)) < 0.05 * abs(complex(x, y))
     assert later / mine >= 20.0
 
 

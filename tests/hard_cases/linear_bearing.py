@@ -8,7 +8,7 @@ from components.core.component import Component, Effect
 from components.core.kernels import DONE, hold_inputs
 from components.core.variables import input_, output, parameter
 
-MOTION = ("x", "y", "velocity_x", "velocity_y")
+MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y")
 
 
 class Tangent(Effect):
@@ -32,13 +32,13 @@ class LinearBearing(Component):
     k = parameter(1e8, "N/m", "stiffness")
     d = parameter(1e4, "N.s/m", "damping")
 
-    x = input_(0.0, "m", "displacement along x")
-    y = input_(0.0, "m", "displacement along y")
+    displacement_x = input_(0.0, "m", "displacement along x")
+    displacement_y = input_(0.0, "m", "displacement along y")
     velocity_x = input_(0.0, "m/s", "velocity along x")
     velocity_y = input_(0.0, "m/s", "velocity along y")
 
-    force_x = output("N", "force along x", feedthrough=("x", "velocity_x"))
-    force_y = output("N", "force along y", feedthrough=("y", "velocity_y"))
+    force_x = output("N", "force along x", feedthrough=("displacement_x", "velocity_x"))
+    force_y = output("N", "force along y", feedthrough=("displacement_y", "velocity_y"))
 
     def _initialize(self, t: float) -> int:
         self.settled = self._settled()

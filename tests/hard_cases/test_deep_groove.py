@@ -87,7 +87,7 @@ def test_newton_with_the_tangent_settles_a_weight_in_a_bearing_with_clearance():
         bearing = moved(["linearisation"], diametral_clearance=clearance)
         q, residuals = np.zeros(2), []
         while not residuals or residuals[-1] > 1e-6:
-            for name, value in zip(("x", "y"), q, strict=True):
+            for name, value in zip(("displacement_x", "displacement_y"), q, strict=True):
                 bearing.set(name, value)
             bearing.initialize(0.0)
             left = np.array([bearing["force_x"], bearing["force_y"]]) + weight
@@ -206,7 +206,7 @@ def test_axial_stiffness_at_contact_angle_zero():
         assert math.copysign(1.0, found.displacement[2]) == math.copysign(1.0, force)
 
 
-@pytest.mark.parametrize("name", ["x", "tilt_y", "speed", "velocity_z"])
+@pytest.mark.parametrize("name", ["displacement_x", "tilt_y", "speed", "velocity_z"])
 def test_a_value_that_is_no_number_fails_the_step(name):
     bearing = moved(["damping", "film"], (1e-5, 0.0, 3e-5, 0.0, 0.0), 10.0)
     bearing.set(name, math.nan)
@@ -216,6 +216,6 @@ def test_a_value_that_is_no_number_fails_the_step(name):
 
 def test_a_ring_that_has_left_the_grooves_fails_the_step():
     bearing = moved()
-    bearing.set("x", 1e-3)
+    bearing.set("displacement_x", 1e-3)
     with pytest.raises(StepFailed, match="left the range"):
         bearing.step(0.0, 1e-4)

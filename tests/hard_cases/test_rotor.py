@@ -30,7 +30,7 @@ def started(effects, **parameters) -> BeamRotor:
 def test_a_free_rotor_falls_like_a_stone(effects):
     """No support, or supports of no stiffness: every point falls by g t²/2 and the shaft stays straight."""
     rotor = started(effects, **(SOFT if "linear_supports" in effects else {}))
-    assert rotor["y"] == 0.0
+    assert rotor["displacement_y"] == 0.0
     rotor.step(0.0, 0.1)
     N = 4 * rotor.nodes.size
     # the method is exact for a constant force; elastic forces of the bending by rounding stay far below the weight
@@ -65,8 +65,8 @@ def test_stiff_bearings_through_the_port_at_large_macro_steps(stiffness, h):
         fixed.step(k * h, h)
     # the same springs in the same matrix, added in another order: rounding of 1e12 N/m beside 1e8 N/m over 4000 steps
     np.testing.assert_allclose(rotor.y[:6], fixed.y[:6], rtol=1e-6, atol=1e-10)
-    assert abs(rotor["y"]) < 2e-3
-    assert abs(rotor["bearing_a.y"]) < 1e3 / stiffness
+    assert abs(rotor["displacement_y"]) < 2e-3
+    assert abs(rotor["bearing_a.displacement_y"]) < 1e3 / stiffness
 
 
 @pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
@@ -83,10 +83,10 @@ def test_a_reversed_rotor_is_the_mirror_image(rotor_class):
         return rotor
 
     forward, backward = run(1.0), run(-1.0)
-    size = abs(forward["x"]) + abs(forward["y"])
+    size = abs(forward["displacement_x"]) + abs(forward["displacement_y"])
     assert size > 1e-6
-    assert backward["x"] == pytest.approx(forward["x"], abs=1e-9 * size)
-    assert backward["y"] == pytest.approx(-forward["y"], abs=1e-9 * size)
+    assert backward["displacement_x"] == pytest.approx(forward["displacement_x"], abs=1e-9 * size)
+    assert backward["displacement_y"] == pytest.approx(-forward["displacement_y"], abs=1e-9 * size)
     assert backward["angle"] == pytest.approx(2.0 * math.pi - forward["angle"], abs=1e-12)
 
 
@@ -96,7 +96,7 @@ def test_a_rotor_at_rest_has_no_unbalance_force(rotor_class):
     rotor = rotor_class(effects, {"start_speed": 0.0})
     rotor.initialize(0.0)
     rotor.step(0.0, 0.1)
-    assert rotor["x"] == rotor["y"] == rotor["angle"] == 0.0
+    assert rotor["displacement_x"] == rotor["displacement_y"] == rotor["angle"] == 0.0
 
 
 @pytest.mark.parametrize("rotor_class", [JeffcottRotor, BeamRotor])
@@ -155,19 +155,19 @@ def test_very_short_elements():
     fine = started((*FRISWELL, "gravity"), element=0.003)
     assert fine.nodes.size >= 501
     # sag: exact at the nodes but for the distributed load's work on the element's own shape, fourth order
-    assert fine["y"] == pytest.approx(coarse["y"], rel=1e-5)
-    before = fine["y"]
+    assert fine["displacement_y"] == pytest.approx(coarse["displacement_y"], rel=1e-5)
+    before = fine["displacement_y"]
     for k in range(20):
         fine.step(k * 1e-3, 1e-3)
-    assert fine["y"] == pytest.approx(before, rel=1e-6)
-    assert abs(fine["x"]) < 1e-9
+    assert fine["displacement_y"] == pytest.approx(before, rel=1e-6)
+    assert abs(fine["displacement_x"]) < 1e-9
 
 
 def test_one_element_is_enough_to_run():
     rotor = started(("gravity", "linear_supports"), element=10.0, watched_position=1.5)
     assert rotor.nodes.size == 2
     rotor.step(0.0, 0.01)
-    assert rotor["y"] == pytest.approx(-7810.0 * math.pi / 4.0 * 0.05**2 * 1.5 * 9.81 / 2e6, rel=1e-9)
+    assert rotor["displacement_y"] == pytest.approx(-7810.0 * math.pi / 4.0 * 0.05**2 * 1.5 * 9.81 / 2e6, rel=1e-9)
 
 
 def test_an_infinite_force_is_a_failed_step_that_can_be_taken_back():
@@ -179,7 +179,7 @@ def test_an_infinite_force_is_a_failed_step_that_can_be_taken_back():
     rotor.restore(state)
     rotor.set("force_x", 1.0)
     rotor.step(0.0, 1e-3)
-    assert 0.0 < rotor["x"] < 1e-3
+    assert 0.0 < rotor["displacement_x"] < 1e-3
 
 
 def test_an_undamped_jeffcott_rotor_at_its_critical_speed_grows_with_time():
@@ -188,7 +188,7 @@ def test_an_undamped_jeffcott_rotor_at_its_critical_speed_grows_with_time():
     rotor.initialize(0.0)
     rotor.step(0.0, 2.0)
     # beside the growing term stands one that does not grow, of e / 2
-    assert math.hypot(rotor["x"], rotor["y"]) == pytest.approx(0.5 * 1e-5 * 100.0 * 2.0, abs=1e-5)
+    assert math.hypot(rotor["displacement_x"], rotor["displacement_y"]) == pytest.approx(0.5 * 1e-5 * 100.0 * 2.0, abs=1e-5)
 
 
 # -- coupling with bearings in units of their own ----------------------------------------------------------------------
@@ -209,7 +209,7 @@ def coupled(step, tangent, extrapolation=0, stiffness=1e8, substep=1e-5, steps=2
         "title": "Rotor on two spring-dampers", "stop_time": steps * step, "connections": connections,
         "units": {"rotor": rotor, "a": bearing, "b": bearing},
         "master": {"algorithm": "jacobi", "step": step, "extrapolation": extrapolation},
-        "record": {"signals": ["rotor.x", "rotor.y", "rotor.bearing_a.x"]},
+        "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.bearing_a.displacement_x"]},
     }), in_process=True)
 
 
@@ -217,7 +217,7 @@ def coupled(step, tangent, extrapolation=0, stiffness=1e8, substep=1e-5, steps=2
 def test_plain_force_coupling_ends_at_twice_the_time_constant_of_the_bearing(share, stable):
     """Held forces: H < 2 d/k; the other limit, 2 m/d, is that of the end node's 0.2 kg or more: 400 us."""
     result = coupled(share * 2.0 * TIME_CONSTANT, tangent=False, substep=2e-6, steps=5000)
-    grown = result.outcome != "done" or np.abs(result.columns["rotor.bearing_a.x"]).max() > 1e-3
+    grown = result.outcome != "done" or np.abs(result.columns["rotor.bearing_a.displacement_x"]).max() > 1e-3
     assert grown != stable
 
 
@@ -233,26 +233,26 @@ def test_tangent_coupling_is_the_monolithic_rotor_at_any_macro_step(stiffness, e
     for k in range(200):
         rotor.step(k * step, step)
     # the same matrix, but for the order of additions: rounding of 1e9 N/m beside 1e8 N/m over 40 000 steps
-    assert result.columns["rotor.x"][-1] == pytest.approx(rotor["x"], rel=1e-6)
-    assert result.columns["rotor.y"][-1] == pytest.approx(rotor["y"], rel=1e-6)
+    assert result.columns["rotor.displacement_x"][-1] == pytest.approx(rotor["displacement_x"], rel=1e-6)
+    assert result.columns["rotor.displacement_y"][-1] == pytest.approx(rotor["displacement_y"], rel=1e-6)
 
 
 def test_deep_groove_bearings_need_their_tangent_at_the_scenes_macro_step():
     """Two and four times the limit 2 d/k = 50 us of plain coupling; the tangent's error there is below 3 and 15 per cent."""
     effects = ["gyroscopic", "disks", "unbalance", "gravity", "linear_supports", "bearing_a", "bearing_b"]
     constant = {"units.rotor.effects": effects, "stop_time": 0.3,
-                "record": {"signals": ["rotor.bearing_a.x", "rotor.bearing_a.y"]}}
+                "record": {"signals": ["rotor.bearing_a.displacement_x", "rotor.bearing_a.displacement_y"]}}
     scene = load_scene("rotor-run-up")
     parameters = {n: v for n, v in scene.units["rotor"].parameters.items() if not n.startswith("run_up")}
     constant["units.rotor.parameters"] = parameters | {"start_speed": 500.0, "substep": 1e-5}
     tangent = scene.with_changes(constant)
     reference = run(tangent.with_changes({"master.step": 2e-5}), in_process=True)
-    size = np.ptp(reference.columns["rotor.bearing_a.y"])
+    name = "rotor.bearing_a.displacement_y"
     for step, tolerance in ((1e-4, 0.03), (2e-4, 0.15)):
         result = run(tangent.with_changes({"master.step": step}), in_process=True)
-        expected = np.interp(result.time, reference.time, reference.columns["rotor.bearing_a.y"])
-        difference = np.abs(result.columns["rotor.bearing_a.y"] - expected)[result.time > 0.1]  # after the start, from rest
-        assert difference.max() <= tolerance * size, step
+        expected = np.interp(result.time, reference.time, reference[name])
+        difference = np.abs(result[name] - expected)[result.time > 0.1]  # after the start, from rest
+        assert difference.max() <= tolerance * np.ptp(reference[name]), step
     sides = {"rotor.bearing_a": "left", "rotor.bearing_b": "right"}
     plain = tangent.with_changes({
         "connections": [c for port, side in sides.items() for c in (f"{port}.* -> {side}.*", f"{side}.* -> {port}.*")],

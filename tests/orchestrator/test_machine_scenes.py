@@ -7,7 +7,7 @@ from components.bearings.deep_groove import DeepGrooveBearing
 from orchestrator.run import run
 from orchestrator.scene import load_scene
 
-PORT = ("x", "y", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "tilt_rate_x", "tilt_rate_y", "speed")
+PORT = ("displacement_x", "displacement_y", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "tilt_rate_x", "tilt_rate_y", "speed")
 SCENES = ("ball-bearing-clearance", "outer-ring-defect", "rotor-run-up", "gyroscopic-rotor", "rotor-bearings-heat")
 
 
@@ -36,8 +36,8 @@ def test_the_coupling_of_rotor_and_bearings_converges_with_the_macro_step():
     fine = {"stop_time": 0.05, "units.rotor.parameters.start_speed": 520.0, "units.rotor.parameters.substep": 1.25e-5}
     runs = {h: finished(load_scene("rotor-run-up").with_changes({**fine, "master.step": h})) for h in (1.25e-5, 1e-4, 2e-4)}
     reference = runs.pop(1.25e-5)
-    size = np.ptp(reference["rotor.x"])
-    one, two = (np.abs(np.interp(r.time, reference.time, reference["rotor.x"]) - r["rotor.x"]).max() / size
+    exact = reference["rotor.displacement_x"]
+    one, two = (np.abs(np.interp(r.time, reference.time, exact) - r["rotor.displacement_x"]).max() / np.ptp(exact)
                 for r in runs.values())
     assert two < 0.01
     assert one < 0.25 * two
@@ -80,7 +80,7 @@ def test_heat_closes_the_clearance_that_the_bearing_feels():
 def test_the_gyroscopic_scene_passes_its_critical_speeds():
     """Largest response where modal analysis has the critical speeds; a run-up of 28 rad/s² is late by some per cent."""
     result = finished(load_scene("gyroscopic-rotor"))
-    amplitude, speed = np.hypot(result["rotor.x"], result["rotor.y"]), result["rotor.speed"]
+    amplitude, speed = np.hypot(result["rotor.displacement_x"], result["rotor.displacement_y"]), result["rotor.speed"]
     low, high = speed < 180.0, (speed > 180.0) & (speed < 339.0)
     assert 1.0 < speed[low][amplitude[low].argmax()] / 89.8 < 1.15
     assert 1.0 < speed[high][amplitude[high].argmax()] / 298.8 < 1.05

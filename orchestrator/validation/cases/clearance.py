@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from components.bearings.deep_groove import DeepGrooveBearing
+from components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
 
 from ...report.chart import Chart, Panel, Series
 from ..case import Case, Findings, Options, compare
@@ -66,7 +66,7 @@ def frequencies(clearance: float, held: Collection[str]) -> tuple[np.ndarray, np
     """Frequencies along x and y alone, and of both together, ascending, Hz; of the weight at rest, clearance in um."""
     made = _bearing(clearance, {})
     rest = made.equilibrium(MASS * GRAVITY * DOWN, held=(*PLANE, *held)).displacement
-    for name, value in zip(("x", "y", "z", "tilt_x", "tilt_y"), rest, strict=True):
+    for name, value in zip(DISPLACEMENT, rest, strict=True):
         made.set(name, value)
     made.refresh()
     K = np.array([[made[f"linearisation.stiffness[{5 * i + j + 1}]"] for j in (0, 1)] for i in (0, 1)])

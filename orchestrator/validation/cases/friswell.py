@@ -58,13 +58,13 @@ def scene(speed: float) -> Scene:
     rotor = {"component": "BeamRotor", "preset": "Friswell 5.9.1", "effects": ["unbalance"],
              "parameters": {"start_speed": speed, "substep": 2e-5, "unbalance": {"moment": [1e-4]}}}
     data = {"title": f"Friswell, example 5.9.1, at {speed / RPM:.0f} rpm", "stop_time": DURATION, "units": {"rotor": rotor},
-            "master": {"step": STEP}, "record": {"signals": ["rotor.x", "rotor.y"]}}
+            "master": {"step": STEP}, "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y"]}}
     return read_scene(data, "friswell-5.9.1")
 
 
 def whirl_lines(result: Result, near: np.ndarray) -> np.ndarray:
     """Frequencies of the lines nearest to given ones, rad/s; negative: backward whirl."""
-    z = np.asarray(result.columns["rotor.x"]) + 1j * np.asarray(result.columns["rotor.y"])
+    z = np.asarray(result.columns["rotor.displacement_x"]) + 1j * np.asarray(result.columns["rotor.displacement_y"])
     half = z.size // 2
     frequency = 2.0 * np.pi * np.arange(half) / (z.size * STEP)
     forward, backward = (np.abs(np.fft.fft(part * np.hanning(z.size)))[:half] for part in (z, z.conj()))

@@ -53,19 +53,19 @@ def scene(speed: float, duration: float, effects: list[str], **parameters: Any) 
     rotor = {"component": "JeffcottRotor", "effects": effects,
              "parameters": {"start_speed": speed, "substep": 1e-4, **parameters}}
     data = {"title": f"Jeffcott rotor at {speed:g} rad/s", "stop_time": turns * SAMPLES * step, "units": {"rotor": rotor},
-            "master": {"step": step}, "record": {"signals": ["rotor.x", "rotor.y", "rotor.angle"]}}
+            "master": {"step": step}, "record": {"signals": ["rotor.displacement_x", "rotor.displacement_y", "rotor.angle"]}}
     return read_scene(data, "jeffcott")
 
 
 def synchronous(result: Result) -> complex:
     """(x + i y) exp(-i angle), mean of the last turn, m."""
-    c = {n: np.asarray(result.columns[f"rotor.{n}"][-SAMPLES:]) for n in ("x", "y", "angle")}
-    return complex(np.mean((c["x"] + 1j * c["y"]) * np.exp(-1j * c["angle"])))
+    c = {n: np.asarray(result.columns[f"rotor.{n}"][-SAMPLES:]) for n in ("displacement_x", "displacement_y", "angle")}
+    return complex(np.mean((c["displacement_x"] + 1j * c["displacement_y"]) * np.exp(-1j * c["angle"])))
 
 
 def growth(result: Result) -> float:
     """Growth rate of the free whirl, 1/s: what is left of x + i y when the same a turn before is subtracted."""
-    z = np.asarray(result.columns["rotor.x"]) + 1j * np.asarray(result.columns["rotor.y"])
+    z = np.asarray(result.columns["rotor.displacement_x"]) + 1j * np.asarray(result.columns["rotor.displacement_y"])
     t, free = np.asarray(result.time[SAMPLES:]), np.abs(z[SAMPLES:] - z[:-SAMPLES])
     late = t > 2.0  # the backward whirl, damped by both, is gone
     return float(np.polyfit(t[late], np.log(free[late]), 1)[0])

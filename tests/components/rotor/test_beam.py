@@ -44,7 +44,7 @@ def test_steady_unbalance_response_is_that_of_the_frequency_domain(speed):
     rotor.step(0.0, 20.0 / slowest)
     turn = np.exp(1j * (rotor["angle"] + 0.4))
     expected = forward[2] * turn + backward[2] * np.conj(turn)
-    found = complex(rotor["x"], rotor["y"])
+    found = complex(rotor["displacement_x"], rotor["displacement_y"])
     # midpoint rule: frequencies shift by (w h)²/12, the response by that over its distance from resonance; e^-20 of the start
     assert abs(found - expected) <= 3e-4 * abs(expected)
 
@@ -132,11 +132,11 @@ def test_sag_is_that_of_beam_theory():
     kappa = 6.0 * (1.0 + nu) / (7.0 + 6.0 * nu)
     load = 7810.0 * area * 9.81
     sag = 5.0 * load * 1.5**4 / (384.0 * 211e9 * inertia) + load * 1.5**2 / (8.0 * kappa * 81.2e9 * area)
-    assert rotor["y"] == pytest.approx(-sag, rel=1e-6)  # rounding of springs of 1e15 N/m beside 1e8 N/m
-    assert rotor["x"] == 0.0
+    assert rotor["displacement_y"] == pytest.approx(-sag, rel=1e-6)  # rounding of springs of 1e15 N/m beside 1e8 N/m
+    assert rotor["displacement_x"] == 0.0
     for k in range(10):
         rotor.step(k * 1e-3, 1e-3)
-    assert rotor["y"] == pytest.approx(-sag, rel=1e-6)  # it stays there
+    assert rotor["displacement_y"] == pytest.approx(-sag, rel=1e-6)  # it stays there
 
 
 def test_internal_damping_drives_the_rotor_above_the_onset_speed():
@@ -166,7 +166,7 @@ def test_a_run_up_passes_the_critical_speed_between_supports_with_damping():
     for k in range(2600):
         rotor.step(k * 5e-3, 5e-3)
         speeds.append(rotor["speed"])
-        amplitudes.append(math.hypot(rotor["x"], rotor["y"]))
+        amplitudes.append(math.hypot(rotor["displacement_x"], rotor["displacement_y"]))
     assert speeds[-1] == 160.0
     peak = speeds[int(np.argmax(amplitudes))]
     assert 86.9 < peak < 95.0
@@ -175,7 +175,7 @@ def test_a_run_up_passes_the_critical_speed_between_supports_with_damping():
     # (w h)²/8 in the force, 1.3e-3 together, and a factor of 1.4 for the distance from resonance.
     rotor.step(13.0, 40.0)
     forward, _ = steady_unbalance(rotor, 160.0, 1e-3, 2)
-    assert math.hypot(rotor["x"], rotor["y"]) == pytest.approx(abs(forward[2]), rel=4e-3)
+    assert math.hypot(rotor["displacement_x"], rotor["displacement_y"]) == pytest.approx(abs(forward[2]), rel=4e-3)
 
 
 def give(rotor: BeamRotor, port: str, tangent: np.ndarray, damping: np.ndarray, force=(0.0,) * 4) -> None:
@@ -203,7 +203,7 @@ def test_a_tangent_through_the_port_is_a_spring_in_the_rotor():
         inside.step(k * 1e-3, 1e-3)
         outside.step(k * 1e-3, 1e-3)
     np.testing.assert_allclose(outside.y[:6], inside.y[:6], rtol=0.0, atol=1e-12)  # m; of 1e-3
-    assert abs(inside["x"]) > 1e-6
+    assert abs(inside["displacement_x"]) > 1e-6
 
 
 def test_the_fifth_row_and_column_do_not_count():
@@ -235,7 +235,7 @@ def test_force_and_moment_at_a_port_act_like_the_beam_says():
         give(rotor, "bearing_a", clamp, np.zeros((4, 4)))
         give(rotor, "bearing_b", np.zeros((4, 4)), np.zeros((4, 4)), [float(n == name) for n in loads])
         rotor.initialize(0.0)
-        found = [rotor[f"bearing_b.{n}"] for n in ("x", "y", "tilt_x", "tilt_y")]
+        found = [rotor[f"bearing_b.{n}"] for n in ("displacement_x", "displacement_y", "tilt_x", "tilt_y")]
         np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-10 * bend)  # kappa to four digits
 
 
@@ -253,7 +253,7 @@ def test_a_tangent_that_changes_within_the_step_is_followed():
             rotor.set("bearing_a.stiffness[1]", 1e6 + 1e8 * k * h)
             rotor.u[1, column] = 1e8
             rotor.step(k * h, h)
-        return rotor["bearing_a.x"]
+        return rotor["bearing_a.displacement_x"]
 
     whole, cut = run(1), run(10)
     assert whole == pytest.approx(cut, rel=1e-9)  # the same polynomial, developed anew
@@ -262,12 +262,12 @@ def test_a_tangent_that_changes_within_the_step_is_followed():
         give(held, port, np.diag([1e6, 1e6, 0.0, 0.0]), np.zeros((4, 4)), (1000.0 * (port == "bearing_a"), 0.0, 0.0, 0.0))
     held.initialize(0.0)
     held.step(0.0, 0.02)
-    assert abs(whole) < 0.8 * abs(held["bearing_a.x"])
+    assert abs(whole) < 0.8 * abs(held["bearing_a.displacement_x"])
 
 
 def test_a_rotor_that_nothing_holds_starts_where_it_is_put():
     free = started(("gravity", "bearing_a", "bearing_b"), start_fall=3e-5)
-    for name in ("bearing_a.y", "bearing_b.y", "y"):
+    for name in ("bearing_a.displacement_y", "bearing_b.displacement_y", "displacement_y"):
         assert free[name] == pytest.approx(-3e-5, rel=1e-15)
-    assert started(("gravity",))["y"] == 0.0  # without ports it would fall wherever it started
-    assert started(("bearing_a", "bearing_b"))["y"] == 0.0
+    assert started(("gravity",))["displacement_y"] == 0.0  # without ports it would fall wherever it started
+    assert started(("bearing_a", "bearing_b"))["displacement_y"] == 0.0

@@ -29,7 +29,7 @@ def settled_response(speed: float, effects=("unbalance",), **parameters) -> comp
     rotor = JeffcottRotor(effects, {"start_speed": speed, "substep": 5e-5, **parameters})
     rotor.initialize(0.0)
     rotor.step(0.0, 20.0 * 2.0 * MASS / DAMPING)
-    return complex(rotor["x"], rotor["y"]) * np.exp(-1j * rotor["angle"])
+    return complex(rotor["displacement_x"], rotor["displacement_y"]) * np.exp(-1j * rotor["angle"])
 
 
 @pytest.mark.parametrize("ratio", [-1.5, -1.0, 0.0, 0.3, 0.9, 1.0, 1.1, 2.0, 5.0])
@@ -74,7 +74,7 @@ def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_be
         assert rotor.x[axis] == pytest.approx(z.real, abs=1e-6 * 1e-5), axis  # e^-24 of the start, and RK4 as above
     direction = (np.conj(orbit[0]) * orbit[1]).imag  # negative: from x to y
     assert direction > 0.0
-    assert rotor["x"] * rotor["velocity_y"] - rotor["y"] * rotor["velocity_x"] < 0.0
+    assert rotor["displacement_x"] * rotor["velocity_y"] - rotor["displacement_y"] * rotor["velocity_x"] < 0.0
 
 
 @pytest.mark.parametrize("internal", [10.0, 40.0, 120.0])
@@ -145,7 +145,7 @@ def test_order_in_time_is_four():
         rotor = JeffcottRotor(["unbalance", "internal_damping"], {"start_speed": 90.0, "substep": float(h)})
         rotor.initialize(0.0)
         rotor.step(0.0, 0.48)
-        errors.append(abs(complex(rotor["x"], rotor["y"]) - started_from_rest()))
+        errors.append(abs(complex(rotor["displacement_x"], rotor["displacement_y"]) - started_from_rest()))
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert slope == pytest.approx(4.0, abs=0.1)
 

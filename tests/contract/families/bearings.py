@@ -78,7 +78,8 @@ FACTS: dict[str, Facts] = {
     "DeepGrooveBearing": Facts(
         plain=(("film", "damping", "inner_waviness", "outer_defect", "ball_defect", "linearisation", "friction",
                 "thermal_growth"), {"diametral_clearance": 5e-6}, 20),
-        disturbance={"x": 2e-5, "y": -1e-5, "tilt_x": 1e-4, "velocity_x": 1e-3, "tilt_rate_y": 1e-2, "speed": 30.0},
+        disturbance={"displacement_x": 2e-5, "displacement_y": -1e-5, "tilt_x": 1e-4, "velocity_x": 1e-3, "tilt_rate_y": 1e-2,
+                     "speed": 30.0},
         strengths={
             "damping.factor": ({}, 1e-8),
             **{f"{ring}_waviness.amplitude[1]": ({}, 1e-10) for ring in ("inner", "outer")},

@@ -58,8 +58,8 @@ def rotor_run(analysis=None, rate=20.0, duration=20.0):
     r = speed / 100.0
     z = 1e-5 * r**2 / (1.0 - r**2 + 2j * 0.1 * r) * np.exp(1j * angle)
     columns = {
-        "rotor.x": z.real, "rotor.y": z.imag, "rotor.speed": speed, "rotor.angle": angle % (2 * np.pi),
-        "rotor.bearing_a.x": 0.1 * z.real, "rotor.bearing_a.y": 0.2 * z.imag,
+        "rotor.displacement_x": z.real, "rotor.displacement_y": z.imag, "rotor.speed": speed, "rotor.angle": angle % (2 * np.pi),
+        "rotor.bearing_a.displacement_x": 0.1 * z.real, "rotor.bearing_a.displacement_y": 0.2 * z.imag,
         "front.force_x": -1e6 * z.real, "front.force_y": -1e6 * z.imag, "front.max_ball_load": np.abs(1e6 * z),
     }  # fmt: skip
     scene = {

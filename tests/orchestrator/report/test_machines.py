@@ -170,10 +170,10 @@ def test_rotor_that_turns_back_is_shown_without_orders():
 
 def test_sources_are_found_through_wildcards():
     result = rotor_run()
-    assert source(result.scene, "front", "x") == "rotor.bearing_a.x"
+    assert source(result.scene, "front", "displacement_x") == "rotor.bearing_a.displacement_x"
     assert source(result.scene, "rotor", "bearing_a.force_x") == "front.linearisation.force_x"
     assert source(result.scene, "front", "clearance_change") == "rotor.bearing_a.clearance_change"  # by name; not recorded
-    assert recorded(result, "front", "x") == "rotor.bearing_a.x"
+    assert recorded(result, "front", "displacement_x") == "rotor.bearing_a.displacement_x"
     assert recorded(result, "front", "clearance_change") == ""
 
 
