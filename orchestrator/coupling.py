@@ -9,15 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
+from .settings import SceneSettings
 from .units import Interface, describe
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 Endpoint = tuple[str, str]  # unit, variable
 _CONNECTION = re.compile(r"\s*(\w+)\.(\S+)\s*->\s*(\w+)\.(\S+)\s*")
@@ -45,7 +42,7 @@ class Coupling:
     passes: tuple[str, ...]  # units to update, in this order, until every output follows its inputs
 
 
-def settle(scene: Scene) -> Coupling:
+def settle(scene: SceneSettings) -> Coupling:
     """Describe all units and check every connection and record; raises one `BadInput` that starts with the scene's name."""
     try:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
@@ -72,7 +69,7 @@ def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> End
     return unit, variable
 
 
-def _links(scene: Scene, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
+def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
     links: dict[Endpoint, Link] = {}
     for text in scene.connections:
         where = f"connection {text!r}"
@@ -144,7 +141,7 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
     return tuple(n for n in interface.outputs if n.startswith(variable + "[") and n.removeprefix(variable)[1:-1].isdigit())
 
 
-def _signals(scene: Scene, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     if scene.record.signals is None:
         return tuple((u, n) for u, i in interfaces.items() for n in i.outputs if "[" not in n)
     found: dict[Endpoint, None] = {}
@@ -180,7 +177,7 @@ def _passes(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tup
     return tuple(list(interfaces)[k] for depth, k in sorted(steps) if depth)
 
 
-def _check_master(scene: Scene, coupling: Coupling) -> None:
+def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(scene.units):
         raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(scene.units)}")

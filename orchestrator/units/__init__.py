@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..settings import UnitSettings
 from .interface import Interface, Unit
-
-if TYPE_CHECKING:
-    from ..scene import UnitSettings
 
 
 def describe(name: str, settings: UnitSettings) -> Interface:

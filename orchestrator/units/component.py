@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from components.catalogue import component_class
 from components.core.component import Component
 from components.core.errors import BadInput, nearest
 
+from ..settings import UnitSettings
 from .interface import Interface, Signal
-
-if TYPE_CHECKING:
-    from ..scene import UnitSettings
 
 
 def find(component: str, where: str) -> type[Component]:

@@ -40,7 +40,7 @@ from .interface import Interface, Signal
 if TYPE_CHECKING:
     from components.core.component import Component
 
-    from ..scene import UnitSettings
+    from ..settings import UnitSettings
 
 WARNING, FATAL = 1, 4
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}

@@ -69,20 +69,16 @@ def test_components_need_numpy_scipy_and_numba_only():
     assert others == {}
 
 
-def top_level_imports(path: Path) -> set[str]:
-    """Dotted names of the modules of the same package that a module imports when it is itself imported."""
+def relative_imports(path: Path) -> set[str]:
+    """Dotted names of the modules of the same package that a module names anywhere, for types and inside functions too."""
     here = path.relative_to(ROOT).with_suffix("").parts
     package = here[:-1]  # of a module and of an __init__ alike, the folder
     found: set[str] = set()
-    pending: list[ast.stmt] = list(ast.parse(path.read_text()).body)
-    while pending:
-        node = pending.pop()
+    for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = (*package[: len(package) - node.level + 1], *(node.module.split(".") if node.module else ()))
             found.add(".".join(base))
             found |= {".".join((*base, alias.name)) for alias in node.names}
-        elif isinstance(node, ast.Try):
-            pending += node.body + node.orelse + node.finalbody
     return found
 
 
@@ -92,7 +88,7 @@ def test_no_modules_import_each_other_in_a_circle(package):
     names = {".".join(p.relative_to(ROOT).with_suffix("").parts): p for p in modules(package)}
     graph = {}
     for name, path in names.items():
-        wanted = top_level_imports(path)
+        wanted = relative_imports(path)
         # a package that is named stands for its __init__, unless the importing module lives inside it
         wanted |= {f"{w}.__init__" for w in wanted if not name.startswith(w + ".")}
         graph[name] = wanted & names.keys() - {name}
