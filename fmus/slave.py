@@ -25,6 +25,7 @@ from .interface import Scalar, interface
 
 LOG = logging.getLogger("cosimo")
 MISSING = {"Real": nan, "Integer": 0, "Boolean": False, "String": ""}
+WIDE = 24  # values: a call with more of them is an array operation
 HEAD = Struct("<2Q")  # a saved state starts with the lengths of its two JSON parts: configuration, status
 
 
@@ -67,6 +68,7 @@ class ComponentSlave(Fmi2Slave):
             for k, name in enumerate(self.component.outputs):
                 reads[self._references[name]] = (y, k)
         self._real_reads = self._reads["Real"]
+        self._read_ports, self._written_ports = _Ports(), _Ports()  # of the last wide calls
 
     def _active_inputs(self) -> list[tuple[int, int, int]]:
         """(value reference, order of the derivative, position in the component's flat `u`) of the inputs that are on."""
@@ -101,6 +103,8 @@ class ComponentSlave(Fmi2Slave):
         if self._dirty:
             self._freshen()
         reads = self._real_reads
+        if len(vrs) > WIDE and self.component is not None and self._read_ports.hold(vrs, reads, self._y):
+            return self._y[self._read_ports.places].tolist()
         try:
             return [container[i] for container, i in [reads[v] for v in vrs]]
         except KeyError:
@@ -109,6 +113,10 @@ class ComponentSlave(Fmi2Slave):
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         writes = self._writes
         self._dirty = True
+        if len(vrs) > WIDE and self.component is not None and self._written_ports.hold(vrs, writes, self._u):
+            ports = self._written_ports
+            self._u[ports.places] = values if ports.scales is None else ports.scales * values
+            return
         try:
             for v, value in zip(vrs, values):  # noqa: B905 - pythonfmu gives lists of one length, and strict costs time
                 container, i = writes[v]
@@ -301,6 +309,28 @@ class ComponentSlave(Fmi2Slave):
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> bytes:
         return state
+
+
+class _Ports:
+    """Where the values of a wide call live, kept for the next call: one array operation instead of a loop over them."""
+
+    def __init__(self) -> None:
+        self._references: list[int] | None = None
+        self._all = False
+        self.places = np.zeros(0, dtype=np.intp)
+        self.scales: Any = None  # factors of values that are second derivatives
+
+    def hold(self, references: list[int], known: dict[int, tuple[Any, int]], array: Any) -> bool:
+        """Whether all these references are elements of `array`, which `places` then tells."""
+        if references != self._references:
+            self._references = list(references)
+            found = [known.get(v, (None, 0)) for v in references]
+            scales = [0.5 if isinstance(container, _Halved) else 1.0 for container, _ in found]
+            inside = [c.u if isinstance(c, _Halved) else c for c, _ in found]
+            self._all = all(isinstance(c, memoryview) and c.obj is array for c in inside)
+            self.places = np.array([place for _, place in found], dtype=np.intp)
+            self.scales = np.array(scales) if 0.5 in scales else None
+        return self._all
 
 
 class _Halved:

@@ -71,7 +71,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         )
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         ends = tuple(master.positions) if watched else coupling.signals
-        signals = Recorder((lambda: master.signals) if watched else reading(units, ends), len(ends), every, end)
+        signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end)
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
         misses = Misses(master.nodes)

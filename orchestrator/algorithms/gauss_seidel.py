@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from ..coupling import Coupling, Endpoint, Link
 from ..units import Unit
+from ..units.interface import Row
 from .master import Master
-from .polynomial import History, Row, Terms
+from .polynomial import History, Terms
 
 
 class GaussSeidel(Master):
@@ -36,11 +37,11 @@ class GaussSeidel(Master):
             unit = node.unit
             if node.sources:
                 if late == 0 and node.follows:
-                    node.lead(node.inputs(signals), h)
+                    node.lead(node.inputs(), h)
                 elif late == len(node.sources):
                     node.drive(node.history.ahead(), h)
                 else:
-                    node.drive(_joined(node.history, node.inputs(signals), late, h), h)
+                    node.drive(_joined(node.history, node.inputs(), late, h), h)
             unit.step(t, h)
             signals[node.place] = unit.get()
         self._finish(t, h)
@@ -50,6 +51,5 @@ def _joined(history: History, fresh: Row, late: int, h: float) -> Terms:
     """Extrapolation of the first `late` inputs, interpolation of the others."""
     ahead, towards = history.ahead(), history.towards(fresh, h)
     n = len(fresh)
-    joined = [None if a is None and b is None else (a or [0.0] * n)[:late] + (b or [0.0] * n)[late:]
-              for a, b in zip(ahead, towards, strict=True)]
-    return joined[0] or [], joined[1], joined[2]
+    values, slopes, halves = (history.rows.joined(a, b, late, n) for a, b in zip(ahead, towards, strict=True))
+    return values, slopes, halves

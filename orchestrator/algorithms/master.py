@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from operator import mul
 from typing import Literal
 
+import numpy as np
+
 from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint, Link
 from ..units import Unit
-from .polynomial import History, Row, Terms
+from ..units.interface import WIDE, Row
+from .polynomial import History, Terms
+from .rows import rows_for
 
 SWEEPS = 30
 CONVERGED = 1e-12  # relative change of an output from one sweep to the next
@@ -24,36 +29,33 @@ ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with i
 class Node:
     """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
 
-    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], degree: int, follows: bool):
+    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], table: Row, degree: int,
+                 follows: bool):
         self.unit, self.place = unit, place
         self.follows = follows  # inputs end where their polynomials do; a unit that holds their mean does not
         self.links, self.sources = tuple(links), tuple(sources)
-        converted = any((link.factor, link.offset) != (1.0, 0.0) for link in links)
-        self._conversions = [(link.factor, link.offset) for link in links] if converted else None
-        self.history = History(degree)
+        self.rows = rows_for(len(links))
+        self._pick = self.rows.picker(table, sources)
+        converted = [(k, link.factor, link.offset) for k, link in enumerate(links) if (link.factor, link.offset) != (1.0, 0.0)]
+        self._conversions = converted or None
+        self.history = History(degree, self.rows)
         self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
         self.reached: Row | None = None  # where extrapolation has taken the inputs in the last step
         self.fresh: Row | None = None  # or what they were interpolated to: values that others had reached already
 
-    def inputs(self, signals: Row) -> Row:
+    def inputs(self) -> Row:
         """Present values of the driven inputs, in the order of `links`."""
-        values = [signals[k] for k in self.sources]
+        values = self._pick()
         if self._conversions is not None:
-            values = [factor * v + offset for v, (factor, offset) in zip(values, self._conversions)]  # noqa: B905 - slow
+            for k, factor, offset in self._conversions:
+                values[k] = factor * values[k] + offset
         return values
-
 
     def drive(self, terms: Terms, h: float) -> None:
         """Give the unit its inputs over the coming step, and note where they will end."""
         self.unit.drive(*terms, h)
         self.fresh = None
-        values, slopes, halves = terms
-        if halves is not None:
-            self.reached = [v + h * (s + h * c) for v, s, c in zip(values, slopes or (), halves)]  # noqa: B905 - slow
-        elif slopes is not None:
-            self.reached = [v + h * s for v, s in zip(values, slopes)]  # noqa: B905 - slow
-        else:
-            self.reached = values
+        self.reached = self.rows.end(*terms, h)
 
     def lead(self, fresh: Row, h: float) -> None:
         """Give the unit inputs over the coming step that end at values which are known already."""
@@ -82,8 +84,14 @@ class Master:
         read.sort(key=ranks.__getitem__)
         self.coupling = coupling
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
-        self.signals: Row = [0.0] * len(read)
-        self._sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
+        driven, given = Counter(link.target[0] for link in coupling.links), Counter(u for u, _ in read)
+        wide = max([*driven.values(), *given.values()], default=0) > WIDE
+        signals: Row = np.zeros(len(read)) if wide else [0.0] * len(read)
+        self.signals = signals
+        self.sample = signals.tolist if wide else lambda: signals
+        sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
+        inverse = np.array(sizes)
+        self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
         self.sweeps, self.residual, self.steps = 0, 0.0, 0
         nodes = {}
         for name, unit in units.items():
@@ -92,7 +100,8 @@ class Master:
             links = self.sorted_links([link for link in coupling.links if link.target[0] == name], tuple(order) or tuple(units))
             unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
             follows = coupling.interfaces[name].input_degree >= degree
-            nodes[name] = Node(unit, place, links, [self.positions[link.source] for link in links], degree, follows)
+            sources = [self.positions[link.source] for link in links]
+            nodes[name] = Node(unit, place, links, sources, self.signals, degree, follows)
         self.nodes = [nodes[name] for name in order or units]
         self._passes = [nodes[name] for name in coupling.passes] if feedthrough == "fresh" else []
         for node in self._passes:
@@ -116,12 +125,12 @@ class Master:
                 signals[k] = (start - link.offset) / link.factor
         nodes = sorted(self.nodes, key=self._direct_share)
         for sweep in range(1, SWEEPS + 1):
-            before = signals[:]
+            before = self.sample()[:]
             for node in nodes:
-                node.unit.initialize(t, node.inputs(signals))
+                node.unit.initialize(t, node.inputs())
                 signals[node.place] = node.unit.get()
             self._check_finite(t)
-            changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(signals, before, nominals, strict=True)]
+            changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(self.sample(), before, nominals, strict=True)]
             last, self.residual, self.sweeps = self.residual, max(changes, default=0.0), sweep
             if self.residual <= CONVERGED or 0.5 * last <= self.residual <= STANDING:
                 break
@@ -133,7 +142,7 @@ class Master:
             node.unit.start()
             signals[node.place] = node.unit.get()
         for node in self.nodes:
-            node.history.push(node.inputs(signals), 0.0)
+            node.history.push(node.inputs(), 0.0)
 
     def _direct_share(self, node: Node) -> float:
         """Share of a unit's signals that depend on its inputs directly.
@@ -154,21 +163,21 @@ class Master:
         signals, updated = self.signals, False
         for node in self._passes:
             if node.fresh is None or updated:
-                values = node.inputs(signals)
+                values = node.inputs()
                 if not node.stands(values):
                     node.unit.update(values)
                     signals[node.place] = node.unit.get()
                     updated = True
         for node in self.nodes:
             if node.sources:
-                node.history.push(node.inputs(signals) if node.fresh is None or updated else node.fresh, h)
+                node.history.push(node.inputs() if node.fresh is None or updated else node.fresh, h)
         self.steps += 1
         self._check_finite(t + h)
 
     def _check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
-        if not abs(sum(map(mul, self.signals, self._sizes))) < RUNAWAY:  # one cheap look at all before each is looked at
-            for (unit, name), value in zip(self.positions, self.signals, strict=True):
+        if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
+            for (unit, name), value in zip(self.positions, self.sample(), strict=True):
                 if not isfinite(value):
                     raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
                 if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:

@@ -22,6 +22,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from fmpy import calloc, extract, free, read_model_description
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -35,7 +36,7 @@ from fmpy.model_description import ModelDescription, ModelVariable
 
 from components.core.errors import BadInput, StepFailed, nearest
 
-from .interface import Interface, Signal
+from .interface import WIDE, Interface, Row, Signal
 
 if TYPE_CHECKING:
     from components.core.component import Component
@@ -223,30 +224,32 @@ class FmuUnit:
         companions = _companions(self._variables, inputs)
         self._n, self._companions = n, companions
         self._inputs: Any = (ctypes.c_double * (3 * n))()
+        self._array = np.ctypeslib.as_array(self._inputs) if n > WIDE else None
         names = [*inputs, *(f"der({i})" for i in inputs), *(f"der({i},2)" for i in inputs)] if companions else inputs
         self._input_references, self._orders = self._references(names), [(ctypes.c_int * n)(*[k] * n) for k in (1, 2)]
         self._set_real = self._function("fmi2SetReal", pointer, ctypes.c_size_t, pointer)
         self._set_derivatives = self._function("fmi2SetRealInputDerivatives", pointer, ctypes.c_size_t, pointer, pointer)
         self._do_step = self._function("fmi2DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
-        self.get = self.reader(outputs)
+        self.get = self.reader(outputs, len(outputs) > WIDE)
 
-    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+    def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], Row]:
         get_real = self._function("fmi2GetReal", ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
         n = len(names)
         if n == 0:
             return list
         instance, references, buffer = self._fmu.component, self._references(names), (ctypes.c_double * n)()
+        values = np.ctypeslib.as_array(buffer) if arrays else None
 
-        def read() -> list[float]:
+        def read() -> Row:
             status = get_real(instance, references, n, buffer)
             if status > WARNING:
                 self._failed(status)
-            return buffer[:]
+            return buffer[:] if values is None else values
 
         return read
 
-    def initialize(self, t: float, values: list[float]) -> None:
+    def initialize(self, t: float, values: Row) -> None:
         if not self._initializing:
             self._initializing = True
             self._call("fmi2EnterInitializationMode")
@@ -264,25 +267,26 @@ class FmuUnit:
     def start(self) -> None:
         self._call("fmi2ExitInitializationMode")
 
-    def drive(self, values: list[float], slopes: list[float] | None, halves: list[float] | None, h: float) -> None:
-        n, count = self._n, self._n
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        n, count, inputs = self._n, self._n, self._inputs if self._array is None else self._array
         if slopes is None:
-            self._inputs[:n] = values
+            inputs[:n] = values
         elif self._companions:
-            self._inputs[:n], self._inputs[n : 2 * n], count = values, slopes, 2 * n
+            inputs[:n], inputs[n : 2 * n], count = values, slopes, 2 * n
             if halves is not None:
-                self._inputs[2 * n :], count = [2.0 * c for c in halves], 3 * n
+                inputs[2 * n :], count = [2.0 * c for c in halves], 3 * n
         elif self._interpolates:
-            self._inputs[:n] = values
+            inputs[:n] = values
             self._check(self._set_real(self._instance, self._input_references, n, self._inputs))
-            for order, derivatives in zip(self._orders, (slopes, halves and [2.0 * c for c in halves]), strict=True):
+            for order, derivatives in zip(self._orders, (slopes, None if halves is None else [2.0 * c for c in halves]),
+                                          strict=True):
                 if derivatives is not None:
-                    self._inputs[:n] = derivatives
+                    inputs[:n] = derivatives
                     self._check(self._set_derivatives(self._instance, self._input_references, n, order, self._inputs))
             return
         else:
-            terms = zip(values, slopes, halves or [0.0] * n, strict=True)
-            self._inputs[:n] = [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in terms]
+            terms = zip(values, slopes, [0.0] * n if halves is None else halves, strict=True)
+            inputs[:n] = [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in terms]
         self._check(self._set_real(self._instance, self._input_references, count, self._inputs))
 
     def _check(self, status: int) -> None:
@@ -296,9 +300,9 @@ class FmuUnit:
         if status > WARNING:
             self._failed(status)
 
-    def update(self, values: list[float]) -> None:
+    def update(self, values: Row) -> None:
         if self._n:
-            self._inputs[: self._n] = values
+            (self._inputs if self._array is None else self._array)[: self._n] = values
             self._check(self._set_real(self._instance, self._input_references, self._n, self._inputs))
 
     def save(self, reuse: ctypes.c_void_p | None = None) -> ctypes.c_void_p:

@@ -6,6 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+Row = Any  # list[float], or an ndarray of more than WIDE numbers
+
+
+WIDE = 24  # numbers: more of them are handed over as arrays, fewer as lists
+
 
 @dataclass(frozen=True)
 class Signal:
@@ -41,8 +46,9 @@ class Unit(Protocol):
        `save` and `restore` around a repeated step
     4. `close`, always and once
 
-    After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are plain lists in the
-    order of the names given to `wire`: for the few scalars of a connection they are faster than arrays.
+    After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are in the order of the names
+    given to `wire`: plain lists, for the few scalars of a usual connection faster than arrays, and arrays where there are
+    more than WIDE of them; what `get` returns may be overwritten by the next call.
     """
 
     name: str
@@ -54,22 +60,22 @@ class Unit(Protocol):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """A function that gives the present values of some outputs."""
 
-    def initialize(self, t: float, values: list[float]) -> None:
+    def initialize(self, t: float, values: Row) -> None:
         """Find the initial state for these inputs."""
 
     def start(self) -> None:
         """The initial state stands."""
 
-    def drive(self, values: list[float], slopes: list[float] | None, halves: list[float] | None, h: float) -> None:
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
         """Inputs over the coming step of length h: values + slopes s + halves s²; None for no such term."""
 
     def step(self, t: float, h: float) -> None:
         """Advance from t to t + h."""
 
-    def update(self, values: list[float]) -> None:
+    def update(self, values: Row) -> None:
         """The inputs have these values now; outputs that depend on them directly follow."""
 
-    def get(self) -> list[float]:
+    def get(self) -> Row:
         """Present values of the outputs given to `wire`."""
 
     def save(self, reuse: Any = None) -> Any:
