@@ -125,7 +125,7 @@ def test_linear_bearings_at_equal_steps(ross):
 def test_nonlinear_bearings_in_process_and_as_fmus(ross):
     """Three units with contact, clearance and passing balls against a linear system in one compiled loop.
 
-    Some 13 us of a step are kernels, the rest is the handling of 130 signals in Python: twenty times ROSS's first response,
+    Some 13 us of a step are kernels, the rest is the handling of 130 signals: twenty times ROSS's first response,
     compilation included, is reached, twenty times its later ones is not.
     """
     first, later, _, _ = ross
