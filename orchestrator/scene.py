@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from components.core.errors import BadInput, nearest
 
+from .analysis import keys as analysis_keys
 from .coupling import settle
 from .settings import MasterSettings, Model, RecordSettings, SceneSettings, UnitSettings
 
@@ -83,6 +84,10 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     except ValidationError as error:
         raise _one_message(error, name) from None
     scene._name = name
+    try:
+        analysis_keys.check(scene.analysis)
+    except BadInput as error:
+        raise BadInput(f"{name}: {error.where}", error.came, error.expected, error.remedy) from None
     settle(scene)
     return scene
 

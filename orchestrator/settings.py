@@ -119,7 +119,7 @@ class SceneSettings(Model):
     record: RecordSettings = RecordSettings()
     sweep: dict[str, Annotated[tuple[int | Number, ...], Field(min_length=1)]] = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
-    analysis: dict[str, Any] = Field(default={}, description="free table for the analysis of the results")
+    analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
     _name: str = PrivateAttr("scene")
 
     @property

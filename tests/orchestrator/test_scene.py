@@ -93,6 +93,10 @@ BAD = [
     ("record.interval", 5.0, ["record.interval", "5 s"]),
     ("record.snapshot_interval", 0.1, ["record.snapshot_interval", "without snapshots"]),
     ("record.snapshots", ["a.x_out"], ["record.snapshots", "a.x_out"]),
+    ("analysis", {"system": "bearing"}, ["analysis.system", "'bearings'"]),
+    ("analysis", {"system": "bearings", "transeint": 0.5}, ["analysis", "transeint", "'transient'"]),
+    ("analysis", {"system": "railway", "orders": [1.0]}, ["analysis", "'orders'", "system = 'rotor'"]),
+    ("analysis", {"window": [0.0, 1.0]}, ["analysis", "'window'", "system = 'railway'"]),
 ]
 
 
