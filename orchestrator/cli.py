@@ -24,6 +24,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")
 InProcess = Annotated[bool, typer.Option("--in-process", help="Run components in this process, not as FMUs: same bits, faster.")]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
+Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(
+    "Change a parameter, in its SI unit, or analysis.key; may be repeated."))]
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
@@ -135,7 +138,7 @@ def run(
     scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
     in_process: InProcess = False,
     output: Output = None,
-    values: Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help="Change a parameter.")] = None,
+    values: Changes = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
     stop: Annotated[float | None, typer.Option("--stop", help="End of the run, s.")] = None,
     algorithm: Annotated[str | None, typer.Option("--algorithm", help="jacobi or gauss-seidel")] = None,
@@ -172,26 +175,27 @@ def run(
 
 
 def _change(text: str) -> tuple[str, Any]:
-    """("units.<unit>.parameters.<parameter>", value) of "unit.parameter=value"."""
-    place, equals, value = text.partition("=")
-    unit, dot, parameter = place.strip().partition(".")
+    """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
+    name, equals, value = text.partition("=")
+    unit, dot, parameter = name.strip().partition(".")
     if not equals or not dot or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
+    place = f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}"
     for read in (int, float):
         try:
-            return f"units.{unit}.parameters.{parameter}", read(value)
+            return place, read(value)
         except ValueError:
             pass
-    return f"units.{unit}.parameters.{parameter}", {"true": True, "false": False}.get(value, value)
+    return place, {"true": True, "false": False}.get(value, value)
 
 
 @app.command()
 def sweep(
     scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
-    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS",
-                                                   help="Values of a parameter, instead of the scene's [sweep].")] = None,
+    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
+        "Values of a parameter, instead of the scene's [sweep]; several make a grid."))] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for sweep.csv and the report.")] = Path("sweep"),
-    values: Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help="Change a parameter.")] = None,
+    values: Changes = None,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from . import report
@@ -232,6 +236,7 @@ def validate(
     as_json: AsJson = False,
 ) -> None:
     """Run cases and hold them against their tables. Example: cosimo validate en50318-2018-ac-simple -o out"""
+    from .report.style import number
     from .validation import validate as validate_cases
     from .validation.case import to_json
 
@@ -242,8 +247,8 @@ def validate(
         for result in results:
             columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
             _print_table(result.case.title, columns, [
-                (r["quantity"], r["condition"], r["unit"], row.measured, _range(r["low"], r["high"]), row.margin,
-                 r["standing"], "yes" if r["inside"] else "NO")
+                (r["quantity"], r["condition"], r["unit"], number(row.measured, r["low"], r["high"]), _range(r["low"], r["high"]),
+                 row.margin, r["standing"], "yes" if r["inside"] else "NO")
                 for row in result.findings.rows for r in [row.to_json()]
             ])
             print(f"{result.case.name}: {result.verdict}")
@@ -253,10 +258,12 @@ def validate(
 
 
 def _range(low: float | None, high: float | None) -> str:
-    """A range of a table; an open end is left out."""
+    """A range of a table, with the digits that its width asks for; an open end is left out."""
+    from .report.style import number
+
     if low is None or high is None:
         return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
-    return f"{low:.6g} ... {high:.6g}"
+    return f"{number(low, low, high)} ... {number(high, low, high)}"
 
 
 if __name__ == "__main__":

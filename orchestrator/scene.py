@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from components.core.errors import BadInput, nearest
 
-from .analysis import keys as analysis_keys
+from .analysis.keys import RecurrenceKeys, SectionKeys, keys_of, unknown
 from .coupling import settle
 from .settings import MasterSettings, Model, RecordSettings, SceneSettings, UnitSettings
 
@@ -84,12 +84,23 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     except ValidationError as error:
         raise _one_message(error, name) from None
     scene._name = name
-    try:
-        analysis_keys.check(scene.analysis)
-    except BadInput as error:
-        raise BadInput(f"{name}: {error.where}", error.came, error.expected, error.remedy) from None
+    _check_analysis(scene.analysis, name)
     settle(scene)
     return scene
+
+
+def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:
+    try:
+        model = keys_of(analysis)
+        model.model_validate(dict(analysis))
+    except ValidationError as error:
+        finding = error.errors()[0]
+        if finding["type"] == "extra_forbidden" and len(finding["loc"]) == 1:
+            fault = unknown(model, str(finding["loc"][0]))
+            raise BadInput(f"{name}: {fault.where}", fault.came, fault.expected, fault.remedy) from None
+        raise _one_message(error, name, "analysis") from None
+    except BadInput as error:
+        raise BadInput(f"{name}: {error.where}", error.came, error.expected, error.remedy) from None
 
 
 def _located(unit: Any, folder: Path) -> Any:
@@ -100,25 +111,27 @@ def _located(unit: Any, folder: Path) -> Any:
 
 _EXPECTED = {
     "missing": "a value", "float_type": "a number", "string_type": "a text", "finite_number": "a finite number",
-    "dict_type": "a table", "model_type": "a table", "tuple_type": "a list", "too_short": "at least one",
-    "string_pattern_mismatch": "a name of letters, digits and _",
+    "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table", "int_type": "a whole number",
+    "tuple_type": "a list", "too_short": "at least one", "string_pattern_mismatch": "a name of letters, digits and _",
 }
 
 
-def _one_message(error: ValidationError, name: str) -> BadInput:
-    """Pydantic's first finding in the form of all other messages."""
+def _one_message(error: ValidationError, name: str, *table: str) -> BadInput:
+    """Pydantic's first finding, in a table of the scene, in the form of all other messages."""
     finding = error.errors()[0]
-    kind, place, context = finding["type"], [str(p) for p in finding["loc"] if p != "[key]"], finding.get("ctx", {})
+    kind, context = finding["type"], finding.get("ctx", {})
+    place = [*table, *(str(p) for p in finding["loc"] if p != "[key]")]
     cause = context.get("error")
     if isinstance(cause, BadInput):
         where = ".".join(filter(None, [*place, cause.where]))
         return BadInput(f"{name}: {where}", cause.came, cause.expected, cause.remedy)
     where, last = f"{name}: {'.'.join(place)}", place[-1]
     if kind == "extra_forbidden":
-        models: dict[str, type[Model]] = {"units": UnitSettings, "master": MasterSettings, "record": RecordSettings}
+        table_name = ".".join(place[:-1])
+        models: dict[str, type[Model]] = {"units": UnitSettings, "master": MasterSettings, "record": RecordSettings,
+                                          "analysis": RecurrenceKeys if "recurrence" in place else SectionKeys}
         model = models[place[0]] if len(place) > 1 else Scene
-        table = ".".join(place[:-1])
-        where = f"{name}: {table}" if table else name
+        where = f"{name}: {table_name}" if table_name else name
         return BadInput(where, f"unknown key {last!r}", "a known key", nearest(last, model.model_fields))
     if kind == "literal_error":
         came, expected = finding["input"], context["expected"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import isfinite
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -69,7 +70,7 @@ def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield from _swept(value, name + ".")
         else:
             first, last, points = (value.get(k) for k in RANGE)
-            numbers = all(isinstance(v, int | float) for v in (first, last))
+            numbers = all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in (first, last))
             if len(value) != 3 or not numbers or not isinstance(points, int) or points < 2:
                 raise BadInput(name, repr(dict(value)), "{ from = first value, to = last value, points = 2 or more }")
             yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
@@ -117,7 +118,7 @@ class SceneSettings(Model):
     units: dict[Annotated[str, Field(pattern="^[A-Za-z][A-Za-z0-9_]*$")], UnitSettings] = Field(min_length=1)
     master: MasterSettings
     record: RecordSettings = RecordSettings()
-    sweep: dict[str, Annotated[tuple[int | Number, ...], Field(min_length=1)]] = Field(
+    sweep: dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]] = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
     analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
     _name: str = PrivateAttr("scene")

@@ -19,10 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from components.core.errors import BadInput
+from components.core.errors import BadInput, nearest
 
 from .analysis.machines import after_transient
 from .analysis.sections import section as section_of
+from .coupling import settle
 from .results import Result
 from .run import run
 from .scene import Scene
@@ -87,16 +88,24 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
 def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on."""
     made = points(scene)
+    _check_analysis(scene)
     rows: list[dict[str, float]] = []
     outcomes, section = [], []
     units = {name: _unit(scene, name) for name in scene.sweep}
     for _, one in _shown(made, scene.title or scene.name, progress):
-        result = run(one, in_process=True)
-        done = result.outcome == "done"
-        outcomes.append(result.outcome if done else result.message)
-        rows.append(measures(result) if done else {})
-        section.append(section_points(result) if done else np.zeros(0))
-        units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
+        row, points_of, outcome = {}, np.zeros(0), ""
+        try:
+            result = run(one, in_process=True)
+            outcome = "done" if result.outcome == "done" else result.message
+            if outcome == "done":
+                units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
+                row = measures(result)
+                points_of = section_points(result)
+        except BadInput as error:  # a value with which this point cannot start, or has no section
+            outcome = str(error)
+        rows.append(row)
+        section.append(points_of)
+        outcomes.append(outcome)
     names = dict.fromkeys(name for row in rows for name in row)
     return Sweep(
         scene,
@@ -113,6 +122,19 @@ def _unit(scene: Scene, name: str) -> str:
     return find(component, unit).variables[parameter].unit if component else ""
 
 
+def _check_analysis(scene: Scene) -> None:
+    """Refuse, before the first run, a section or a transient that no run could have."""
+    recorded = [".".join(end) for end in settle(scene).signals]
+    for key in ("signal", "angle"):
+        name = scene.analysis.get("section", {}).get(key)
+        if "section" in scene.analysis and name not in recorded:
+            where = f"{scene.name}: analysis.section.{key}"
+            raise BadInput(where, repr(name), "a recorded signal", nearest(str(name), recorded))
+    if not float(scene.analysis.get("transient", 0.0)) < scene.stop_time:
+        raise BadInput(f"{scene.name}: analysis.transient", f"{scene.analysis['transient']:g} s",
+                       f"less than the length of the run, {scene.stop_time:g} s")
+
+
 def measures(result: Result) -> dict[str, float]:
     """"unit.signal, kind" -> number, of every recorded signal after the transient."""
     kept = after_transient(result)
@@ -124,9 +146,6 @@ def section_points(result: Result) -> np.ndarray:
     wanted = result.scene.analysis.get("section")
     if wanted is None:
         return np.zeros(0)
-    if not isinstance(wanted, Mapping) or not {"signal", "angle"} <= wanted.keys() <= {"signal", "angle", "turns"}:
-        expected = '{ signal = "unit.output", angle = "unit.output", turns = points a turn }'
-        raise BadInput(f"{result.scene.name}: analysis.section", repr(wanted), expected)
     kept = after_transient(result)
     spacing = 2.0 * np.pi / float(wanted.get("turns", 1))
     return section_of(result[wanted["angle"]][kept], spacing, result[wanted["signal"]][kept])[0]

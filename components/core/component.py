@@ -120,7 +120,7 @@ class Component:
         self.t = 0.0
         self.counts = np.zeros(len(self.counters), dtype=np.int64)
         for key, value in {**settled, **(parameters or {})}.items():
-            self.set(key, value)
+            self.set(key, active[key].checked(value, self.name) if key in self._input_index else value)
 
     def _checked_effects(self, effects: tuple[str, ...]) -> tuple[str, ...]:
         known = type(self).effects
@@ -144,9 +144,14 @@ class Component:
 
     # -- values ------------------------------------------------------------------------------------------------------
     def _unknown(self, name: str) -> BadInput:
-        if name in type(self).variables:
-            effect = name.partition(".")[0]
+        effect = name.partition(".")[0]
+        if name in type(self).variables and effect in type(self).effects and effect not in self.on:
             return BadInput(self.name, f"variable {name!r}", "a variable of what is on", f"It needs the effect {effect!r}.")
+        if name in self._output_index:
+            return BadInput(self.name, f"a value of {name!r}", "a parameter or an input; this is an output")
+        arrays = {n.partition("[")[0] for n in (*self.parameters, *self.inputs) if "[" in n}
+        if name in arrays:
+            return BadInput(self.name, f"one value of {name!r}", "an array", f"Give a list, or set {name}[1] and so on.")
         names = [*self.parameters, *self.inputs, *self.outputs]
         return BadInput(self.name, f"variable {name!r}", f"a variable of {type(self).__name__}", nearest(name, names))
 

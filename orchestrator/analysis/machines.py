@@ -16,6 +16,7 @@ import numpy as np
 
 from components.core.errors import BadInput, nearest
 
+from ..coupling import settle
 from ..units.component import make
 from .signals import uniform
 from .spectra import TURN, turns_steadily
@@ -87,14 +88,7 @@ def component_of(scene: Scene, unit: str) -> Component | None:
 
 def source(scene: Scene, unit: str, name: str) -> str:
     """"unit.output" that drives an input; "" if nothing does."""
-    for connection in scene.connections:
-        out, target = (part.strip() for part in connection.split("->"))
-        if target == f"{unit}.{name}":
-            return out
-        before = target.removesuffix("*")
-        if target.endswith("*") and f"{unit}.{name}".startswith(before):
-            return out.removesuffix("*") + f"{unit}.{name}".removeprefix(before)
-    return ""
+    return next((".".join(link.source) for link in settle(scene).links if link.target == (unit, name)), "")
 
 
 def recorded(result: Result, unit: str, name: str) -> str:

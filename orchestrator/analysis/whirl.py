@@ -63,7 +63,8 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
     frequency, direction = campbell(matrices, speed, MODES)
     given = result.scene.analysis.get("critical_speeds")
     critical = critical_speeds(matrices) if given is None else np.asarray(given, dtype=float)
-    text = "Bearings: mean of their recorded tangents after the transient." if tangents else ""
+    text = ("Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "
+            "may stand above its line.") if tangents else ""
     return Whirl(speed, frequency, direction, critical[critical <= highest], text)
 
 

@@ -119,11 +119,12 @@ class CaseResult:
         if not self.findings.complete:
             return "Failed: a run did not reach its end."
         parts = []
-        for names, kind in ((("verbatim", "computed"), "range"), (("recalled", "inferred"), "recalled range")):
+        kinds = ((("verbatim", "computed"), "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
+        for names, kind in kinds:
             some = [r for r in rows if r.reference.standing in names]
             if some:
                 parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}")
-        text = {"passed": "Passed", "failed": "Failed", "recalled": "Against recalled ranges, which is no pass of a standard"}
+        text = {"passed": "Passed", "failed": "Failed", "recalled": "No pass, as not every range was read or computed"}
         return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."
 
     def to_json(self) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from tests.support import Linear, two_masses
 GOOD = two_masses("gauss-seidel", 1e-2, 1) | {"record": {}}
 PANTOGRAPH = {"component": "Pantograph"}
 PROBE = {"component": "tests.support:Probe"}
+SHELF = {"component": "tests.orchestrator.test_scene:Shelf"}
 NAN, INF = float("nan"), float("inf")
 
 class Shelf(Linear):
@@ -97,6 +98,31 @@ BAD = [
     ("analysis", {"system": "bearings", "transeint": 0.5}, ["analysis", "transeint", "'transient'"]),
     ("analysis", {"system": "railway", "orders": [1.0]}, ["analysis", "'orders'", "system = 'rotor'"]),
     ("analysis", {"window": [0.0, 1.0]}, ["analysis", "'window'", "system = 'railway'"]),
+    ("analysis", {"system": ["bearings"]}, ["analysis.system", "'bearings'"]),
+    ("analysis", {"transient": "x"}, ["analysis.transient", "'x'", "number"]),
+    ("analysis", {"transient": -1.0}, ["analysis.transient", "-1.0"]),
+    ("analysis", {"section": {"angle": "a.x_out", "turns": 0}}, ["analysis.section.turns", "0"]),
+    ("analysis", {"section": {"signal": 1, "angle": "a.x_out"}}, ["analysis.section.signal", "1", "text"]),
+    ("analysis", {"section": {"angle": "a.x_out", "angel": "a.x_out"}}, ["analysis.section", "angel"]),
+    ("analysis", {"system": "bearings", "bearing": 5}, ["analysis.bearing", "5"]),
+    ("analysis", {"system": "bearings", "marks": ["outr"]}, ["analysis.marks", "outr", "'outer'"]),
+    ("analysis", {"system": "bearings", "envelope_band": [1.0]}, ["analysis.envelope_band"]),
+    ("analysis", {"system": "bearings", "recurrence": 5}, ["analysis.recurrence", "5", "table"]),
+    ("analysis", {"system": "bearings", "recurrence": {"threshold": "x"}}, ["analysis.recurrence.threshold", "'x'"]),
+    ("analysis", {"system": "bearings", "recurrence": {"treshold": 1.0}}, ["analysis.recurrence", "treshold", "'threshold'"]),
+    ("analysis", {"system": "bearings", "highest_frequency": NAN}, ["analysis.highest_frequency", "nan"]),
+    ("analysis", {"system": "rotor", "orders": []}, ["analysis.orders", "at least one"]),
+    ("analysis", {"system": "rotor", "orders": 2}, ["analysis.orders", "2", "list"]),
+    ("analysis", {"system": "rotor", "orbit_windows": [[2.0, 1.0]]}, ["analysis", "orbit_windows", "[2, 1]"]),
+    ("analysis", {"system": "rotor", "critical_speeds": "abc"}, ["analysis.critical_speeds", "'abc'", "list"]),
+    ("analysis", {"system": "rotor", "bearing": "x"}, ["analysis", "'bearing'", "system = 'bearings'"]),
+    ("sweep", {"a.m": [True]}, ["sweep.a.m", "True", "number"]),
+    ("sweep", {"a.m": ["a"]}, ["sweep.a.m", "'a'", "number"]),
+    ("sweep", {"a.m": {"from": 0.0, "to": INF, "points": 3}}, ["sweep", "a.m", "from"]),
+    ("units.p", {**PROBE, "parameters": {"length": "3 mm"}}, ["p", "length", "'3 mm'", "number in mm"]),
+    ("units.p", {**PROBE, "parameters": {"length": True}}, ["p", "length", "True", "number in mm"]),
+    ("units.p", {**PROBE, "parameters": {"time": 1.0}}, ["p", "'time'", "this is an output"]),
+    ("units.p", {**SHELF, "parameters": {"profile": 1.0}}, ["p", "'profile'", "a list"]),
 ]
 
 

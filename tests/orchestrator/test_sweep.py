@@ -91,10 +91,28 @@ def test_bad_sweeps_start_nothing(table, named):
 
 @pytest.mark.parametrize(("analysis", "named"), [
     ({"transient": 5.0}, "transient"), ({"section": {"signal": "m.x_out"}}, "section"), ({"section": "m.x_out"}, "section"),
+    ({"section": {"signal": "m.x_ot", "angle": "m.x_out"}}, "'m.x_out'"), ({"section": {"angle": "m.x_out"}}, "section.signal"),
 ])
-def test_bad_analysis_is_named(analysis, named):
+def test_bad_analysis_is_named_before_the_first_run(analysis, named):
     with pytest.raises(BadInput, match=named):
         sweep(read_scene(MASS | {"analysis": analysis}))
+
+
+def test_a_point_without_a_section_keeps_its_measures():
+    scene = {"stop_time": 9.0, "units": {"w": {"component": "tests.orchestrator.test_sweep:Wheel"}}, "master": {"step": 1e-2},
+             "sweep": {"w.speed": [7.0, 0.0]}, "analysis": {"section": {"signal": "w.height", "angle": "w.angle"}}}
+    found = sweep(read_scene(scene))
+    assert found.outcomes[0] == "done"
+    assert "stands" in found.outcomes[1]
+    assert found.measures["w.height, maximum"].tolist() == pytest.approx([1.0, 1.0], abs=1e-3)  # samples 0.07 rad apart
+
+
+def test_a_point_that_cannot_start_keeps_its_reason():
+    scene = {"stop_time": 0.01, "units": {"b": {"component": "BallBearing"}}, "master": {"step": 1e-3},
+             "sweep": {"b.substep": [1e-5, 1.0]}}
+    found = sweep(read_scene(scene))
+    assert found.outcomes[0] == "done"
+    assert "substep" in found.outcomes[1]
 
 
 def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):

@@ -91,13 +91,18 @@ def section_points(result: Result, record: BearingRecord, begin: float) -> dict[
 
 
 def period_of(points: dict[str, np.ndarray], record: BearingRecord, begin: float) -> int:
-    """Number of distinct points of a section: after how many passages the motion repeats; 0 without a section."""
+    """Number of distinct points of a section: after how many passages the motion repeats; 0 without a section.
+
+    At least so many where velocities were not recorded: orbits cross themselves.
+    """
     if not points or not points["displacement_x"].size:
         return 0
-    x, y = points["displacement_x"], points["displacement_y"]
-    kept = after(record, begin)
-    reach = max(float(np.ptp(record.signals[n][kept])) for n in ("displacement_x", "displacement_y")) or 1.0
-    return distinct(np.stack((x, y), axis=1) / reach, SAME)
+    kept, columns = after(record, begin), []
+    for kind in ("displacement", "velocity"):
+        names = [n for n in points if n.startswith(kind)]
+        reach = max((float(np.ptp(record.signals[n][kept])) for n in names), default=0.0) or 1.0
+        columns += [points[n] / reach for n in names]
+    return distinct(np.stack(columns, axis=1), SAME)
 
 
 def orbit_chart(record: BearingRecord, begin: float, points: dict[str, np.ndarray], who: str = "") -> Chart:
