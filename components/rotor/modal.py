@@ -15,6 +15,9 @@ from scipy.optimize import brentq
 from .model import DOFS, Matrices
 
 ROUND = 0.05  # of the larger one of an orbit's axes: a smaller axis is a straight line's, which has no direction
+DOUBLE_ROOT = 10.0 * np.finfo(float).eps ** 0.5  # of the largest eigenvalue: what rounding makes of a double root at zero
+RIGID = 1e-13  # of the stiffness' diagonal: rigid motions show 1e-16, the softest mode of 150 elements 1e-7
+SAME = 1e-6  # of an eigenvalue: rounding sets a degenerate pair of 150 elements 1e-9 apart, to either side of the real axis, too
 
 
 class Modes(NamedTuple):
@@ -22,7 +25,7 @@ class Modes(NamedTuple):
 
     frequency: np.ndarray  # (k,) rad/s, of the damped motion
     decay: np.ndarray  # (k,) 1/s, minus the real part of the eigenvalue; negative: unstable
-    direction: np.ndarray  # (k,) int, 1 forward, -1 backward, 0 neither (straight, or both along the shaft)
+    direction: np.ndarray  # (k,) int, 1 forward, -1 backward, 0 neither: straight, both along the shaft, or degenerate
     shape: np.ndarray  # (N, k) complex
 
 
@@ -32,31 +35,53 @@ def eigenvalues(matrices: Matrices, speed: float) -> np.ndarray:
 
 
 def modes(matrices: Matrices, speed: float, count: int | None = None) -> Modes:
-    """The lowest oscillating modes at a speed; all of them without `count`."""
+    """The lowest oscillating modes at a speed; all of them without `count`.
+
+    A rigid motion without frequency is a double root at zero, which rounding splits into small frequencies. It is left out: no
+    stiffness opposes it, as nothing opposes a free rotor's precession, but that one has a frequency beyond the rounding.
+    """
     N = matrices.mass.shape[0]
     values, vectors = eig(_first_order(matrices, speed))
-    oscillating = np.flatnonzero(values.imag > 1e-6 * np.abs(values).max() ** 0.5)
-    order = oscillating[np.argsort(values.imag[oscillating], kind="stable")][:count]
-    shape = vectors[:N, order]
-    return Modes(values.imag[order], -values.real[order], _directions(shape), shape)
+    shape = vectors[:N]
+    elastic = np.abs((shape.conj() * (matrices.stiffness @ shape)).sum(axis=0))
+    rigid = elastic <= RIGID * (np.diag(matrices.stiffness) @ np.abs(shape) ** 2)
+    size = np.abs(values)
+    oscillating = np.flatnonzero((values.imag > SAME * size) & ~(rigid & (size < DOUBLE_ROOT * size.max())))
+    order = oscillating[np.argsort(values.imag[oscillating], kind="stable")]
+    values, shape = values[order], shape[:, order]
+    direction = _directions(shape)
+    pairs = np.flatnonzero(np.abs(np.diff(values)) < SAME * np.abs(values[1:]))
+    direction[pairs] = direction[pairs + 1] = 0  # any mixture of the two is a mode
+    return Modes(values.imag[:count], -values.real[:count], direction[:count], shape[:, :count])
 
 
 def campbell(matrices: Matrices, speeds, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies, (len(speeds), count) rad/s, and directions of the lowest modes over the speed."""
-    found = [modes(matrices, speed, count) for speed in speeds]
-    return np.array([m.frequency for m in found]), np.array([m.direction for m in found])
+    """Frequencies, (len(speeds), count) rad/s, and directions of the lowest modes over the speed.
+
+    Where fewer modes oscillate, because others are overdamped, the rest is NaN, without direction.
+    """
+    frequency = np.full((len(speeds), count), np.nan)
+    direction = np.zeros((len(speeds), count), dtype=int)
+    for k, speed in enumerate(speeds):
+        found = modes(matrices, speed, count)
+        frequency[k, : found.frequency.size], direction[k, : found.frequency.size] = found.frequency, found.direction
+    return frequency, direction
 
 
 def critical_speeds(matrices: Matrices, order: float = 1.0) -> np.ndarray:
     """Speeds at which an undamped frequency is `order` times the speed, rising, rad/s.
 
-    With q = phi exp(i order Omega t) it is one eigenvalue problem, K phi = Omega² (order² M - i order G) phi, solved for
-    1 / Omega² because the matrix on the right need not be definite: a forward mode may never meet its line.
+    With q = phi exp(i order Omega t) it is one eigenvalue problem, K phi = Omega² (order² M - i order G) phi. Neither matrix
+    need be definite: a forward mode may never meet its line, and a free rotor's rigid motions meet theirs at Omega = 0. So
+    Omega² is a ratio, of which both parts may be zero to rounding; scaled by the stiffness' diagonal to be of one size.
     """
-    inertia = order**2 * matrices.mass - 1j * order * matrices.gyroscopic
-    values = eigvals(inertia, matrices.stiffness)
-    positive = values.real[(values.real > 1e-12 * np.abs(values).max()) & (np.abs(values.imag) < 1e-6 * np.abs(values.real))]
-    return np.sort(1.0 / np.sqrt(positive))
+    scale = 1.0 / np.sqrt(np.diag(matrices.stiffness))
+    scale = scale[:, None] * scale
+    inertia = (order**2 * matrices.mass - 1j * order * matrices.gyroscopic) * scale
+    below, above = eig(inertia, matrices.stiffness * scale, right=False, homogeneous_eigvals=True)
+    meeting = (np.abs(above) > RIGID) & (below != 0.0)
+    squares = above[meeting] / below[meeting]
+    return np.sort(np.sqrt(squares.real[(squares.real > 0.0) & (np.abs(squares.imag) < 1e-6 * squares.real)]))
 
 
 def onset_speed(matrices: Matrices, low: float, high: float) -> float:
