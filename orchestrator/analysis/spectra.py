@@ -108,7 +108,10 @@ def peak(frequency: np.ndarray, amplitude: np.ndarray, near: float, within: floa
 
 @dataclass(frozen=True)
 class Track:
-    """A component that follows the rotation. component (k,): A exp(-i phi) of A cos(order * angle - phi)."""
+    """A component that follows the rotation. component (k,): A exp(-i phi) of A cos(order * angle - phi).
+
+    The angle counts the way the rotor turns, backwards, too: a lag is one in time, and forward is with the rotation.
+    """
 
     time: np.ndarray  # (k,) s
     speed: np.ndarray  # (k,) rad/s
@@ -121,7 +124,7 @@ class Track:
 
     @property
     def lag(self) -> np.ndarray:
-        """Phase lag behind the rotation, (k,) rad, without jumps."""
+        """Phase lag in time behind the rotation, whichever way it goes, (k,) rad, without jumps."""
         return -np.unwrap(np.angle(self.component))
 
 
@@ -144,11 +147,12 @@ def follow(time: np.ndarray, angle: np.ndarray, x: np.ndarray, order: float = 1.
     """The component of x (n,) at `order` times the rotation, over windows of `turns` turns that lie a turn apart.
 
     Resampled over the angle, Hann window: of a steady signal, all whole orders but the neighbours within 2 / turns are
-    rejected to rounding, the mean among them. A complex x + i y gives the forward whirl (order -1: backward).
+    rejected to rounding, the mean among them. A complex x + i y gives the whirl with the rotation (order -1: against it); of a
+    rotor that turns backwards it is seen in the mirror, x - i y, in which it turns forwards.
     """
     theta = unwrapped(angle)
     if theta[-1] < theta[0]:
-        theta = -theta
+        theta, x = -theta, x.conj()
     whole = int((theta[-1] - theta[0]) / TURN)
     if turns < 2 or whole < turns or not (np.diff(theta) > 0.0).all():
         raise BadInput("order tracking", f"windows of {turns} turns of {whole}, or a turning back", "two or more, one direction")

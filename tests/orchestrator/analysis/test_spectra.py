@@ -102,11 +102,16 @@ def test_run_up_through_a_resonance_is_followed_by_angle():
     assert np.interp(100.0, track.speed, track.lag) == pytest.approx(np.pi / 2, abs=0.03)
 
 
-def test_forward_and_backward_whirl_are_told_apart():
-    angle = 2 * np.pi * 11.0 * TIME
-    z = 3.0 * np.exp(1j * angle) + 1.0 * np.exp(-1j * angle)
-    assert follow(TIME, angle, z).amplitude == pytest.approx(3.0, abs=1e-3)  # linear interpolation, 450 samples a turn
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_forward_and_backward_whirl_are_told_apart(sense):
+    """Forward is with the rotation; a lag in time is one whichever way the rotor turns."""
+    angle = sense * 2 * np.pi * 11.0 * TIME
+    z = 3.0 * np.exp(1j * (angle - sense * 0.4)) + 1.0 * np.exp(-1j * angle)
+    forward = follow(TIME, angle, z)
+    assert forward.amplitude == pytest.approx(3.0, abs=1e-3)  # linear interpolation, 450 samples a turn
+    assert forward.lag == pytest.approx(0.4, abs=1e-3)
     assert follow(TIME, angle, z, -1.0).amplitude == pytest.approx(1.0, abs=1e-3)
+    assert follow(TIME, angle, z.real - 1.0 * np.cos(angle)).lag == pytest.approx(0.4, abs=1e-3)
 
 
 def test_an_angle_recorded_too_rarely_is_refused():
