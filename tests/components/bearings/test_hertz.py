@@ -28,11 +28,24 @@ def test_exact_ellipse_against_an_independent_solution(ratio, k, second, first):
     assert (shape.k, shape.second, shape.first) == pytest.approx((k, second, first), rel=1e-5)
 
 
-@pytest.mark.parametrize("ratio", [1.0 + 1e-9, 1.0 + 2e-6, 1.3, 30.0, 1e6])
+@pytest.mark.parametrize(
+    ("ratio", "k", "integral"),
+    [(1.0 + 1e-9, 6.66666721715803e-10, 5.2359881870e-10), (1.0 + 5e-7, 3.33333305602154e-7, 2.61799293e-7)],
+)
+def test_nearly_round_ellipse_against_sixty_digits(ratio, k, integral):
+    """The same equation solved with 60 digits of the ratio's double: k - 1, and how far F and E are from pi/2 to either side."""
+    shape = exact_ellipse(ratio)
+    # one unit of the last place of k and of pi/2
+    assert shape.k - 1.0 == pytest.approx(k, abs=3e-16)
+    assert shape.first - 0.5 * math.pi == pytest.approx(integral, abs=4e-16 + 1e-6 * integral)
+    assert 0.5 * math.pi - shape.second == pytest.approx(integral, abs=4e-16 + 1e-6 * integral)
+
+
+@pytest.mark.parametrize("ratio", [1.0 + 2e-6, 1.3, 30.0, 1e6])
 def test_exact_ellipse_solves_its_equation(ratio):
     """Ry/Rx = (k² E - F) / (F - E), the condition that both principal curvatures fit."""
     shape = exact_ellipse(ratio)
-    found = (shape.k**2 * shape.second - shape.first) / (shape.first - shape.second) if ratio > 1.0 + 1e-6 else shape.k**1.5
+    found = (shape.k**2 * shape.second - shape.first) / (shape.first - shape.second)
     # near a circle both differences lose digits: rounding over (k - 1)
     assert found == pytest.approx(ratio, rel=1e-12 + 1e-15 / (ratio - 1.0))
 
