@@ -142,8 +142,9 @@ class BeamRotor(Component):
     element = parameter(0.25, "m", "longest element", low=1e-6)
     start_speed = parameter(100.0, "rad/s", "speed of rotation at the start, positive from x to y")
     start_angle = parameter(0.0, "rad", "angle of the rotor at the start")
-    start_fall = parameter(1e-4, "m", "way along its weight by which a rotor starts displaced that has ports and that nothing "
-                           "holds: more than the clearance of its bearings, or 0 where they offer no tangent", low=0.0, high=0.1)
+    start_fall = parameter(1e-4, "m", "way along its constant loads, weight and input force, by which a rotor starts displaced "
+                           "that has ports and that nothing holds: more than the clearance of its bearings, or 0 where "
+                           "they offer no tangent", low=0.0, high=0.1)
     watched_position = parameter(0.5, "m", "place of the shaft whose motion is an output and where a force may act",
                                  low=0.0)
     substep = parameter(2e-5, "s", "longest internal step", low=1e-9, high=1.0)
@@ -185,6 +186,11 @@ class BeamRotor(Component):
         if p.inner_diameter >= p.outer_diameter:
             came = f"inner_diameter = {p.inner_diameter:g} m"
             raise BadInput(self.name, came, f"less than the outer diameter of {p.outer_diameter:g} m")
+        poisson = 0.5 * p.youngs_modulus / p.shear_modulus - 1.0
+        if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
+            came = f"youngs_modulus = {p.youngs_modulus:g} Pa with shear_modulus = {p.shear_modulus:g} Pa"
+            raise BadInput(self.name, f"{came}: Poisson's ratio {poisson:.3g}", "more than -1 and at most 0.5",
+                           "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.")
         bearings = [b for b in bearings if b is not None]
         present: list[int] = []
         if disks is not None:

@@ -1,8 +1,8 @@
 """Static equilibrium of a beam rotor, also of one that nothing but its bearings holds.
 
-A bearing with clearance has no stiffness until the shaft has found its balls. A shaft that nothing holds is moved along its
-weight by a given way, into the balls; from there the master's sweeps are Newton's method, and approach the equilibrium of
-Hertzian contacts from the side of the larger load, where it converges.
+A bearing with clearance has no stiffness until the shaft has found its balls. A shaft that nothing holds is moved a given
+way along the sum of its constant loads, weight and input force, into the balls; from there the master's sweeps are Newton's
+method, and approach the equilibrium of Hertzian contacts from the side of the larger load, where it converges.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def equilibrium(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Displacements under a constant load and the ports' loads, and the forces that are left there, (N,) each.
 
-    A shaft that nothing holds is straight; where it has ports it is moved by `fall`, m, along the constant load.
+    A shaft that nothing holds is straight; where it has ports it is moved by `fall`, m, along the sum of `load`.
     stiffness: (N, 15).  load: (N,).  ports: (k, 3) node, first input, first output.  u: (3, m) inputs.
     """
     tangents = np.zeros((len(ports), 2, DOFS, DOFS))

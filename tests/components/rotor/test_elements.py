@@ -182,6 +182,14 @@ def test_places_beside_the_shaft_are_refused(changes, words):
         BeamRotor(["disks", "linear_supports", "bearing_b"], changes).initialize(0.0)
 
 
+@pytest.mark.parametrize(("young", "shear"), [(211e9, 20e9), (1.0, 1e30)])
+def test_elastic_constants_that_no_isotropic_material_has_are_refused(young, shear):
+    """Poisson's ratios of 4.3 and, to rounding, -1."""
+    with pytest.raises(BadInput, match=r"youngs_modulus = .* with shear_modulus = "):
+        BeamRotor(parameters={"youngs_modulus": young, "shear_modulus": shear}).initialize(0.0)
+    BeamRotor(parameters={"youngs_modulus": 3.0 * shear, "shear_modulus": shear}).initialize(0.0)  # incompressible: allowed
+
+
 def test_nodes_stand_at_every_given_place():
     nodes = node_positions(1.5, [0.5, 0.5 + 1e-9, 1.2], 0.25)
     assert nodes.size == 8  # 2, 3 and 2 elements
