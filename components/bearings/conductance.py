@@ -23,13 +23,12 @@ from .constriction import (
     thermal_contact,
     through_gap,
 )
-from .contacts import LOAD, BallContacts, ball_contacts, place_balls
+from .contacts import LARGEST_CONTACT, LOAD, BallContacts, ball_contacts, place_balls
 from .geometry import BallGeometry
 from .hertz import effective_modulus
 from .loads import WORK_ROWS, equilibrium
 from .radiation import radiative_coefficient
 
-LARGEST_CONTACT = 0.5  # semi-axis over the ball's radius, beyond which neither Hertz nor a half space is a model
 FREE = (1.0, 0.0, 1.0, 0.0, 0.0)  # the inner ring moves along the radial load and along the shaft, and does not tilt
 
 
@@ -265,10 +264,10 @@ def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thicknes
             inside = thickness / (film.conductivity * math.pi * contact.along * contact.across * root * root)
     spread = bridged_resistance(0.0, root, contact, bulk)
     if oil is not None:
-        if oil.conductivity > 0.0 and oil.meniscus_height > 0.0:
-            inside, spread = through_gap(inside, 0.0, oil.meniscus_height, p.closest_gap, oil.conductivity, root, contact, bulk)
         width = oil.meniscus_height
-    if gas is not None and gas.conductivity > 0.0 and gas.widest_gap > width:
+        if width > 0.0:
+            inside, spread = through_gap(inside, 0.0, width, p.closest_gap, oil.conductivity, root, contact, bulk)
+    if gas is not None and gas.widest_gap > width:
         inside, spread = through_gap(inside, width, gas.widest_gap, p.closest_gap, gas.conductivity, root, contact, bulk)
     if inside == math.inf:
         return 0.0

@@ -121,7 +121,7 @@ def through_gap(resistance, low, high, closest, conductivity, cube_root, contact
         outer = bridged_resistance(width, cube_root, contact, ball)
         if resistance < math.inf:
             resistance = 1.0 / (bridge + 1.0 / (resistance + left - outer))
-        else:
+        elif bridge > 0.0:
             resistance = 1.0 / bridge
         left = outer
     outer = bridged_resistance(high, cube_root, contact, ball)

@@ -171,6 +171,23 @@ def test_lubricant_beside_the_contact_conducts_more_than_gas():
     assert same == pytest.approx(gas, rel=2e-3)  # the same gap in two ladders; a ladder's own error is 1e-3
 
 
+@pytest.mark.parametrize("axial", [0.0, 1000.0])
+@pytest.mark.parametrize("path", ["lubricant_path", "gas_path"])
+def test_a_gap_is_continuous_down_to_what_conducts_nothing(path, axial):
+    """The constriction from the contact to the meniscus stays where the lubricant conducts nothing, and the gas begins beyond."""
+    least, none = (
+        started(effects=["ball_bulk", "gas_path", "lubricant_path"], parameters={f"{path}.conductivity": k}, axial_force=axial)
+        for k in (1e-12, 0.0)
+    )
+    assert none["ball_conductance"] == pytest.approx(least["ball_conductance"], rel=1e-9)  # 1e-12 over 0.026 W/(m.K), times 10
+    assert none["ball_conductance"] > 0.0
+
+
+def test_nothing_passes_an_unloaded_bearing_whose_gaps_conduct_nothing():
+    nothing = {"gas_path.conductivity": 0.0, "lubricant_path.conductivity": 0.0}
+    assert started(effects=["gas_path", "lubricant_path"], parameters=nothing)["conductance"] == 0.0
+
+
 def test_rings_without_room_for_the_balls_are_refused():
     with pytest.raises(BadInput, match="walls around"):
         started(effects=["ring_walls"], parameters={"ring_walls.bore": 47e-3})
