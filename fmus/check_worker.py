@@ -38,6 +38,8 @@ class Unit:
                              modelIdentifier=self.description.coSimulation.modelIdentifier)
         self.outputs = [v.valueReference for v in self.description.modelVariables
                         if v.causality == "output" and v.type == "Real"]
+        self.inputs = [v for v in self.description.modelVariables
+                       if v.causality == "input" and v.type == "Real" and not v.name.startswith("der(")]
         self.step_size = _step_size(self.description)
         self.fmu.instantiate(loggingOn=True)
         self.initialize()
@@ -49,9 +51,12 @@ class Unit:
         self.steps = 0
 
     def run(self, steps: int = STEPS) -> np.ndarray:
-        """Outputs after each of the next steps, (steps, outputs)."""
+        """Outputs after each of the next steps, (steps, outputs), while every Real input swings about its start."""
         rows = []
         for _ in range(steps):
+            if self.inputs:
+                self.fmu.setReal([v.valueReference for v in self.inputs],
+                                 [_swung(v, 0.3 * (self.steps + 1) + i) for i, v in enumerate(self.inputs)])
             self.fmu.doStep(self.steps * self.step_size, self.step_size)
             self.steps += 1
             rows.append(self.fmu.getReal(self.outputs))
@@ -69,9 +74,18 @@ def _step_size(description) -> float:
     return float(experiment.stopTime) / 100.0 if experiment is not None and experiment.stopTime else 1e-3
 
 
+def _swung(variable, phase: float) -> float:
+    """A value within a tenth of the nominal one beside the start, and within the variable's limits."""
+    value = float(variable.start or 0.0) + 0.1 * abs(float(variable.nominal or 1.0)) * math.sin(phase)
+    low, high = (float(v) if v is not None else None for v in (variable.min, variable.max))
+    value = value if low is None else max(value, low)
+    return value if high is None else min(value, high)
+
+
 def _same(one: np.ndarray, other: np.ndarray, what: str) -> tuple[bool, str]:
     if one.tobytes() == other.tobytes():
-        return True, f"{what}: the same {one.size} numbers, bit for bit"
+        moved = int((one != one[0]).any(axis=0).sum()) if one.size else 0
+        return True, f"{what}: the same {one.size} numbers, bit for bit; {moved} of {one.shape[1]} outputs moved"
     return False, f"{what}: the numbers differ by up to {np.abs(one - other).max():g}"
 
 
