@@ -118,8 +118,8 @@ class AngularContactConductance(Component):
     balls = integer(16, "number of balls", low=3, high=1000)
     ball_diameter = parameter(7.938e-3, "m", "diameter of the balls", low=1e-6)
     pitch_diameter = parameter(54e-3, "m", "pitch diameter of the balls", low=1e-6)
-    inner_conformity = parameter(0.52, "1", "groove radius of the inner ring over ball diameter", low=0.5001, high=10.0)
-    outer_conformity = parameter(0.53, "1", "groove radius of the outer ring over ball diameter", low=0.5001, high=10.0)
+    inner_conformity = parameter(0.52, "1", "groove radius of the inner ring over ball diameter", low=0.5001, high=1.0)
+    outer_conformity = parameter(0.53, "1", "groove radius of the outer ring over ball diameter", low=0.5001, high=1.0)
     contact_angle = parameter(math.radians(15.0), "rad", "contact angle without load", low=0.0, high=1.2)
     width = parameter(15e-3, "m", "width of the rings", low=1e-6)
     modulus = parameter(2.07e11, "Pa", "Young's modulus of balls and rings", low=1.0)
@@ -185,6 +185,7 @@ class AngularContactConductance(Component):
         )
         if "ring_walls" in self.on:
             self._check_walls(raceways)
+        self._check_gaps(max(inner.radius_across, outer.radius_across))
         constants = Constants(
             ball_contacts(geometry, geometry.stiffness(modulus)),
             inner,
@@ -213,6 +214,16 @@ class AngularContactConductance(Component):
         if ring_part(raceways[0], p["width"], p["balls"]) < 0.5 * p["ball_diameter"]:
             raise BadInput(self.name, f"rings {p['width']:g} m wide around {p['balls']} balls of {p['ball_diameter']:g} m",
                            "a part of the ring for each ball that is no smaller than the ball", "Correct width or balls.")
+
+    def _check_gaps(self, across: float) -> None:
+        """Refuses a gap that is bridged as far out as the ball's equator; across: the larger relative radius Ry, m."""
+        p: Any = self.parameters
+        radius = 0.5 * p["ball_diameter"]
+        widest = 0.5 * radius**2 / across
+        for effect, name in (("lubricant_path", "meniscus_height"), ("gas_path", "widest_gap")):
+            if effect in self.on and (width := p[f"{effect}.{name}"]) > widest:
+                raise BadInput(self.name, f"{effect}.{name} = {width:g} m", f"at most {widest:.3g} m, where the gap beside the "
+                               f"contact reaches as far out as the ball's radius of {radius:g} m", f"Reduce {name}.")
 
     def _step(self, t: float, h: float) -> int:
         hold_inputs(self.u, h)

@@ -195,6 +195,21 @@ def test_rings_without_room_for_the_balls_are_refused():
         started(effects=["ring_walls"], parameters={"width": 1e-3})
 
 
+@pytest.mark.parametrize("name", ["gas_path.widest_gap", "lubricant_path.meniscus_height"])
+def test_gaps_that_reach_beyond_the_ball_are_refused(name):
+    """The unloaded gap opens as x²/(2 Ry) across the groove, Ry = 0.52 d / 0.04; x is at most the ball's radius."""
+    effect = name.partition(".")[0]
+    limit = (0.5 * 7.938e-3) ** 2 * 0.04 / (2.0 * 0.52 * 7.938e-3)
+    assert started(effects=["ball_bulk", effect], parameters={name: 0.999 * limit}, axial_force=5e3)["conductance"] > 0.0
+    with pytest.raises(BadInput, match=f"{name}.*at most"):
+        started(effects=["ball_bulk", effect], parameters={name: 1.001 * limit})
+
+
+def test_grooves_wider_than_the_ball_are_refused():
+    with pytest.raises(BadInput, match="outer_conformity"):
+        started(parameters={"outer_conformity": 10.0})
+
+
 def test_contacts_as_large_as_the_ball_are_out_of_range():
     made = started(axial_force=1000.0)
     made.set("axial_force", 1e7)
