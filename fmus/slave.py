@@ -26,6 +26,7 @@ from .interface import Scalar, interface
 LOG = logging.getLogger("cosimo")
 MISSING = {"Real": nan, "Integer": 0, "Boolean": False, "String": ""}
 WIDE = 24  # values: a call with more of them is an array operation
+KEPT = 16  # wide calls whose places are remembered; a master has one or two to a port
 HEAD = Struct("<2Q")  # a saved state starts with the lengths of its two JSON parts: configuration, status
 
 
@@ -312,10 +313,11 @@ class ComponentSlave(Fmi2Slave):
 
 
 class _Ports:
-    """Where the values of a wide call live, kept for the next call: one array operation instead of a loop over them."""
+    """Where the values of the last wide calls live, kept for the next ones: one array operation instead of a loop over them."""
 
     def __init__(self) -> None:
-        self._references: list[int] | None = None
+        self._kept: dict[tuple[int, ...], tuple[list[int], bool, Any, Any]] = {}
+        self._references: list[int] | None = None  # of the last call: a list is compared more quickly than looked up
         self._all = False
         self.places = np.zeros(0, dtype=np.intp)
         self.scales: Any = None  # factors of values that are second derivatives
@@ -323,14 +325,22 @@ class _Ports:
     def hold(self, references: list[int], known: dict[int, tuple[Any, int]], array: Any) -> bool:
         """Whether all these references are elements of `array`, which `places` then tells."""
         if references != self._references:
-            self._references = list(references)
-            found = [known.get(v, (None, 0)) for v in references]
-            scales = [0.5 if isinstance(container, _Halved) else 1.0 for container, _ in found]
-            inside = [c.u if isinstance(c, _Halved) else c for c, _ in found]
-            self._all = all(isinstance(c, memoryview) and c.obj is array for c in inside)
-            self.places = np.array([place for _, place in found], dtype=np.intp)
-            self.scales = np.array(scales) if 0.5 in scales else None
+            key = tuple(references)
+            if key not in self._kept:
+                if len(self._kept) == KEPT:
+                    self._kept.clear()
+                self._kept[key] = self._found(references, known, array)
+            self._references, self._all, self.places, self.scales = self._kept[key]
         return self._all
+
+    @staticmethod
+    def _found(references: list[int], known: dict[int, tuple[Any, int]], array: Any) -> tuple[list[int], bool, Any, Any]:
+        found = [known.get(v, (None, 0)) for v in references]
+        scales = [0.5 if isinstance(container, _Halved) else 1.0 for container, _ in found]
+        inside = [c.u if isinstance(c, _Halved) else c for c, _ in found]
+        all_ = all(isinstance(c, memoryview) and c.obj is array for c in inside)
+        places = np.array([place for _, place in found], dtype=np.intp)
+        return list(references), all_, places, np.array(scales) if 0.5 in scales else None
 
 
 class _Halved:
