@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..core.component import Effect
+from ..core.errors import BadInput
 from ..core.integrators import OdeComponent
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, NOT_CONVERGED, bind, kernel
 from ..core.rosenbrock import rodas3
 from ..core.variables import input_, output, parameter
-from .radiation import radiative_coefficient
+from .radiation import STEFAN_BOLTZMANN, radiative_coefficient
 
 
 class Housing(Effect):
@@ -55,7 +58,8 @@ class BearingTemperatures(OdeComponent):
         (dm + d) alpha (To - Tr) - (dm - d) alpha (Ti - Tr) - 2 d alpha (Tb - Tr)
 
     which is 0 where all are equally warm. Interference of the seats, and a housing or shaft of other material, are not in it.
-    Integrated with an L-stable method: `substep` is a matter of accuracy, never of stability.
+    Integrated with an L-stable method: without `radiation` the network is linear, and `substep` a matter of accuracy alone.
+    T⁴ can lead a long substep astray; a step that ends hotter than heat and surroundings can make it fails as not converged.
     """
 
     title = "Temperatures of a bearing, its shaft and its housing"
@@ -102,10 +106,21 @@ class BearingTemperatures(OdeComponent):
         return np.array([start] * parts + [0.0, 0.0])
 
     def _initialize(self, t: float) -> int:
+        p = self.parameters
+        if (shares := p["inner_share"] + p["outer_share"]) > 1.0 + 1e-12:  # rounding of shares such as 0.7 and 0.3
+            raise BadInput(self.name, f"inner_share + outer_share = {shares:g}", "at most 1: the rest heats the balls",
+                           "Reduce one of them.")
         status = super()._initialize(t)
         n = self.x.size
         self._work = np.zeros((n + 7, max(2 * n - 1, self.u.shape[1])))
         return status
+
+    def _step(self, t: float, h: float) -> int:
+        limit = highest_outside(h, self.x, self.u, *self.settled)
+        status = super()._step(t, h)
+        # a tenth and 1 K for the method's error and for rounding at 0 K
+        astray = status == DONE and not -0.1 * limit - 1.0 <= self.x[-3] <= 1.1 * limit + 1.0
+        return NOT_CONVERGED if astray else status
 
 
 CONDUCTANCE, FRICTION, AMBIENT = BearingTemperatures.input_indices("conductance", "friction_power", "ambient")
@@ -115,6 +130,28 @@ OUTPUTS = BearingTemperatures.output_indices(
 )  # fmt: skip
 INNER_OUT, BALL_OUT, OUTER_OUT, HOUSING_OUT, CLEARANCE_OUT, SUPPLIED_OUT, STORED_OUT, RELEASED_OUT = OUTPUTS
 INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
+
+
+@kernel
+def highest_outside(h, x, u, p, housing, oil, radiation, shaft):
+    """What the outermost part, if it radiates, cannot exceed in a step of h s, K; u: (3, m) with slopes; else infinite.
+
+    It rises above the warmest of parts, ambient and oil only as far as until radiation alone takes all supplied heat away.
+    """
+    if radiation is None or radiation.emissivity * radiation.area == 0.0:
+        return math.inf
+    warmest, power = 0.0, 0.0
+    for part in x[:-2]:
+        warmest = max(warmest, part)
+    for s in (0.0, h):
+        warmest = max(warmest, u[0, AMBIENT] + s * (u[1, AMBIENT] + s * u[2, AMBIENT]))
+        supplied = u[0, FRICTION] + s * (u[1, FRICTION] + s * u[2, FRICTION])
+        if oil is not None:
+            warmest = max(warmest, u[0, oil.u] + s * (u[1, oil.u] + s * u[2, oil.u]))
+        if shaft is not None:
+            supplied += u[0, shaft.u] + s * (u[1, shaft.u] + s * u[2, shaft.u])
+        power = max(power, supplied)
+    return (warmest**4 + power / (radiation.emissivity * radiation.area * STEFAN_BOLTZMANN)) ** 0.25
 
 
 @kernel

@@ -9,6 +9,7 @@ from scipy.linalg import expm
 
 from components.bearings.radiation import STEFAN_BOLTZMANN, radiative_coefficient
 from components.bearings.temperatures import BearingTemperatures, network_derivatives, network_jacobian
+from components.core.errors import BadInput, StepFailed
 
 ALL = ("housing", "oil_flow", "radiation", "shaft_heat")
 
@@ -135,6 +136,38 @@ def test_radiation_alone_cools_by_the_fourth_power():
     c = p["inner_capacity"] + p["ball_capacity"] + p["outer_capacity"]
     rate = 3.0 * p["radiation.emissivity"] * p["radiation.area"] * STEFAN_BOLTZMANN / c
     assert made["outer_temperature"] == pytest.approx((600.0**-3 + rate * 1000.0) ** (-1.0 / 3.0), abs=1e-3)  # not quite rigid
+
+
+@pytest.mark.parametrize("power", [1e3, 1e4, 1e5])
+def test_radiation_in_substeps_of_any_length_is_right_or_fails(power):
+    """All heat leaves by radiation; a substep of 1000 s once went to 1e20 K without a word."""
+    parameters = {"shaft_conductance": 0.0, "ambient_conductance": 0.0}
+    rest = (293.15**4 + power / (0.8 * 0.05 * STEFAN_BOLTZMANN)) ** 0.25
+    fine = run(started(("radiation",), {**parameters, "substep": 10.0}, friction_power=power), 1000.0, 20)
+    assert fine["outer_temperature"] == pytest.approx(rest, rel=1e-3)  # 20000 s, against 565 J/K / (4 eps A sigma T³) <= 150 s
+    with pytest.raises(StepFailed, match="substep"):
+        run(started(("radiation",), {**parameters, "substep": 1000.0}, friction_power=power), 1000.0, 20)
+
+
+def test_a_linear_network_may_be_as_hot_as_it_likes():
+    """Radiation of no area limits nothing: balls without a way out keep what is theirs, 5e4 W of 1e5 W over 15 J/K."""
+    made = run(started(("radiation",), {"radiation.area": 0.0, "substep": 1000.0}, friction_power=1e5, conductance=0.0), 1e3, 5)
+    assert made["ball_temperature"] - 293.15 == pytest.approx(5e4 * 5e3 / 15.0, rel=1e-9)
+
+
+def test_radiation_at_absolute_zero_and_under_hot_surroundings_does_not_fail():
+    for start, ambient, inlet in ((0.0, 0.0, 0.0), (300.0, 1500.0, 300.0), (1500.0, 300.0, 300.0), (300.0, 300.0, 1500.0)):
+        inputs = {"ambient": ambient, "oil_flow.inlet_temperature": inlet}
+        made = run(started(ALL, {"start_temperature": start, "substep": 20.0}, friction_power=0.0, **inputs), 20.0, 200)
+        low, high = min(start, ambient, inlet), max(start, ambient, inlet)
+        assert low - 1e-6 <= made["housing_temperature"] <= high + 1e-6  # what flows only levels: rounding
+
+
+def test_shares_beyond_one_are_refused():
+    """The balls would be cooled by friction."""
+    with pytest.raises(BadInput, match="inner_share"):
+        started((), {"inner_share": 0.6, "outer_share": 0.5})
+    started((), {"inner_share": 0.7, "outer_share": 0.3})
 
 
 def test_radiative_coefficient():
