@@ -42,7 +42,7 @@ def findings(options: Options) -> Findings:
         if result.outcome != "done":
             return Findings((), {f"{rpm:g} rpm": result}, notes=(result.message,), complete=False)
         runs[f"{rpm:g} rpm"] = result
-        lines[rpm] = whirl_lines(result, found.frequency * found.direction)
+        lines[rpm] = whirl_lines(result, np.where(found.direction < 0, -found.frequency, found.frequency))
         measured |= {f"motion.{rpm:g}.{k + 1}": abs(w) for k, w in enumerate(lines[rpm])}
     measured |= {f"critical.{k + 1}": float(w) for k, w in enumerate(critical_speeds(matrices)[:CRITICAL])}
     notes = (
@@ -77,6 +77,8 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
     series = [Series("1 × speed", speed[[0, -1]], speed[[0, -1]] * RPM, faint=True)]
     for sign, name in ((1, "forward"), (-1, "backward")):
         columns = np.flatnonzero(direction[-1] == sign)
+        if not columns.size:  # without gyroscopic moments there is neither
+            continue
         x = np.concatenate([[*speed, np.nan] for _ in columns])
         series.append(Series(f"{name}, from the matrices", x, np.concatenate([[*frequency[:, k], np.nan] for k in columns])))
         points = np.array([(rpm, abs(w)) for rpm, found in lines.items() for w in found if np.sign(w) == sign])
