@@ -14,7 +14,8 @@ The lever of the tilts is the radius of the inner groove's centres, through whic
 moments the bearing has a potential, sum 2/5 K delta^2.5, and its stiffness is symmetric. The potential is convex, because
 delta_j is the length of a vector that is linear in q.
 
-Source: Sopanen & Mikkola, Proc. IMechE K 217 (2003) 201-211, in the form of the authors' public code; ISO/TS 16281.
+Source: the model of Sopanen & Mikkola, Proc. IMechE K 217 (2003), of which only the abstract was at hand: the formulas come
+from public code of one of the authors; ISO/TS 16281.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from ..core.kernels import DONE, OUT_OF_RANGE, kernel, kernel_tuple
 from .geometry import BallGeometry
 
 COS, SIN, GAP, LOAD = range(4)  # columns of `balls`
+LARGEST_CONTACT = 0.5  # semi-axis over the ball's radius, beyond which neither Hertz nor a half space is a model
 ENERGY, MAX_LOAD, LOADED = 5, 6, 7  # elements of `sums` behind the two forces and moments
 
 

@@ -11,7 +11,9 @@ symmetric stiffness (`published_levers` brings the published one back); the race
 speed and the levers; damping acts contact by contact. Not in it: the balls' own inertia (centrifugal force, gyroscopic
 moment), sliding, flexible rings.
 
-Cost with 9 balls from compiled code: 0.15 us alone, 0.6 us with film and eight waves in both races, 0.85 us with everything.
+A ball whose contact is longer than its own radius is out of the model's range. The published formulas come from public code of
+one of the authors; of the paper only the abstract was at hand. What a call costs is measured by
+tests/benchmarks/test_deep_groove_speed.py.
 """
 
 from __future__ import annotations
@@ -25,9 +27,9 @@ import numpy as np
 
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput, StepFailed
-from ..core.kernels import DONE
+from ..core.kernels import DONE, OUT_OF_RANGE
 from ..core.variables import choice, input_, integer, output, parameter
-from .contacts import GAP, ball_contacts
+from .contacts import GAP, LARGEST_CONTACT, BallContacts, ball_contacts
 from .film import Lubricant, entrainment_speed, film_thickness
 from .geometry import BallGeometry
 from .hertz import brewe_hamrock, effective_modulus, exact_ellipse, in_series
@@ -39,6 +41,7 @@ DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", 
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
+LINEARISATION = 9  # in `settled`
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 
 
@@ -74,8 +77,9 @@ class Linearisation(Effect):
     method. The dependence of dampers on q is left out of the stiffness.
     """
 
-    idle_stiffness = parameter(1e6, "N/m", "added along x and y while at most one ball is loaded, so that a search for the "
-                               "static position comes to a contact; the force itself is not changed", low=0.0, nominal=1e6)
+    idle_stiffness = parameter(1e6, "N/m", "added along x and y while initializing and at most one ball is loaded, so that a "
+                               "search for the static position comes to a contact; the force itself is not changed, and in "
+                               "the run, where it would act like a damper, there is none", low=0.0, nominal=1e6)
 
     force_x = output("N", "force along x of the linearised bearing at zero displacement and velocity", nominal=100.0,
                      feedthrough=EVERYTHING)
@@ -113,7 +117,8 @@ class DeepGrooveBearing(Component):
         Q_j = K delta_j^1.5,   F = -sum Q_j (cos phi cos beta, cos phi sin beta, sin phi)_j,
         M = L sum Q_j sin phi_j (-sin beta, cos beta)_j
 
-    beta: angle of a ball, phi: angle of its contact line. Source: Sopanen & Mikkola, Proc. IMechE K 217 (2003) 201-223.
+    beta: angle of a ball, phi: angle of its contact line. Source: Sopanen & Mikkola, Proc. IMechE K 217 (2003), as contacts.py
+    says.
     """
 
     title = "Deep groove ball bearing, six degrees of freedom"
@@ -198,6 +203,12 @@ class DeepGrooveBearing(Component):
         if contacts.radial <= 0.0:
             raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m",
                            f"less than {2.0 * contacts.distance:g} m, the play of the balls in the grooves")
+        semi_axis = max(0.5 * race.axes(1.0)[1] for race in races)  # under 1 N; it grows with the cube root of the load
+        largest_load = (LARGEST_CONTACT * 0.5 * p["ball_diameter"] / semi_axis) ** 3
+        tightest = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
+        if p["diametral_clearance"] < tightest:
+            raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m", f"{tightest:.3g} m or more; with "
+                           "less the preload alone makes the contacts longer than a ball's radius")
         values = dict(zip(type(self).effects, self._settled()[1:], strict=True))
         if (film := values["film"]) is not None:
             oil = Lubricant(film.viscosity, film.pressure_viscosity)
@@ -218,15 +229,28 @@ class DeepGrooveBearing(Component):
             # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
             centres = 0.5 * p["pitch_diameter"] - 0.25 * p["diametral_clearance"]
             values["published_levers"] = Levers(centres / contacts.lever)
-        return constants(contacts, geometry.cage_ratio, geometry.spin_ratio), *values.values()
+        return constants(contacts, geometry.cage_ratio, geometry.spin_ratio, largest_load), *values.values()
 
     # -- the run -----------------------------------------------------------------------------------------------------
+    def initialize(self, t: float) -> None:
+        """As of any component; what helps a search for the static position, or lets it overshoot, ends with it."""
+        self.settled = settled = self.settle()
+        if (linear := settled[LINEARISATION]) is not None:
+            linear = linear._replace(idle_stiffness=0.0)
+        try:
+            super().initialize(t)
+        finally:
+            self.settled = (*settled[:LINEARISATION], linear, *settled[LINEARISATION + 1 :])
+
     def _initialize(self, t: float) -> int:
-        self.settled = self.settle()
         self.x = np.zeros(3 if "ball_defect" in self.on else 2)
         self.x[1] = wrapped(self.get("first_ball"))
         self._features = self._passages()
         self._warned = False
+        p = self.settled[0]
+        if self._preload() > p.largest_load:
+            return OUT_OF_RANGE
+        self.settled = (p._replace(largest_load=math.inf), *self.settled[1:])  # a step of Newton's method may go too far
         return DONE
 
     def _step(self, t: float, h: float) -> int:
@@ -236,7 +260,19 @@ class DeepGrooveBearing(Component):
         return advance(h, self.x, self.u, self.y, *self.settled)
 
     def _outputs(self, t: float) -> None:
-        bearing_outputs(self.x, self.u[0], self.y, *self.settled)
+        self._check(bearing_outputs(self.x, self.u[0], self.y, *self.settled))
+
+    def _preload(self) -> float:
+        """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
+        p, film, _, *races = self.settled[:8]
+        place(self.x, self.u[0, SPEED], p, film, *races)
+        contacts = self._present_contacts()
+        return contacts.stiffness * max(contacts.radial - contacts.distance - p.balls[:, GAP].min(), 0.0) ** 1.5
+
+    def _present_contacts(self) -> BallContacts:
+        p, growth = self.settled[0], self.settled[11]
+        change = self.u[0, growth.u] if growth is not None else 0.0
+        return p.contacts._replace(radial=p.contacts.radial - 0.5 * change)
 
     def _passages(self) -> list[tuple[str, float, float]]:
         """(name, extent in rad, turn of the feature under a ball per turn of the inner ring) of waves and defects."""
@@ -258,7 +294,10 @@ class DeepGrooveBearing(Component):
         The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
         """
         now, slope, half = self.u[:, SPEED]
-        turn = h * max(abs(now), abs(now + h * (slope + h * half)))
+        fastest = max(abs(now), abs(now + h * (slope + h * half)))
+        if half != 0.0 and 0.0 < (vertex := -0.5 * slope / half) < h:
+            fastest = max(fastest, abs(now + 0.5 * slope * vertex))
+        turn = h * fastest
         for name, extent, ratio in self._features:
             if (passed := turn * ratio / extent) > 1.0:
                 raise StepFailed(self.name, t, f"a ball passes {name} in {1.0 / passed:.2g} of a macro step, and may miss it",
@@ -274,13 +313,15 @@ class DeepGrooveBearing(Component):
         return elastic_energy(self.x, self.u[0], p, film, *races, self.settled[11])
 
     def equilibrium(self, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
-        """Static equilibrium under an external load on the shaft at the present angles and speed; see `loads.static_loads`."""
+        """Static equilibrium under an external load on the shaft at the present angles and speed; see `loads.static_loads`.
+
+        Its status is OUT_OF_RANGE, too, for a ball beyond its largest load.
+        """
         p, film, _, *races = self.settled[:8]
         place(self.x, self.u[0, SPEED], p, film, *races)
-        levers, growth = self.settled[8], self.settled[11]
+        levers = self.settled[8]
         load = np.array(forces, dtype=float)
         if levers is not None:
             load[3:] /= levers.ratio
-        change = self.u[0, growth.u] if growth is not None else 0.0
-        contacts = p.contacts._replace(radial=p.contacts.radial - 0.5 * change)
-        return static_loads(contacts, load, first_ball=self.x[1], held=held, gap=p.balls[:, GAP].copy())
+        found = static_loads(self._present_contacts(), load, first_ball=self.x[1], held=held, gap=p.balls[:, GAP].copy())
+        return found._replace(status=OUT_OF_RANGE) if found.ball_loads.max() > p.largest_load else found

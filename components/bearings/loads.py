@@ -57,8 +57,8 @@ def static_loads(
     `COORDINATES` that stay 0, whatever their force or moment.  gap: m, one or (Z,), by which the surfaces at each
     ball are farther apart than in a perfect bearing.
 
-    Without load and with clearance the ring stays in the middle. Raises `BadInput` for loads that are not finite, or that
-    too few balls cannot carry.
+    Without load and with clearance the ring stays in the middle. Raises `BadInput` for loads that are not five finite
+    numbers, fewer than three balls, or an unknown coordinate in `held`.
     """
     forces = np.array(forces, dtype=float)
     if forces.shape != (5,) or not np.isfinite(forces).all():

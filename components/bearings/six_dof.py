@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.kernels import NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, hold_inputs, kernel, kernel_tuple
 from .contacts import COS, ENERGY, GAP, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces
 from .film import CENTRAL_EXPONENT
 from .races import TWO_PI, add_faults, wrapped
@@ -27,6 +27,7 @@ class Constants(NamedTuple):
     contacts: BallContacts
     cage_ratio: float
     spin_ratio: float
+    largest_load: float  # N, of a ball; beyond it the contacts are no small spots any more
     cosine: np.ndarray  # (Z,), directions of the balls seen from ball 0
     sine: np.ndarray
     balls: np.ndarray  # (Z, 4), workspace; see contacts.py
@@ -51,12 +52,12 @@ class Levers(NamedTuple):
     ratio: float
 
 
-def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float) -> Constants:
+def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float, largest_load: float) -> Constants:
     """Constants of a bearing; workspace included."""
     n = contacts.balls
     at = TWO_PI * np.arange(n) / n
-    return Constants(contacts, cage_ratio, spin_ratio, np.cos(at), np.sin(at), np.zeros((n, 4)), np.zeros(8), np.zeros((5, 5)),
-                     np.zeros((5, 5)))
+    return Constants(contacts, cage_ratio, spin_ratio, largest_load, np.cos(at), np.sin(at), np.zeros((n, 4)), np.zeros(8),
+                     np.zeros((5, 5)), np.zeros((5, 5)))
 
 
 @kernel
@@ -98,17 +99,16 @@ def advance(h, x, u, y, p, *effects):
     """Roll on by h, hold the inputs at their ends, and compute the outputs there; u: (3, m)."""
     roll(h, x, u, p)
     hold_inputs(u, h)
-    status = bearing_outputs(x, u[0], y, p, *effects)
-    for i in range(y.size):
-        if not math.isfinite(y[i]):
-            return NOT_FINITE
-    return status
+    return bearing_outputs(x, u[0], y, p, *effects)
 
 
 @kernel
 def bearing_outputs(x, u, y, p, film, damper, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit, levers, linear, friction,
                     growth):
-    """All outputs from the angles x and the inputs u (m,); returns DONE, or OUT_OF_RANGE for a ring beyond the grooves."""
+    """All outputs from the angles x and the inputs u (m,).
+
+    Returns DONE, OUT_OF_RANGE for a ring beyond the grooves or a ball beyond its largest load, or NOT_FINITE.
+    """
     speed = u[SPEED]
     place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
     contacts = present_contacts(u, p, growth)
@@ -120,6 +120,10 @@ def bearing_outputs(x, u, y, p, film, damper, inner_waves, outer_waves, inner_pi
         status = contact_forces(u[:5], contacts, p.balls, p.sums, None, u[5:10], damper.factor, None)
     else:
         status = contact_forces(u[:5], contacts, p.balls, p.sums, None, None, None, None)
+    if status != DONE:
+        return status
+    if p.sums[MAX_LOAD] > p.largest_load:
+        return OUT_OF_RANGE
     if levers is not None:
         p.sums[3] *= levers.ratio
         p.sums[4] *= levers.ratio
@@ -136,7 +140,10 @@ def bearing_outputs(x, u, y, p, film, damper, inner_waves, outer_waves, inner_pi
         torque = 0.5 * friction.coefficient * friction.bore_diameter * load
         y[friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
         y[friction.y + 1] = torque * abs(speed)
-    return status
+    for i in range(y.size):
+        if not math.isfinite(y[i]):
+            return NOT_FINITE
+    return DONE
 
 
 @kernel

@@ -8,8 +8,8 @@ import pytest
 from components.bearings.deep_groove import DISPLACEMENT, VELOCITY, DeepGrooveBearing
 from components.bearings.film import Lubricant, film_thickness
 from components.bearings.hertz import effective_modulus, exact_ellipse
-from components.core.errors import BadInput
-from components.core.kernels import DONE
+from components.core.errors import BadInput, StepFailed
+from components.core.kernels import DONE, OUT_OF_RANGE
 
 LOAD = ("force_x", "force_y", "force_z", "moment_x", "moment_y")
 MOTION = (*DISPLACEMENT, *VELOCITY)
@@ -140,11 +140,80 @@ def test_published_levers_break_the_symmetry_by_under_one_percent():
 
 
 def test_without_contact_the_linearisation_has_a_spring_and_the_bearing_none():
-    q = (3e-6, 0.0, 0.0, 0.0, 0.0)
-    bearing = moved(["linearisation"], q, diametral_clearance=2e-5, linearisation__idle_stiffness=5e5)
-    assert not load(bearing).any()
-    assert bearing["linearisation.stiffness[1]"] == bearing["linearisation.stiffness[7]"] == 5e5
-    assert bearing["linearisation.force_x"] == pytest.approx(5e5 * 3e-6, rel=1e-12)
+    """A search for the static position finds it in the outputs of `initialize`; what follows in a run has no spring."""
+    bearing = DeepGrooveBearing(["linearisation"], {"diametral_clearance": 2e-5, "linearisation.idle_stiffness": 5e5})
+    bearing.set("displacement_x", 3e-6)
+    for _ in range(2):
+        bearing.initialize(0.0)
+        assert not load(bearing).any()
+        assert bearing["linearisation.stiffness[1]"] == bearing["linearisation.stiffness[7]"] == 5e5
+        assert bearing["linearisation.force_x"] == pytest.approx(5e5 * 3e-6, rel=1e-12)
+        bearing.refresh()
+        assert not bearing.y[bearing.output_positions([n for n in bearing.outputs if n.startswith("linearisation")])].any()
+        bearing.step(0.0, 1e-4)
+        assert bearing["linearisation.stiffness[1]"] == bearing["linearisation.force_x"] == 0.0
+
+
+def test_a_mass_on_the_tangent_falls_freely_inside_the_clearance():
+    """The midpoint rule with the tangent of each step's start, as a rotor takes it: exact for a constant force, g t^2 / 2."""
+    bearing = DeepGrooveBearing(["linearisation"], {"diametral_clearance": 2e-4})
+    bearing.initialize(0.0)
+    bearing.step(0.0, 0.0)
+    m, g, h, q, v = 4.0, 9.81, 1e-4, 0.0, 0.0
+    for k in range(30):
+        force, stiffness = bearing["linearisation.force_y"] - m * g, bearing["linearisation.stiffness[7]"]
+        start = v
+        v += h * (force - stiffness * (q + 0.5 * h * v)) / (m + 0.25 * h * h * stiffness)
+        q += 0.5 * h * (start + v)
+        bearing.set("displacement_y", q)
+        bearing.step(k * h, h)
+    assert q == pytest.approx(-0.5 * g * 3e-3**2, rel=1e-12)  # 44 um of 100
+
+
+def test_what_leaves_the_model_is_told_by_refresh_and_initialize_too():
+    for name, value, reason in (("displacement_x", 1e-3, "left the range"), ("displacement_y", math.nan, "not finite")):
+        bearing = moved(["damping", "linearisation"], (1e-5, 0.0, 0.0, 0.0, 0.0))
+        bearing.set(name, value)
+        with pytest.raises(StepFailed, match=reason):
+            bearing.refresh()
+        with pytest.raises(StepFailed, match=reason):
+            bearing.initialize(0.0)
+
+
+def test_a_contact_longer_than_the_radius_of_its_ball_is_refused():
+    """Long axis (6 k^2 E Q R / (pi E'))^(1/3) of the inner race: 5.55 mm at Q, so that 1.01 Q is too much, 0.99 Q is not."""
+    bearing = moved(["film", "thermal_growth"])
+    inner = bearing.geometry.contact("inner", effective_modulus(2.06e11, 0.3, 2.06e11, 0.3))
+    k, E = inner.ellipse.k, inner.ellipse.second
+    largest = (0.5 * 0.0111 / 2.0) ** 3 * math.pi * inner.modulus / (6.0 * k * k * E * inner.radius)
+    K = bearing.settled[0].contacts.stiffness
+    for share in (0.99, 1.01):
+        approach = (share * largest / K) ** (2.0 / 3.0)
+        for name, value in (("displacement_x", approach), ("thermal_growth.clearance_change", -2.0 * approach)):
+            bearing = moved(["film", "thermal_growth"])
+            bearing.set(name, value)
+            if share < 1.0:
+                bearing.refresh()
+                assert bearing["max_ball_load"] == pytest.approx(share * largest, rel=1e-9)
+                continue
+            with pytest.raises(StepFailed, match="left the range"):
+                bearing.refresh()
+            if name == "displacement_x":
+                bearing.initialize(0.0)  # on the way to a static position
+                assert bearing["max_ball_load"] > largest
+            else:
+                with pytest.raises(StepFailed, match="left the range"):
+                    bearing.initialize(0.0)
+            with pytest.raises(StepFailed, match="left the range"):
+                bearing.step(0.0, 1e-4)
+    for share, status in ((2.0, DONE), (2.1, OUT_OF_RANGE)):  # a ball on the load line carries 4.385 / 9 of it, see test_stribeck
+        assert moved().equilibrium(np.array([share * largest, 0.0, 0.0, 0.0, 0.0])).status == status
+    with pytest.raises(BadInput, match="preload"):
+        moved(diametral_clearance=-5e-3)
+    thick = DeepGrooveBearing(["film"], {"film.viscosity": 1e3})
+    thick.set("speed", 3000.0)
+    with pytest.raises(StepFailed, match="left the range"):
+        thick.initialize(0.0)
 
 
 def test_energy_is_what_the_force_takes():
