@@ -30,14 +30,21 @@ from typing import Any
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput
+from ..core.errors import BadInput, StepFailed
 from ..core.integrators import OdeComponent
 from ..core.kernels import DONE
 from ..core.variables import input_, integer, output, parameter
 from .geometry import BallGeometry
 from .races import BallDefect, Defect, Waviness, race_waves, smooth_pit, wrapped
 from .two_dof import (
+    COSINE,
+    DEEPEST,
+    GAP,
+    GROWTH,
     LOAD,
+    SINCE,
+    SINE,
+    SLOPE,
     SPEED,
     TRANSVERSE_LOAD,
     Clearance,
@@ -50,7 +57,6 @@ from .two_dof import (
     bearing_outputs,
     constants,
     fill_gaps,
-    ring_speed,
     static_position,
 )
 
@@ -161,28 +167,46 @@ class TwoDofBearing(OdeComponent):
         return x
 
     def _initialize(self, t: float) -> int:
+        """A step too long for impacts is refused; one too long for a defect is so here only, while parameters can be changed.
+
+        One that a growing speed makes too long is shortened instead: a run under way is not broken off for what it costs.
+        """
+        if (given := self.get("substep")) > (limit := self.stable_step()):
+            raise BadInput(self.name, f"substep = {given:g}", f"at most {limit:.3g}, what the impacts that may come need",
+                           "Reduce substep.")
         status = super()._initialize(t)
-        self._pass_angle = self._shortest_pass()
+        self._proven = 0.0
+        self._pass_angle, narrowest = self._shortest_pass()
         if (needed := self._longest_substep(t, 0.0)) < self._substep:
             raise BadInput(self.name, f"substep = {self._substep:g} at a speed of {self._fastest(t, 0.0):g}",
-                           f"at most {needed:.3g}, a quarter of the passage of a ball through the narrowest defect",
+                           f"at most {needed:.3g}, a quarter of the passage of a ball through {narrowest}",
                            "Reduce substep or widen the defect.")
         return status
 
-    def _shortest_pass(self) -> float:
-        """Turn of the inner ring during which a ball passes a quarter of the narrowest defect, rad; infinite without one."""
-        p, _, _, _, _, _, inner, outer, ball = self.settled[:9]
-        ratios = ((inner, 1.0 - p.cage_ratio), (outer, p.cage_ratio), (ball, p.spin_ratio))
-        return min((0.5 * pit.half_width / ratio for pit, ratio in ratios if pit is not None), default=math.inf)
+    def _shortest_pass(self) -> tuple[float, str]:
+        """Turn of the inner ring, rad, during which a ball passes a quarter of the narrowest pit or half wave, and its name."""
+        p, _, _, _, inner_waves, outer_waves, inner, outer, ball = self.settled[:9]
+        found = [(math.inf, "nothing")]
+        for name, pit, ratio in (("inner_defect", inner, 1.0 - p.cage_ratio), ("outer_defect", outer, p.cage_ratio),
+                                 ("ball_defect", ball, p.spin_ratio)):
+            if pit is not None:
+                found.append((0.5 * pit.half_width / ratio, name))
+        for name, waves, ratio in (("inner", inner_waves, 1.0 - p.cage_ratio), ("outer", outer_waves, p.cage_ratio)):
+            if waves is not None and waves.order.size:
+                order = waves.order.max()
+                found.append((0.25 * math.pi / (order * ratio), f"half a wave of {name}_waviness of order {order:g}"))
+        return min(found)
 
     def _fastest(self, t: float, h: float) -> float:
-        """Larger speed of both ends of a step."""
+        """Largest speed within a step; input and ramp together are one parabola before the ramp's end and one after it."""
         ramp, (now, slope, half) = self.settled[10], self.u[:, SPEED]
-        end = np.array([now + h * (slope + h * half)])
-        return max(abs(ring_speed(t, np.array([now]), ramp)[0]), abs(ring_speed(t + h, end, ramp)[0]))
+        acceleration, duration = (ramp.acceleration, ramp.duration) if ramp is not None else (0.0, 0.0)
+        turning = [-0.5 * a / half for a in (slope, slope + acceleration)] if half != 0.0 else []
+        return max(abs(now + s * (slope + s * half) + acceleration * min(max(t + s, 0.0), duration))
+                   for s in (0.0, h, duration - t, *turning) if 0.0 <= s <= h)
 
     def _longest_substep(self, t: float, h: float) -> float:
-        """Longest internal step that does not step over a defect."""
+        """Longest internal step that does not step over a defect or a wave."""
         return self._pass_angle / max(self._fastest(t, h), 1e-300) if self._pass_angle < math.inf else math.inf
 
     def _step(self, t: float, h: float) -> int:
@@ -190,29 +214,72 @@ class TwoDofBearing(OdeComponent):
         if self._pass_angle < math.inf:
             substep = min(substep, self._longest_substep(t, h))  # where the speed has grown since the start
         n = max(1, math.ceil(h / substep * (1.0 - 1e-9)))
-        return type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        balls = self.settled[0].balls
+        balls[DEEPEST, 0] = 0.0
+        if self.settled[3] is not None:  # only an unbalance feels the speed's derivative
+            balls[SLOPE, 0], balls[GROWTH, 0], balls[SINCE, 0] = self.u[1, SPEED], 2.0 * self.u[2, SPEED], t
+        status = type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        if balls[DEEPEST, 0] > self._proven and status == DONE:
+            self._check_contacts(t, h / n, float(balls[DEEPEST, 0]))
+        return status
+
+    def _check_contacts(self, t: float, substep: float, deepest: float) -> None:
+        """Stop a run whose contacts became too stiff for its internal steps: it would stay finite, and be wrong."""
+        p, _, damping = self.settled[:3]
+        if (needed := _resolved_step(p, damping, deepest)) < substep * (1.0 - 1e-9):
+            raise StepFailed(self.name, t, f"a ball is pressed in by {deepest:.3g}, too stiff a contact for internal steps of "
+                             f"{substep:.3g}", f"Reduce substep to {needed:.2g} or less")
+        if substep >= self._substep * (1.0 - 1e-9):
+            self._proven = deepest
 
     def energy(self) -> float:
         """Kinetic energy plus that of the contacts, J (or in units of the scales); the load is not counted."""
         p, clearance, _, _, *races = self.settled[:9]
         fill_gaps(self.x, 0.0, p, clearance, None, *races)
-        cosine, sine, gap, _ = p.balls
+        cosine, sine, gap = p.balls[[COSINE, SINE, GAP]]
         at = self.x[5] + np.arctan2(sine, cosine)
         delta = np.maximum(self.x[0] * np.cos(at) + self.x[1] * np.sin(at) - gap, 0.0)
         return float(0.5 * p.mass * (self.x[2] ** 2 + self.x[3] ** 2) + 0.4 * p.stiffness * (delta**2.5).sum())
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / |eigenvalue| at the deepest penetration that a fall through the clearance leads to."""
-        p, clearance = self.settle()[:2]
+        """Longest step for the deepest penetration to which energy at the start and a fall through the clearance can lead.
+
+        With the forces of the start; what comes later, a greater load or resonance, is checked at every step.
+        """
+        p, clearance, damping, unbalance, *_, variation, _, _ = self.settle()
         gap = 0.0 if clearance is None else clearance.gap
-        load = math.hypot(self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD])
-        deepest = (2.5 * load / p.stiffness) ** (2.0 / 3.0)
-        for _ in range(20):  # 2/5 K d^2.5 = W (d + 2 gap), a contraction
-            deepest = (2.5 * load / p.stiffness * (deepest + 2.0 * max(gap, 0.0))) ** 0.4
-        balls = max(0.5 * p.balls.shape[1], min(p.balls.shape[1], 2))  # the largest sum of squared cosines
-        stiffness = 1.5 * p.stiffness * math.sqrt(deepest + max(-gap, 0.0)) * balls
-        rate = math.sqrt(stiffness / p.mass) + p.damping / p.mass
-        return 2.78 / rate if rate > 0.0 else math.inf
+        force = math.hypot(self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD])
+        force += 0.0 if variation is None else abs(variation.amplitude)
+        force += 0.0 if unbalance is None else unbalance.moment * self.u[0, SPEED] ** 2
+        energy, fall = 0.0, 2.0 * max(gap, 0.0)
+        if "given_start" in self.on:
+            x, y, vx, vy = (self.get(f"given_start.{n}") for n in ("x", "y", "velocity_x", "velocity_y"))
+            away = math.hypot(x, y)
+            energy = 0.5 * p.mass * (vx**2 + vy**2) + 0.4 * p.stiffness * _sharing(p) * max(away - max(gap, 0.0), 0.0) ** 2.5
+            fall = max(fall, away + max(gap, 0.0))
+        deepest = (2.5 * force / p.stiffness) ** (2.0 / 3.0)
+        for _ in range(20):  # 2/5 K d^2.5 = energy + force (d + fall), a contraction
+            deepest = (2.5 / p.stiffness * (energy + force * (deepest + fall))) ** 0.4
+        return _resolved_step(p, damping, deepest + max(-gap, 0.0))
+
+
+def _sharing(p: Constants) -> float:
+    """How many balls resist one direction at most: the largest sum of their squared cosines."""
+    balls = p.balls.shape[1]
+    return max(0.5 * balls, min(balls, 2))
+
+
+def _resolved_step(p: Constants, damping: HuntCrossley | None, deepest: float) -> float:
+    """1 / |eigenvalue| at a penetration, an eighth of the duration of an impact on one of eight balls.
+
+    RK4 is stable up to 2.78 / |eigenvalue|, but loses energy where contacts open and close: in 260 impacts without any
+    damping 95 % at 2.2 / |eigenvalue|, 44 % at 1.1, 2 % at 0.56 and a permille at 0.27 were measured.
+    """
+    damper = p.damping
+    if damping is not None:
+        damper += 1.5 * damping.coefficient * p.stiffness * deepest**1.5 * _sharing(p)
+    rate = math.sqrt(1.5 * p.stiffness * math.sqrt(deepest) * _sharing(p) / p.mass) + damper / p.mass
+    return 1.0 / rate if rate > 0.0 else math.inf
 
 
 class BallBearing(TwoDofBearing):

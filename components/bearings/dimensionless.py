@@ -82,7 +82,7 @@ class BallDefect(Effect):
 class LoadVariation(Effect):
     """A load beside the given one: amplitude * sin(2 pi frequency tau + phase) along x."""
 
-    amplitude = parameter(0.1, "1", "amplitude")
+    amplitude = parameter(0.1020, "1", "amplitude")
     frequency = parameter(0.03912, "1", "periods per unit of time", low=0.0)
     phase = parameter(0.0, "rad", "phase at time 0")
 
@@ -132,7 +132,7 @@ class DimensionlessBallBearing(TwoDofBearing):
     contact_angle = parameter(0.0, "rad", "contact angle, for the speed of the cage", low=0.0, high=1.5)
     damping_ratio = parameter(3.9119e-3, "1", "damping over 2 m w_0", low=0.0)
     start_cage_angle = parameter(0.0, "rad", "angle of ball 1 from the line of the load at time 0")
-    substep = parameter(0.064, "1", "longest internal step", low=1e-12, high=1e3)
+    substep = parameter(0.06391, "1", "longest internal step", low=1e-12, high=1e3)
 
     speed = input_(0.081931, "1", "speed of the inner ring over w_0, positive from x to y", nominal=0.1)
     load = input_(1.0, "1", "load along x over that of the scales")

@@ -7,8 +7,10 @@ State: x, y, x', y', angle of the inner ring, angle of the cage (of ball 0), and
     Q_j = K delta_j^1.5 (1 + 1.5 k delta_j') >= 0,   delta_j = x cos theta_j + y sin theta_j - gap_j, 0 if negative
 
 a = inner ring's angle, theta_j = cage angle + 2 pi j / Z; w = a', cage angle' = cage_ratio w. Balls without mass at equal
-distances roll without slip; the outer ring is fixed. In the frame of the cage every ball has a fixed direction: position and
-velocity are turned there once, so that a call costs one sine and cosine however many balls there are, and no power.
+distances roll without slip; the outer ring is fixed. w' is that of the ramp and, during a step, of the speed input; at the
+end of a step the input's slope is used up, so that the acceleration given out there is that of an input at rest. In the
+frame of the cage every ball has a fixed direction: position and velocity are turned there once, so that a call costs one sine
+and cosine however many balls there are, and no power.
 """
 
 from __future__ import annotations
@@ -27,8 +29,10 @@ SPEED, LOAD, TRANSVERSE_LOAD = range(3)
 X, Y, VELOCITY_X, VELOCITY_Y, ACCELERATION_X, ACCELERATION_Y, FORCE_X, FORCE_Y, MAX_LOAD, LOADED, INNER, CAGE = range(12)
 
 
-# Rows of Constants.balls: direction of each ball seen from ball 0, and as workspace its gap and the gap's time derivative.
-COSINE, SINE, GAP, RATE = range(4)
+# Rows of Constants.balls: direction of each ball seen from ball 0, and as workspace its gap and the gap's time derivative;
+# then, in the first column, the greatest deformation of a contact since it was set to 0, and w' of the speed input:
+# slope + growth * (t - since).
+COSINE, SINE, GAP, RATE, DEEPEST, SLOPE, GROWTH, SINCE = range(8)
 
 
 @kernel_tuple
@@ -40,7 +44,7 @@ class Constants(NamedTuple):
     stiffness: float
     cage_ratio: float
     spin_ratio: float
-    balls: np.ndarray  # (4, Z): rows below; one array, as each that is handed on costs as much as a ball
+    balls: np.ndarray  # (8, Z): rows above; one array, as each that is handed on costs as much as a ball
 
 
 @kernel_tuple
@@ -85,13 +89,14 @@ class Ramp(NamedTuple):
 def constants(mass: float, damping: float, stiffness: float, geometry: BallGeometry) -> Constants:
     """Constants of a bearing; workspace included."""
     at = TWO_PI * np.arange(geometry.balls) / geometry.balls
-    balls = np.array([np.cos(at), np.sin(at), np.zeros_like(at), np.zeros_like(at)])
+    balls = np.zeros((SINCE + 1, geometry.balls))
+    balls[COSINE], balls[SINE] = np.cos(at), np.sin(at)
     return Constants(mass, damping, stiffness, geometry.cage_ratio, geometry.spin_ratio, balls)
 
 
 @kernel
 def ring_speed(t, u, ramp):
-    """(w, w') of the inner ring."""
+    """(w, w') of the inner ring for the speed u[SPEED] and its ramp; the slope of that input is not in w'."""
     if ramp is not None:
         if 0.0 <= t < ramp.duration:
             return u[SPEED] + ramp.acceleration * t, ramp.acceleration
@@ -126,10 +131,11 @@ def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_
     if damping is not None:
         turn = p.cage_ratio * speed
         v_along, v_across = c * x[2] + s * x[3] + turn * across, c * x[3] - s * x[2] - turn * along
-    sum_along, sum_across, largest, loaded = 0.0, 0.0, 0.0, 0
+    sum_along, sum_across, largest, loaded, deepest = 0.0, 0.0, 0.0, 0, balls[DEEPEST, 0]
     for j in range(balls.shape[1]):
         delta = along * balls[COSINE, j] + across * balls[SINE, j] - balls[GAP, j]
         if delta > 0.0:
+            deepest = max(deepest, delta)
             load = p.stiffness * delta * math.sqrt(delta)
             if damping is not None:
                 approach = v_along * balls[COSINE, j] + v_across * balls[SINE, j] - balls[RATE, j]
@@ -138,6 +144,7 @@ def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_
             sum_across += load * balls[SINE, j]
             largest = max(largest, load)
             loaded += 1
+    balls[DEEPEST, 0] = deepest
     return c * sum_along - s * sum_across, s * sum_along + c * sum_across, largest, loaded
 
 
@@ -150,6 +157,7 @@ def accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp):
     force_x, force_y = load - p.damping * x[2] - bearing_x, u[TRANSVERSE_LOAD] - p.damping * x[3] - bearing_y
     if unbalance is not None:
         w, dw = ring_speed(t, u, ramp)
+        dw += p.balls[SLOPE, 0] + p.balls[GROWTH, 0] * (t - p.balls[SINCE, 0])
         c, s = math.cos(x[4] + unbalance.phase), math.sin(x[4] + unbalance.phase)
         force_x += unbalance.moment * (w * w * c + dw * s)
         force_y += unbalance.moment * (w * w * s - dw * c)
@@ -186,9 +194,11 @@ def bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, o
 @kernel
 def end_of_step(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
                 variation, ramp, start):
-    """Angles back into [0, 2 pi), so that they keep their digits however long the run; then the outputs."""
+    """Angles back into [0, 2 pi), so that they keep their digits however long the run; inputs held; then the outputs."""
     for i in range(4, x.size):
         x[i] = wrapped(x[i])
+    p.balls[SLOPE, 0] = 0.0
+    p.balls[GROWTH, 0] = 0.0
     bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
                     variation, ramp, start)
 

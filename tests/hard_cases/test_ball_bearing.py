@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -128,6 +129,90 @@ def test_steps_become_shorter_where_the_speed_outgrows_a_pit():
     # what the pit does to the motion is there: 2 % of it is the accuracy of eight points over a raised cosine
     assert np.abs(fine - without).max() > 1e-9
     assert np.abs(seen - fine).max() < 0.02 * np.abs(fine - without).max()
+
+
+@pytest.mark.parametrize(("ring", "share"), [("inner", 0.5 * (1.0 + 11.9 / 52.0)), ("outer", 0.5 * (1.0 - 11.9 / 52.0))])
+def test_a_wave_shorter_than_a_step_is_refused(ring, share):
+    """801 waves at 3000 rpm: a ball passes half of one in 20 or 33 us; the given 50 us would see other waves instead."""
+    waves = {f"{ring}_waviness.order[2]": 801, f"{ring}_waviness.amplitude[2]": 1e-7}
+    needed = 0.25 * math.pi / 801.0 / (share * 3000.0 * RPM)  # a quarter of the passage of half a wave
+    with pytest.raises(BadInput, match=rf"at most {needed:.3g}, .*half a wave of {ring}_waviness of order 801"):
+        ball_bearing([f"{ring}_waviness"], waves, rpm=3000.0)
+    ball_bearing([f"{ring}_waviness"], waves | {"substep": 0.99 * needed}, rpm=3000.0)
+    ball_bearing([f"{ring}_waviness"], waves | {f"{ring}_waviness.amplitude[2]": 0.0}, rpm=3000.0)  # left out: nothing to see
+
+
+def test_steps_become_shorter_where_the_speed_outgrows_a_wave():
+    """The first step that follows a wave of a high order moves the shaft as many short ones do, and a long one does not."""
+    waves = {"outer_waviness.order[1]": 801, "outer_waviness.amplitude[1]": 1e-6, "clearance.radial_clearance": -5e-6}
+
+    def moved(**given):
+        bearing = ball_bearing(["clearance", "outer_waviness"], waves | given, rpm=0.0)
+        bearing.set("speed", 3000.0 * RPM)
+        return run(bearing, 0.02)["displacement_x"], bearing.work["steps"]
+
+    seen, steps = moved()
+    fine, _ = moved(substep=5e-7)
+    assert steps == 20 * math.ceil(1e-3 / (0.25 * math.pi / 801.0 / (0.5 * (1.0 - 11.9 / 52.0) * 3000.0 * RPM)))
+    # eight points a wave, as for a pit
+    assert np.abs(seen - fine).max() < 0.02 * np.ptp(fine)
+
+
+def test_the_speed_within_a_step_counts_not_only_that_at_its_ends():
+    """Up to 400 rad/s and back to 0 within one step; and against a ramp, whose end is the fastest moment."""
+    pit, passage = {"outer_defect.width": 0.005}, 0.25 * 0.005 / (0.5 * (1.0 - 11.9 / 52.0) * 400.0)
+    bearing = ball_bearing(["outer_defect"], pit, rpm=0.0)
+    bearing.u[:, bearing.inputs.index("speed")] = 0.0, 1600.0 / 0.01, -1600.0 / 0.01**2
+    bearing.step(0.0, 0.01)
+    assert bearing.work["steps"] == math.ceil(0.01 / passage)
+    ramp = {"speed_ramp.acceleration": 1e5, "speed_ramp.duration": 0.004}
+    bearing = ball_bearing(["outer_defect", "speed_ramp"], pit | ramp, rpm=0.0)
+    bearing.u[1, bearing.inputs.index("speed")] = -4e4
+    bearing.step(0.0, 0.01)  # 0, then 240 rad/s at 4 ms, then 0
+    assert bearing.work["steps"] == math.ceil(0.01 / (passage * 400.0 / 240.0))
+
+
+LIGHT = {"mass": 0.1, "damping": 0.0, "clearance.radial_clearance": 10e-6}
+
+
+def test_impacts_too_short_for_the_step_are_refused_at_the_start():
+    """0.1 kg at 0.1 m/s: with 50 us most of the energy is gone in 0.1 s, and the run stays finite. None may go."""
+    effects, moving = ["clearance", "given_start"], LIGHT | {"given_start.velocity_x": 0.1, "given_start.velocity_y": 3e-3}
+    with pytest.raises(BadInput, match=r"substep = 5e-05; expected at most 2.*e-05.*impacts"):
+        ball_bearing(effects, moving, rpm=0.0, load=0.0)
+    bearing = ball_bearing(effects, moving | {"substep": 5e-6}, rpm=0.0, load=0.0)
+    before = bearing.energy()
+    run(bearing, 0.1)
+    assert bearing.energy() == pytest.approx(before, rel=2e-3)  # RK4 across the openings of 260 contacts; measured 6e-4
+
+
+@pytest.mark.parametrize("dimension", ["dimensional", "dimensionless"])
+def test_impacts_that_become_too_short_stop_the_run(dimension):
+    """A load that comes later: nothing is known of it at the start. The message says what the contact needs."""
+    bearing = ball_bearing(["clearance"], LIGHT | {"damping": 1.0}, rpm=0.0, load=1e-3)
+    h, length = 1e-3, 1.0
+    if dimension == "dimensionless":
+        bearing, by = dimensionless(bearing)
+        bearing.initialize(0.0)
+        h, length = 1e-3 / by.time, by.length
+    bearing.set("load", bearing["load"] * 1e6)
+    with pytest.raises(StepFailed, match=r"pressed in by .* Reduce substep to .* or less") as failed:
+        bearing.step(0.0, h)  # 10 um are fallen through in 45 us
+    deepest, needed = (float(v) for v in re.search(r"in by (\S+), .* to (\S+) or less", str(failed.value)).groups())
+    assert needed < bearing["substep"]
+    assert deepest * length > (1e3 / 1.334e10) ** (2.0 / 3.0)  # of one ball at rest under the load
+
+
+def test_a_strong_contact_damper_needs_short_steps():
+    """k = 1e4 s/m: at 196 N the damper alone decays with 1.5 k Q / m = 1.5e5 1/s, seven times within a step of 50 us."""
+    strong = {"contact_damping.coefficient": 1e4}
+    with pytest.raises(BadInput, match=r"substep = 5e-05; expected at most"):
+        ball_bearing(["contact_damping"], strong)
+    # at rest without a load nothing is pressed in; the load comes later
+    bearing = ball_bearing(["clearance", "contact_damping"], strong, load=0.0)
+    bearing.set("load", 196.0)
+    with pytest.raises(StepFailed, match="Reduce substep"):
+        run(bearing, 0.1)
 
 
 def test_steps_become_shorter_along_a_ramp():

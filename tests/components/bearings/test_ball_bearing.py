@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from components.bearings.ball_bearing import BallBearing
-from components.bearings.dimensionless import dimensionless, scales
+from components.bearings.deep_groove import DeepGrooveBearing
+from components.bearings.dimensionless import DimensionlessBallBearing, dimensionless, scales
 from components.bearings.two_dof import bearing_derivatives, elastic_force
 from components.core.errors import BadInput
 from tests.support import RPM, ball_bearing
@@ -132,6 +133,14 @@ def test_scales_of_the_published_set():
         scales(bearing)
 
 
+def test_defaults_of_the_dimensionless_bearing_are_the_scaled_ones():
+    effects = (*ALL, "given_start")
+    scaled, _ = dimensionless(BallBearing(effects))
+    own = DimensionlessBallBearing(effects)
+    found = {n: own[n] for n in (*own.parameters, *own.inputs)}
+    assert found == pytest.approx({n: scaled[n] for n in found}, rel=5e-4)  # four digits are written there
+
+
 @pytest.mark.parametrize(("cage", "expected"), [(0.0, 3.9937e-6), (math.pi / 8.0, 4.0213e-6)])
 def test_static_deflection_without_clearance(cage, expected):
     bearing = ball_bearing(parameters={"start_cage_angle": cage})
@@ -143,7 +152,17 @@ def test_static_deflection_without_clearance(cage, expected):
 
 
 def test_radial_clearance_is_half_the_diametral_one():
-    """The commonest mistake: one ball under the load stands at the radial gap plus its own deformation (W/K)^(2/3)."""
+    """The commonest mistake: a diametral clearance of 20 um in one model is a radial gap of 10 um in the other."""
+    other = DeepGrooveBearing((), {"diametral_clearance": 20e-6})
+    other.initialize(0.0)
+    ours = {"balls": 9, "contact_stiffness": other.settled[0].contacts.stiffness}
+    radial = with_clearance(10.0, **ours)
+    # the other one's balls stand at the same angles; held in the plane, its contact lines do not turn out of it
+    diametral = other.equilibrium(np.array([196.0, 0.0, 0.0, 0.0, 0.0]), held=("z", "tilt_x", "tilt_y"))
+    assert diametral.displacement[0] == pytest.approx(radial["displacement_x"], rel=1e-9)
+
+
+def test_one_ball_under_the_load_stands_at_its_gap_and_its_deformation():
     bearing = with_clearance(20.0)
     assert bearing["loaded_balls"] == 1.0
     assert bearing["displacement_x"] == pytest.approx(20e-6 + (196.0 / 1.334e10) ** (2.0 / 3.0), rel=1e-12)
@@ -214,10 +233,37 @@ def test_restitution_of_the_contact_damping():
 
 
 def test_contacts_with_strong_damping_never_pull():
-    bearing = ball_bearing(["clearance", "contact_damping"], {"contact_damping.coefficient": 1e4, "substep": 1e-6})
+    bearing = ball_bearing(["clearance", "contact_damping"], {"contact_damping.coefficient": 1e4, "substep": 2e-7})
     loads = run(bearing, 0.02, 1e-5)[:, bearing.outputs.index("max_ball_load")]
     assert loads.min() >= 0.0
     assert loads.max() > 0.0
+
+
+ALONE = {"balls": 1, "damping": 0.0, "clearance.radial_clearance": 50e-6, "contact_damping.coefficient": 2.0}
+
+
+@pytest.mark.parametrize(("velocity", "factor"), [(-0.1, 0.7), (-1.0 / 3.0 + 1e-3, 3e-3), (-1.0 / 3.0 - 1e-3, 0.0), (-10.0, 0.0)])
+def test_a_contact_that_opens_fast_carries_nothing(velocity, factor):
+    """1 + 1.5 k v is negative below v = -1/3 m/s: the spring recovers more slowly than the bodies part."""
+    start = {"given_start.x": 60e-6, "given_start.velocity_x": velocity, "substep": 1e-8}
+    bearing = ball_bearing(["clearance", "contact_damping", "given_start"], ALONE | start, rpm=0.0, load=0.0)
+    assert bearing["loaded_balls"] == 1.0
+    expected = 1.334e10 * 10e-6**1.5 * factor
+    assert bearing["max_ball_load"] == pytest.approx(expected, rel=1e-10, abs=0.0)  # 60 - 50 um, and 1 - 0.997: rounding
+    assert bearing["force_x"] == pytest.approx(-expected, rel=1e-10, abs=0.0)
+    assert bearing["acceleration_x"] == pytest.approx(-expected / bearing["mass"], rel=1e-10, abs=0.0)
+
+
+def test_no_pull_while_a_load_tears_a_contact_open():
+    """A free rebound never reaches v = -1/(1.5 k); a load of -20 kN does, within the contact."""
+    start = {"given_start.x": 150e-6, "substep": 1e-7}
+    bearing = ball_bearing(["clearance", "contact_damping", "given_start"], ALONE | start, rpm=0.0, load=-2e4)
+    rows = run(bearing, 1e-3, 1e-6)
+    force, loaded, x = (rows[:, bearing.outputs.index(n)] for n in ("force_x", "loaded_balls", "displacement_x"))
+    assert (force <= 0.0).all()  # on the shaft, away from the ball
+    assert force.min() < -1e3
+    assert ((force == 0.0) & (loaded == 1.0)).sum() > 10  # still in contact, already torn open
+    assert x[-1] < 50e-6
 
 
 def test_angles_follow_a_ramp():
@@ -235,6 +281,40 @@ def test_a_slope_of_the_speed_is_a_ramp():
     bearing.u[:, bearing.inputs.index("speed")] = 3.0, 50.0, -20.0
     bearing.step(0.0, 0.1)
     assert bearing["inner_angle"] == pytest.approx(3.0 * 0.1 + 25.0 * 0.01 - 20.0 * 1e-3 / 3.0, rel=1e-13)  # integral of it
+
+
+def test_a_slope_of_the_speed_drives_an_unbalance_like_a_ramp():
+    """The same speed as a ramp and as an input, in steps that begin at other times than 0; w' is about w² here."""
+    heavy = {"unbalance.eccentricity": 1e-3, "damping": 3e3}
+    ramp = ball_bearing(["unbalance", "speed_ramp"], heavy | {"speed_ramp.acceleration": 500.0, "speed_ramp.duration": 1.0}, 0.0)
+    sloped = ball_bearing(["unbalance"], heavy, 0.0)
+    at = sloped.inputs.index("speed")
+    for k in range(50):
+        sloped.u[1, at] = 500.0
+        for bearing in (ramp, sloped):
+            bearing.step(k * 1e-3, 1e-3)
+        # sums of 20 roundings a step in the speed, 1e-16 each, and 1e-13 of the stiff balance
+        np.testing.assert_allclose(sloped.x[:4], ramp.x[:4], rtol=1e-9, atol=1e-14)
+    refreshed = sloped.y.copy()
+    sloped.refresh()
+    assert refreshed.tobytes() == sloped.y.tobytes()  # the slope is used up at the end of the step, in the outputs as well
+
+
+def test_a_curved_speed_drives_an_unbalance():
+    """Free of contact: m x'' = m e (w² cos a + w' sin a) is x = -e cos a, whatever the speed, for x + e cos a moves evenly."""
+    free = {"balls": 1, "clearance.radial_clearance": 1.0, "unbalance.eccentricity": 1e-3, "damping": 0.0, "substep": 1e-5,
+            "given_start.x": -1e-3, "given_start.velocity_y": -3e-3}
+    bearing = ball_bearing(["clearance", "unbalance", "given_start"], free, rpm=0.0, load=0.0)
+    speed, t = (3.0, 50.0, 4000.0), 0.0
+    for _ in range(20):
+        w, slope, half = speed[0] + t * (speed[1] + t * speed[2]), speed[1] + 2.0 * t * speed[2], speed[2]
+        bearing.u[:, bearing.inputs.index("speed")] = w, slope, half
+        bearing.step(t, 5e-3)
+        t += 5e-3
+    angle = 3.0 * t + 25.0 * t**2 + 4000.0 / 3.0 * t**3
+    # RK4 with w h = 5e-4 at most: (w h)^4 / 120 a radian
+    assert bearing["displacement_x"] == pytest.approx(-1e-3 * math.cos(angle), abs=1e-12)
+    assert bearing["displacement_y"] == pytest.approx(-1e-3 * math.sin(angle), abs=1e-12)
 
 
 def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
