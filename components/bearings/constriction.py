@@ -18,8 +18,8 @@ the squared semi-axes a² + 2 Ry g, b² + 2 Rx g is bridged; the gap from g to g
 The constriction from one such ellipse to the next is taken in series, the gap between them in parallel: a ladder.
 
 Source: the constriction is classical (Carslaw & Jaeger; Yovanovich); ball and ladder are derived here and held against finite
-volumes. The ladder's resistance is up to 8 % too high with air in the gap and 15 % with oil; contact and gap simply in
-parallel would be up to 25 and 45 % too low.
+volumes by the validation case thermal-scaling: the ladder's resistance is less than 10 % too high with air in the gap, and
+less than 15 % with oil. Contact and gap simply in parallel would be too low.
 """
 
 from __future__ import annotations

@@ -14,7 +14,8 @@ def findings():
 
 def test_it_passes(findings):
     assert outcome(findings.rows) == "passed"
-    assert len(findings.rows) == len(load_table("thermal-scaling").rows) + len(thermal_scaling.SOLID_LOADS) + 4
+    studies = len(thermal_scaling.SOLID_LOADS) + len(thermal_scaling.MENISCI) + 4
+    assert len(findings.rows) == len(load_table("thermal-scaling").rows) + studies
 
 
 def test_finite_volumes_are_another_route(findings):
@@ -30,3 +31,12 @@ def test_the_table_is_sharp():
     for more in ({"ball_conductivity": 45.0}, {"contact_angle": 0.28}, {"modulus": 2.06e11}):
         wrong = thermal_scaling.bearing("7008C", (), 1000.0, 0.0, more)
         assert outcome(compare(tuple(rows), {"7008C.1000.0": 1.0 / wrong["conductance"]})) == "failed"
+
+
+def test_what_the_notes_say_of_oil_was_computed(findings):
+    """More resistance than in finite volumes, within the range that the note gives, and less than with air."""
+    rows = {r.reference.condition: r for r in findings.rows if r.reference.quantity == "resistance of the lumped path"}
+    oil = [r for condition, r in rows.items() if "oil" in condition]
+    over = [100.0 * (r.measured / (0.5 * (r.reference.low + r.reference.high)) - 1.0) for r in oil]
+    assert f"{min(over):+.1f} to {max(over):+.1f} %" in findings.notes[1]
+    assert all(r.measured < rows["7008C, 1000 N axial, air beside the contacts"].measured for r in oil)
