@@ -1,9 +1,9 @@
-"""Steady heat conduction on orthogonal grids: finite volumes in Cartesian, cylindrical or spherical coordinates.
+"""Steady heat conduction on orthogonal grids: finite volumes in cylindrical or spherical coordinates.
 
 Each cell has half resistances from its centre to its six faces, exact for heat that flows along one coordinate alone (so a
 cylinder's wall and a spherical shell come out exactly, a general field with second order). Bodies are joined by links
-between cells, and to the outside through boundary temperatures. Sparse matrices, SciPy only; nothing here is part of a
-component, it is the reference that components are held against.
+between cells, and to the outside through boundary temperatures. Sparse matrices, SciPy only. No component uses it: it is the
+reference that the validation case thermal-scaling and the tests hold the lumped conductance against, by way of `heat_path`.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from .radiation import STEFAN_BOLTZMANN
 DIRECT = 20000  # unknowns up to which a sparse factorisation is quicker than conjugate gradients
 RESIDUAL = 1e-11  # relative, of the conjugate gradients
 MOST_ITERATIONS = 20000
+MOST_ROUNDS = 50  # of the radiative coefficients
+SETTLED = 1e-9  # change of the temperatures in a round, relative
 
 
 @dataclass(frozen=True)
@@ -69,14 +71,6 @@ def _faces(edges, axis: int) -> np.ndarray:
     shape = [1, 1, 1]
     shape[axis] = -1
     return np.asarray(edges, dtype=float).reshape(shape)
-
-
-def cartesian(x, y, z, conductivity: float) -> Grid:
-    """A box with cell edges in m."""
-    x1, x2, y1, y2, z1, z2 = _cells((x, y, z))
-    dx, dy, dz, k = x2 - x1, y2 - y1, z2 - z1, conductivity
-    half = tuple((h, h) for h in (0.5 * dx / (k * dy * dz), 0.5 * dy / (k * dx * dz), 0.5 * dz / (k * dx * dy)))
-    return _grid((dx.size, dy.size, dz.size), half, (dy * dz, dx * dz, dx * dy))
 
 
 def cylindrical(rho, phi, z, conductivity: float) -> Grid:
@@ -153,11 +147,13 @@ class Bodies:
     def solve(self, guess: float = 293.15) -> tuple[np.ndarray, np.ndarray]:
         """Temperatures, (size,) K, and the heat from each `hold` into the bodies, (number of holds,) W."""
         temperature = np.full(self.size, guess)
-        for _ in range(50):
+        for _ in range(MOST_ROUNDS):
             links = self.links + [(a, b, c * _coefficient(temperature[a], temperature[b])) for a, b, c in self.radiating]
             before, temperature = temperature, self._linear(links, temperature)
-            if not self.radiating or np.abs(temperature - before).max() <= 1e-9 * np.abs(temperature).max():
+            if not self.radiating or np.abs(temperature - before).max() <= SETTLED * np.abs(temperature).max():
                 break
+        else:
+            raise RuntimeError(f"radiation: temperatures still changed by more than {SETTLED:g} after {MOST_ROUNDS} rounds")
         heat = [float(np.sum(g * (t - temperature[cells]))) for cells, g, t in self.held]
         return temperature, np.array(heat)
 

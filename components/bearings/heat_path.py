@@ -1,5 +1,7 @@
 """Reference for the lumped conductance: the path inner ring - ball - outer ring in finite volumes.
 
+Used by the validation case thermal-scaling and by tests, by no component.
+
 One ball and the part of each ring that belongs to it, about the common normal of both contacts. The ball is a sphere; a ring
 is a disc of the sector's area (pitch of the balls times width of the ring) and the ring's thickness, insulated at its rim
 (the neighbours are alike), at a given temperature at its back. Grids of ball and rings meet at the same radii, so that every
@@ -57,7 +59,6 @@ class HeatPath:
 
     conductance: float  # W/K, of one ball with its parts of the rings
     imbalance: float  # heat in less heat out, over heat in
-    cells: int
     ball: tuple[float, float, float]  # K: coldest, mean and hottest of the ball's surface cells
 
 
@@ -89,7 +90,7 @@ def solve_path(
     found, heat = bodies.solve(0.5 * sum(temperatures))
     skin = found[surface.ravel()]
     conductance = 4.0 * heat[0] / (temperatures[0] - temperatures[1])
-    return HeatPath(conductance, (heat[0] + heat[1]) / heat[0], bodies.size,
+    return HeatPath(conductance, (heat[0] + heat[1]) / heat[0],
                     (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from components.bearings.conductance import AngularContactConductance
 from components.bearings.constriction import ball_spreading, constriction, finite_ring
-from components.bearings.finite_volumes import Bodies, cartesian, cylindrical, graded, spherical
+from components.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
 from components.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 from components.core.errors import BadInput
 
@@ -28,14 +28,12 @@ def through(grid, axis):
 
 
 def test_heat_along_one_coordinate_is_exact():
-    """The half resistances are integrals: box, cylinder's wall, part of a ring, spherical shell, cone between two shells."""
+    """The half resistances are integrals: cylinder's wall, part of a ring, spherical shell, cone between two shells."""
     rough = np.array([0.0, 0.1, 0.4, 1.0])
-    box = cartesian(rough, 2.0 * rough, 3.0 * rough, 46.0)
     wall = cylindrical(0.01 + 0.02 * rough, 2.0 * rough, 0.015 * rough, 46.0)
     shell = spherical(0.01 + 0.02 * rough, 0.3 + rough, rough, 46.0)
     solid = math.cos(0.3) - math.cos(1.3)
     expected = [
-        (box, 0, 46.0 * 6.0), (box, 2, 46.0 * 2.0 / 3.0),
         (wall, 0, 46.0 * 2.0 * 0.015 / math.log(3.0)), (wall, 1, 46.0 * 0.015 * math.log(3.0) / 2.0),
         (wall, 2, 46.0 * 0.5 * (0.03**2 - 0.01**2) * 2.0 / 0.015),
         (shell, 0, 46.0 * solid / (1.0 / 0.01 - 1.0 / 0.03)),
@@ -57,24 +55,24 @@ def test_areas_add_up():
 
 def test_edges_must_grow():
     with pytest.raises(BadInput, match="edges of axis 1"):
-        cartesian([0.0, 1.0], [0.0, 1.0, 0.5], [0.0, 1.0], 1.0)
+        cylindrical([0.0, 1.0], [0.0, 1.0, 0.5], [0.0, 1.0], 1.0)
 
 
 def fin(n):
-    """Heat in W into a rod, 50 mm by 4 mm square, h = 200 W/(m2.K), its end insulated, root 10 K above the air."""
+    """Heat in W into a rod, 50 mm by 4 mm diameter, h = 200 W/(m2.K), its end insulated, root 10 K above the air."""
     x = np.linspace(0.0, 0.05, n + 1)
-    rod = cartesian(x, [0.0, 4e-3], [0.0, 4e-3], 46.0)
+    rod = cylindrical([0.0, 2e-3], [0.0, 2.0 * math.pi], x, 46.0)
     bodies = Bodies()
     index = bodies.add(rod)
-    bodies.hold(index[0], 1.0 / rod.half[0][0][0], 303.15)
-    bodies.hold(index.ravel(), 200.0 * 4.0 * 4e-3 * np.diff(x), 293.15)
+    bodies.hold(index[:, :, 0], 1.0 / rod.half[2][0][:, :, 0], 303.15)
+    bodies.hold(index.ravel(), 200.0 * math.pi * 4e-3 * np.diff(x), 293.15)
     return bodies.solve()[1]
 
 
 def test_a_fin_with_second_order():
     """sqrt(h P k A) tanh(m L), with convection from the cells' middles as in one dimension."""
     m = math.sqrt(200.0 * 4.0 / (46.0 * 4e-3))
-    exact = math.sqrt(200.0 * 4.0 * 4e-3 * 46.0 * 1.6e-5) * math.tanh(m * 0.05) * 10.0
+    exact = math.sqrt(200.0 * math.pi * 4e-3 * 46.0 * math.pi * 4e-6) * math.tanh(m * 0.05) * 10.0
     cells = np.array([10, 20, 40, 80])
     heat = np.array([fin(n) for n in cells])
     np.testing.assert_allclose(heat.sum(axis=1), 0.0, rtol=0.0, atol=ROUND * exact)
@@ -94,6 +92,18 @@ def test_radiation_of_a_plate_between_two_temperatures():
     found, heat = bodies.solve()
     assert found[plate] == pytest.approx((0.5 * (600.0**4 + 300.0**4)) ** 0.25, rel=1e-6)  # 1e6 W/K over 34 W
     assert heat[0] == pytest.approx(5.670374419e-8 * 0.01 * 0.5 * (600.0**4 - 300.0**4), rel=1e-6)
+
+
+def test_radiation_that_does_not_settle_is_an_error():
+    """1 kW into a node that radiates only: T = P / (c T³), in which every round triples an error."""
+    bodies = Bodies()
+    hot, cold = bodies.node(), bodies.node()
+    bodies.hold(cold, 1e6, 300.0)
+    bodies.hold(hot, 1e-3, 1e6)
+    bodies.radiate(hot, cold, 0.01)
+    bodies.link(hot, cold, 0.0)
+    with pytest.raises(RuntimeError, match="radiation"):
+        bodies.solve()
 
 
 def spot(n, across=1.0, size=150.0):
