@@ -234,6 +234,24 @@ def test_campbell_diagram_adds_the_recorded_tangent_of_the_bearing():
     assert synchronous["y"][1] == pytest.approx(synchronous["x"][1] / 60.0, rel=1e-4)  # five digits are drawn
 
 
+def test_campbell_diagram_with_modes_that_are_overdamped_at_some_speeds():
+    """A bare shaft of one element on dampers of 1e4 N.s/m: 4 modes oscillate at rest, 8 at speed."""
+    result = rotor_run()
+    rotor = result.scene.units["rotor"]
+    damping = {f"linear_supports.damping_{axis}[{k}]": 1e4 for axis in "xy" for k in (1, 2)}
+    result.scene.units["rotor"] = rotor.model_copy(update={
+        "effects": ["gyroscopic", "linear_supports"], "parameters": {"element": 1.5, "watched_position": 0.0, **damping},
+    })  # fmt: skip
+    (record,) = rotors(result)
+    found = whirl(result, record)
+    assert np.isfinite(found.frequency).sum(axis=1)[[0, -1]].tolist() == [4, 8]
+    figure = figures(report.rotor.blocks(result))["Campbell diagram"]
+    go.Figure(figure)
+    json.dumps(figure, allow_nan=False)
+    drawn = np.concatenate([numbers(t["y"]) for t in figure["data"] if "whirl" in t.get("name", "")])
+    assert np.isfinite(drawn).any()
+
+
 def test_steady_rotor_has_a_spectrum_with_its_speed_marked():
     figure = figures(report.rotor.blocks(rotor_run(rate=0.0, duration=5.0)))["Amplitude spectrum at 382 rpm"]
     trace = named(figure, "x")
