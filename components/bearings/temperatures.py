@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -106,7 +107,7 @@ class BearingTemperatures(OdeComponent):
         return np.array([start] * parts + [0.0, 0.0])
 
     def _initialize(self, t: float) -> int:
-        p = self.parameters
+        p: Any = self.parameters
         if (shares := p["inner_share"] + p["outer_share"]) > 1.0 + 1e-12:  # rounding of shares such as 0.7 and 0.3
             raise BadInput(self.name, f"inner_share + outer_share = {shares:g}", "at most 1: the rest heats the balls",
                            "Reduce one of them.")
