@@ -11,6 +11,7 @@ from components.bearings.deep_groove import DeepGrooveBearing
 from ...report.chart import Chart, Panel, Series
 from ..case import Case, Findings, Options, compare
 from ..reference import load_table
+from ..statics import at_rest
 from .hertz_textbook import NEWTON_PER_MM
 
 PRESET = "ISO/TS 16281 example"
@@ -30,11 +31,11 @@ def findings(options: Options) -> Findings:
     """Equilibria of the component, and the same over the load."""
     table = load_table("iso16281")
     tight, loose = (bearing(c) for c in CLEARANCES)
-    radial = tight.equilibrium(LOAD * RADIAL)
+    radial = at_rest(tight, LOAD * RADIAL)
     measured = {
         "0.radial": 1e6 * radial.displacement[0],
-        "0.axial": 1e6 * tight.equilibrium(LOAD * AXIAL).displacement[2],
-        "10.radial": 1e6 * loose.equilibrium(LOAD * RADIAL).displacement[0],
+        "0.axial": 1e6 * at_rest(tight, LOAD * AXIAL).displacement[2],
+        "10.radial": 1e6 * at_rest(loose, LOAD * RADIAL).displacement[0],
         "0.first": radial.ball_loads[0],
         "0.second": radial.ball_loads[1],
         "stiffness": tight.settled[0].contacts.stiffness / NEWTON_PER_MM,
@@ -43,7 +44,7 @@ def findings(options: Options) -> Findings:
         "The commercial program's digits are met to 1e-5, which says that it solves the elliptic contact exactly, as is "
         "done here; the independent solver took a stiffness 0.06 % lower.",
         f"Without clearance the axial stiffness vanishes at zero load: under a sixteenth of the axial load the shaft moves by "
-        f"{1e6 * tight.equilibrium(LOAD / 16.0 * AXIAL).displacement[2]:.1f} um, about half as far.",
+        f"{1e6 * at_rest(tight, LOAD / 16.0 * AXIAL).displacement[2]:.1f} um, about half as far.",
     )
     return Findings(compare(table.rows, measured), charts=(_curves(tight, loose),), notes=notes)
 
@@ -54,7 +55,7 @@ def _curves(tight: DeepGrooveBearing, loose: DeepGrooveBearing) -> Chart:
     for title, direction, i in (("radial load", RADIAL, 0), ("axial load", AXIAL, 2)):
         series = []
         for name, made in (("no clearance", tight), ("10 um", loose)):
-            moved = [1e6 * made.equilibrium(f * direction).displacement[i] for f in loads]
+            moved = [1e6 * at_rest(made, f * direction).displacement[i] for f in loads]
             series.append(Series(name, loads, np.array(moved)))
         panels.append(Panel("displacement, um", tuple(series), title=title))
     return Chart(
