@@ -26,6 +26,7 @@ GAPS = np.linspace(0.0, 30e-6, 61)  # m
 PERIODS = {1000.0: 200, 3000.0: 500}  # rpm -> passages of a ball in which a disturbance decays below 1e-7
 TRANSIENT, SEEN, SAMPLE = 2.0, 1.0, 1e-4  # s; disturbances decay with exp(-5 t)
 END = 0.1  # s
+ABSOLUTE = 1e-6  # default absolute tolerance of SciPy's solvers
 TOLERANCES = tuple(10.0 ** -k for k in range(3, 11))
 
 
@@ -140,8 +141,8 @@ def _trap() -> Chart:
         "What an absolute tolerance of 1e-6 does to lengths in metres", "log10 of the relative tolerance",
         (Panel("largest error over the swing", series, logarithmic=True),),
         f"SciPy's LSODA with its default absolute tolerance on one motion in two forms: 3000 rpm, 20 µm, {END:g} s, a swing of "
-        f"{swing * by.length / MICRO:.0f} µm. In metres the tolerance is a sixteenth of the swing, and asking for a smaller "
-        "relative tolerance changes nothing.",
+        f"{swing * by.length / MICRO:.0f} µm. In metres the tolerance is 1/{swing * by.length / ABSOLUTE:.0f} of the swing, and "
+        "asking for a smaller relative tolerance changes nothing.",
     )  # fmt: skip
 
 
