@@ -274,12 +274,16 @@ def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thicknes
         if film is not None:
             inside = thickness / (film.conductivity * math.pi * contact.along * contact.across * root * root)
     spread = bridged_resistance(0.0, root, contact, bulk)
+    reach = 0.0
+    if gas is not None and gas.conductivity > 0.0:
+        reach = gas.widest_gap
     if oil is not None:
         width = oil.meniscus_height
-        if width > 0.0:
+        # lubricant that conducts nothing: only the gas that begins beyond it needs to know how far it goes
+        if width > 0.0 and (oil.conductivity > 0.0 or reach > width):
             inside, spread = through_gap(inside, 0.0, width, p.closest_gap, oil.conductivity, root, contact, bulk)
-    if gas is not None and gas.widest_gap > width:
-        inside, spread = through_gap(inside, width, gas.widest_gap, p.closest_gap, gas.conductivity, root, contact, bulk)
+    if gas is not None and reach > width:
+        inside, spread = through_gap(inside, width, reach, p.closest_gap, gas.conductivity, root, contact, bulk)
     if inside == math.inf:
         return 0.0
     resistance = inside + spread

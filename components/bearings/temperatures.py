@@ -117,11 +117,9 @@ class BearingTemperatures(OdeComponent):
         return status
 
     def _step(self, t: float, h: float) -> int:
-        limit = highest_outside(h, self.x, self.u, *self.settled)
+        low, high = range_outside(h, self.x, self.u, *self.settled)
         status = super()._step(t, h)
-        # a tenth and 1 K for the method's error and for rounding at 0 K
-        astray = status == DONE and not -0.1 * limit - 1.0 <= self.x[-3] <= 1.1 * limit + 1.0
-        return NOT_CONVERGED if astray else status
+        return NOT_CONVERGED if status == DONE and not low <= self.x[-3] <= high else status
 
 
 CONDUCTANCE, FRICTION, AMBIENT = BearingTemperatures.input_indices("conductance", "friction_power", "ambient")
@@ -134,25 +132,30 @@ INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
 
 
 @kernel
-def highest_outside(h, x, u, p, housing, oil, radiation, shaft):
-    """What the outermost part, if it radiates, cannot exceed in a step of h s, K; u: (3, m) with slopes; else infinite.
+def range_outside(h, x, u, p, housing, oil, radiation, shaft):
+    """(lowest, highest) temperature in K of the outermost part, if it radiates, after a step of h s; u: (3, m) with slopes.
 
-    It rises above the warmest of parts, ambient and oil only as far as until radiation alone takes all supplied heat away.
+    It rises above the warmest of parts, ambient and oil only as far as until radiation alone takes all supplied heat away,
+    and does not fall below 0 K unless an input extrapolated too far takes it there. A tenth and 1 K are for the method's error.
     """
     if radiation is None or radiation.emissivity * radiation.area == 0.0:
-        return math.inf
-    warmest, power = 0.0, 0.0
+        return -math.inf, math.inf
+    warmest, coldest, power = 0.0, 0.0, 0.0
     for part in x[:-2]:
-        warmest = max(warmest, part)
+        warmest, coldest = max(warmest, part), min(coldest, part)
     for s in (0.0, h):
-        warmest = max(warmest, u[0, AMBIENT] + s * (u[1, AMBIENT] + s * u[2, AMBIENT]))
+        ambient = u[0, AMBIENT] + s * (u[1, AMBIENT] + s * u[2, AMBIENT])
+        warmest, coldest = max(warmest, ambient), min(coldest, ambient)
         supplied = u[0, FRICTION] + s * (u[1, FRICTION] + s * u[2, FRICTION])
         if oil is not None:
-            warmest = max(warmest, u[0, oil.u] + s * (u[1, oil.u] + s * u[2, oil.u]))
+            inlet = u[0, oil.u] + s * (u[1, oil.u] + s * u[2, oil.u])
+            warmest, coldest = max(warmest, inlet), min(coldest, inlet)
         if shaft is not None:
             supplied += u[0, shaft.u] + s * (u[1, shaft.u] + s * u[2, shaft.u])
-        power = max(power, supplied)
-    return (warmest**4 + power / (radiation.emissivity * radiation.area * STEFAN_BOLTZMANN)) ** 0.25
+        power, coldest = max(power, supplied), min(coldest, supplied)  # heat taken away counts as cold
+    high = (warmest**4 + power / (radiation.emissivity * radiation.area * STEFAN_BOLTZMANN)) ** 0.25
+    low = -math.inf if coldest < 0.0 else -0.1 * high - 1.0
+    return low, 1.1 * high + 1.0
 
 
 @kernel
