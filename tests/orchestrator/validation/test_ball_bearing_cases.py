@@ -5,8 +5,9 @@ import pytest
 
 from components.bearings.geometry import BallGeometry
 from orchestrator.run import run
-from orchestrator.validation.case import Options, outcome
+from orchestrator.validation.case import Options, compare, outcome
 from orchestrator.validation.cases import CASES, defect_frequencies, lyapunov_sum, varying_compliance
+from orchestrator.validation.reference import load_table
 
 IN_PROCESS = Options(in_process=True)
 
@@ -25,6 +26,16 @@ def test_lines_are_measured_not_assumed(monkeypatch):
     monkeypatch.setattr(BallGeometry, "cage_ratio", property(lambda g: 0.99 * 0.5 * (1.0 - g.gamma)))
     seen = defect_frequencies.spectrum(run(defect_frequencies._scene("6205", "outer"), in_process=True))
     assert seen.line(3.55 * 29.95) / 29.95 == pytest.approx(0.99 * 3.5848, rel=1e-4)
+
+
+def test_a_sound_bearing_has_the_line_of_the_outer_race_but_not_its_height():
+    """The passing balls alone make it, so that its place says nothing of a pit: the row on its height does."""
+    sound = defect_frequencies.spectrum(run(defect_frequencies._scene("6205", ""), in_process=True))
+    assert sound.line(3.5848 * 29.95) / 29.95 == pytest.approx(3.5848, rel=1e-4)
+    spectra = {("6205", "outer"): sound, ("6205", ""): sound}
+    rows = [r for r in load_table("defect-frequencies").rows if r.measure == "6205.outer.contrast"]
+    measured = {"6205.outer.contrast": defect_frequencies._contrast(spectra, "6205", "outer")}
+    assert outcome(compare(tuple(rows), measured)) == "failed"
 
 
 def test_clearance_brings_lines_that_a_periodic_motion_has_not():
