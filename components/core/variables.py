@@ -69,11 +69,11 @@ class Variable:
         number = isinstance(value, Real) and not isinstance(value, bool)
         if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
             raise BadInput(where, came, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
-        if not math.isfinite(value):
-            raise BadInput(where, came, "a finite number", self.text.capitalize() + ".")
-        if not self.low <= value <= self.high:
+        if not self.low <= value <= self.high or not math.isfinite(value):
             unit = "" if self.unit == "1" else f" {self.unit}"
-            raise BadInput(where, came, f"a value in [{self.low:g}, {self.high:g}]{unit}", self.text.capitalize() + ".")
+            limited = math.isfinite(self.low) or math.isfinite(self.high)
+            expected = f"a value in [{self.low:g}, {self.high:g}]{unit}" if limited else "a finite number"
+            raise BadInput(where, came, expected, self.text.capitalize() + ".")
         return int(value) if self.kind is Kind.INTEGER else float(value)
 
 
