@@ -93,7 +93,11 @@ def source(scene: Scene, unit: str, name: str) -> str:
 
 def recorded(result: Result, unit: str, name: str) -> str:
     """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
-    return next((n for n in (f"{unit}.{name}", source(result.scene, unit, name)) if n in result.columns), "")
+    own = f"{unit}.{name}"
+    if own in result.columns:
+        return own
+    driving = source(result.scene, unit, name)
+    return driving if driving in result.columns else ""
 
 
 def bearings(result: Result) -> list[BearingRecord]:

@@ -40,13 +40,16 @@ def bearing(clearance: float, rpm: float, start_cage_angle: float = 0.0) -> Ball
 
 def findings(options: Options) -> Findings:
     """Components stepped alone for the numbers, one run of the scene for the pictures."""
-    shown = run(load_scene("ball-bearing-clearance"), in_process=options.in_process, progress=options.progress)
+    scene = load_scene("ball-bearing-clearance")
+    given = scene.units["bearing"].parameters
+    micrometres, rpm = float(given["clearance.radial_clearance"]) / MICRO, float(given["speed"]) * 30.0 / math.pi
+    shown = run(scene, in_process=options.in_process, progress=options.progress)
     if shown.outcome != "done":
         return Findings((), {"the run that failed": shown}, notes=(shown.message,), complete=False)
     swept = {gap: np.array([peak_to_peak(gap * MICRO, v) for v in SPEEDS]) for gap in (0, 1)}
     return Findings(
         compare(load_table("varying-compliance").rows, _measured(swept)),
-        {"radial clearance 20 µm, 1000 rpm": shown},
+        {f"radial clearance {micrometres:g} µm, {rpm:.0f} rpm": shown},
         (_resonances(swept), _clearances({v: diagram(v) for v in PERIODS}), _trap()),
         notes=("With clearance the bearing is softer, and its resonances move to lower speeds.",),
     )
