@@ -6,28 +6,16 @@ assuming all, as FMI permits, would call every loop of such FMUs an algebraic on
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
-from .settings import SceneSettings
+from .graph import Endpoint, Link, groups, passes
+from .settings import ConnectionSettings, SceneSettings
 from .units import Interface, describe
-
-Endpoint = tuple[str, str]  # unit, variable
-_CONNECTION = re.compile(r"\s*(\w+)\.(\S+)\s*->\s*(\w+)\.(\S+)\s*")
-
-
-@dataclass(frozen=True)
-class Link:
-    """One connection: target = factor * source + offset."""
-
-    source: Endpoint
-    target: Endpoint
-    factor: float
-    offset: float
+from .units.interface import Signal
 
 
 @dataclass(frozen=True)
@@ -35,24 +23,29 @@ class Coupling:
     """The checked graph of a scene."""
 
     interfaces: Mapping[str, Interface]
-    links: tuple[Link, ...]
+    links: tuple[Link, ...]  # of numbers
+    texts: tuple[Link, ...]  # of texts, which are handed over at the start of every macro step
     undriven: tuple[str, ...]  # "unit.input" that keeps its start value
     signals: tuple[Endpoint, ...]  # recorded outputs
     snapshots: Mapping[Endpoint, tuple[str, ...]]  # (unit, array) -> its elements
     passes: tuple[str, ...]  # units to update, in this order, until every output follows its inputs
+    groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
 
 
 def settle(scene: SceneSettings) -> Coupling:
     """Describe all units and check every connection and record; raises one `BadInput` that starts with the scene's name."""
     try:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
-        links = _links(scene, interfaces)
+        found = _links(scene, interfaces)
+        texts = tuple(link for link in found if interfaces[link.target[0]].inputs[link.target[1]].is_text)
+        links = tuple(link for link in found if link not in texts)
         coupling = Coupling(
-            interfaces, links,
-            undriven=_undriven(interfaces, links),
+            interfaces, links, texts,
+            undriven=_undriven(interfaces, found),
             signals=_signals(scene, interfaces),
             snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
-            passes=_passes(interfaces, links),
+            passes=passes(interfaces, links),
+            groups=groups(interfaces, found),
         )
         _check_master(scene, coupling)
         return coupling
@@ -61,17 +54,20 @@ def settle(scene: SceneSettings) -> Coupling:
 
 
 def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
-    unit, dot, variable = text.partition(".")
-    if not dot:
+    """Unit and variable of "unit.variable"; names of units may hold dots themselves, the longest that fits is meant."""
+    parts = text.split(".")
+    for k in range(len(parts) - 1, 0, -1):
+        if (unit := ".".join(parts[:k])) in interfaces:
+            return unit, ".".join(parts[k:])
+    if len(parts) == 1:
         raise BadInput(where, repr(text), '"unit.variable"')
-    if unit not in interfaces:
-        raise BadInput(where, f"unit {unit!r}", "a unit of the scene", nearest(unit, interfaces))
-    return unit, variable
+    raise BadInput(where, f"unit {parts[0]!r}", "a unit of the scene", nearest(parts[0], interfaces))
 
 
 def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
     links: dict[Endpoint, Link] = {}
-    for text in scene.connections:
+    for connection in scene.connections:
+        text = connection if isinstance(connection, str) else connection.text
         where = f"connection {text!r}"
         for source, target in _pairs(text, where, interfaces):
             outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
@@ -85,20 +81,44 @@ def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[L
             if target[1] in interfaces[target[0]].set_inputs:
                 raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
                                "none; the connection drives it and the value would have no effect", "Remove one of them.")
-            units = outputs[source[1]].unit, inputs[target[1]].unit
-            links[target] = Link(source, target, *(conversion(*units, where) if all(units) else (1.0, 0.0)))
+            links[target] = Link(source, target, *_transformation(connection, outputs[source[1]], inputs[target[1]], where))
     return tuple(links.values())
+
+
+def _transformation(connection: str | ConnectionSettings, source: Signal, target: Signal, where: str) -> tuple[float, float]:
+    """(factor, offset) from the output's number to the input's; raises `BadInput` for kinds or units that do not fit."""
+    own = connection if isinstance(connection, ConnectionSettings) else None
+    if source.kind != target.kind and (source.kind, target.kind) not in WIDENING:
+        raise BadInput(where, f"a {source.kind} output for {_article(target.kind)} input", "the same kind at both ends",
+                       "Only whole numbers become real ones by themselves.")
+    if own is not None and (own.factor, own.offset) != (1.0, 0.0) and target.kind not in ("real", "integer"):
+        raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
+    factor, offset = 1.0, 0.0
+    if source.unit and target.unit and (own is None or own.convert_units):
+        factor, offset = conversion(source.unit, target.unit, where)
+    if target.kind != "real" and (factor, offset) != (1.0, 0.0):
+        raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
+    return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)
+
+
+WIDENING = {("integer", "real"), ("boolean", "integer"), ("enumeration", "integer"), ("integer", "enumeration")}
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 
 def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
     """(source, target) of one connection, or with * at both ends of all that agree in what stands for it."""
-    match = _CONNECTION.fullmatch(text)
-    if not match or text.count("*") not in (0, 2) or (text.count("*") and not (match[2][-1] == match[4][-1] == "*")):
+    ends = [end.strip() for end in text.split("->")]
+    stars = [end.count("*") for end in ends]
+    if len(ends) != 2 or not all("." in e and " " not in e for e in ends) or stars not in ([0, 0], [1, 1]) \
+            or (stars[0] and not all(e.endswith("*") for e in ends)):
         raise BadInput("connections", repr(text), '"unit.output -> unit.input", or "unit.* -> unit.*" for all of the same name')
-    source, target = (_endpoint(f"{u}.{v}", where, interfaces) for u, v in (match.group(1, 2), match.group(3, 4)))
+    source, target = (_endpoint(end, where, interfaces) for end in ends)
     if source[0] == target[0]:
         raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
-    if "*" not in text:
+    if not stars[0]:
         return [(source, target)]
     before, after = source[1][:-1], target[1][:-1]
     rests = [n.removeprefix(before) for n in interfaces[source[0]].outputs if n.startswith(before)]
@@ -143,46 +163,26 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
 
 def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     if scene.record.signals is None:
-        return tuple((u, n) for u, i in interfaces.items() for n in i.outputs if "[" not in n)
+        return tuple((u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if "[" not in n and not s.is_text)
     found: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
         names = (variable,) if variable in interfaces[unit].outputs else _elements(variable, interfaces[unit])
         if not names:
             raise _no_variable("record.signals", (unit, variable), "output", interfaces)
+        if interfaces[unit].outputs[names[0]].is_text:
+            raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers")
         found |= dict.fromkeys((unit, n) for n in names)
     return tuple(found)
-
-
-def _passes(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str, ...]:
-    """Levels of the graph of direct dependences: a unit is updated once for each level its outputs stand on."""
-    sources = {link.target: link.source for link in links}
-    levels: dict[Endpoint, int] = {}
-    path: list[Endpoint] = []
-
-    def level(end: Endpoint) -> int:
-        if end in path:
-            loop = " -> ".join(".".join(e) for e in reversed([end, *path[path.index(end) + 1 :], end]))
-            raise BadInput("connections", f"an algebraic loop: {loop}", "a loop that at least one state breaks",
-                           "Give one of the units a state, or put the loop inside one unit.")
-        if end not in levels:
-            path.append(end)
-            direct = interfaces[end[0]].outputs[end[1]].feedthrough or ()
-            behind = [sources[end[0], i] for i in direct if (end[0], i) in sources]
-            levels[end] = max((level(s) + 1 for s in behind), default=0)
-            path.pop()
-        return levels[end]
-
-    steps = {(level((u, n)), k) for k, (u, i) in enumerate(interfaces.items()) for n in i.outputs}
-    return tuple(list(interfaces)[k] for depth, k in sorted(steps) if depth)
 
 
 def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(scene.units):
         raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(scene.units)}")
-    if not coupling.links and given & {"extrapolation", "feedthrough", "order"}:
-        option = min(given & {"extrapolation", "feedthrough", "order"})
+    needless = given & {"extrapolation", "smoothing", "feedthrough", "order"}
+    if not coupling.links and needless:
+        option = min(needless)
         raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
     if master.feedthrough == "stale" and not coupling.passes:
         raise BadInput("master.feedthrough", "'stale'", "none; no driven output depends on an input directly", "Remove it.")

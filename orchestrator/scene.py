@@ -17,7 +17,17 @@ from components.core.errors import BadInput, nearest
 
 from .analysis.keys import RecurrenceKeys, SectionKeys, keys_of, unknown
 from .coupling import settle
-from .settings import MasterSettings, Model, RecordSettings, SceneSettings, UnitSettings
+from .settings import (
+    ConnectionSettings,
+    ControlSettings,
+    FaultSettings,
+    IterationSettings,
+    MasterSettings,
+    Model,
+    RecordSettings,
+    SceneSettings,
+    UnitSettings,
+)
 
 SHIPPED = Path(__file__).parent / "scenes"
 
@@ -32,8 +42,7 @@ class Scene(SceneSettings):
         """
         data = self.settings()
         for place, value in changes.items():
-            # the name of a parameter may hold dots itself; only the first three are places
-            *path, last = place.split(".", 3 if place.startswith("units.") else 1)
+            *path, last = self._place(place)
             table = data
             for key in path:
                 table = table.setdefault(key, {})
@@ -43,6 +52,14 @@ class Scene(SceneSettings):
         if added := data["units"].keys() - self.units.keys():
             raise BadInput(f"{self.name}: change", f"unit {min(added)!r}", "a unit of the scene", nearest(min(added), self.units))
         return read_scene(data, self.name)
+
+    def _place(self, place: str) -> list[str]:
+        """Keys down to a setting: names of units may hold dots, and those of parameters do."""
+        first, _, rest = place.partition(".")
+        if first != "units":
+            return place.split(".", 2 if rest.startswith(("iteration.", "control.")) else 1)
+        unit = max((u for u in self.units if rest.startswith(u + ".")), key=len, default=rest.partition(".")[0])
+        return ["units", unit, *rest.removeprefix(unit + ".").split(".", 1)]
 
 
 def scene_files() -> dict[str, Path]:
@@ -129,8 +146,10 @@ def _one_message(error: ValidationError, name: str, *table: str) -> BadInput:
     if kind == "extra_forbidden":
         table_name = ".".join(place[:-1])
         models: dict[str, type[Model]] = {"units": UnitSettings, "master": MasterSettings, "record": RecordSettings,
+                                          "connections": ConnectionSettings, "faults": FaultSettings,
                                           "analysis": RecurrenceKeys if "recurrence" in place else SectionKeys}
-        model = models[place[0]] if len(place) > 1 else Scene
+        inner: dict[str, type[Model]] = {"iteration": IterationSettings, "control": ControlSettings}
+        model = Scene if len(place) == 1 else inner.get(place[-2]) or models[place[0]]
         where = f"{name}: {table_name}" if table_name else name
         return BadInput(where, f"unknown key {last!r}", "a known key", nearest(last, model.model_fields))
     if kind == "literal_error":

@@ -25,6 +25,6 @@ class Jacobi(Master):
             if node.sources:
                 node.drive(node.history.ahead(), h)
             unit.step(t, h)
-            # inputs are taken from the histories, so the others do not see these values before all have stepped
-            signals[node.place] = unit.get()
+        for node in self.nodes:  # only now, so that units in processes of their own step at the same time
+            signals[node.place] = node.unit.get()
         self._finish(t, h)

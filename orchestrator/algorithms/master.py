@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
 from math import isfinite
 from operator import mul
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -38,6 +40,7 @@ class Node:
         self._pick = self.rows.picker(table, sources)
         converted = [(k, link.factor, link.offset) for k, link in enumerate(links) if (link.factor, link.offset) != (1.0, 0.0)]
         self._conversions = converted or None
+        self.alter: Callable[[Row], Row] | None = None  # faults on purpose: what the unit gets instead of the values it should
         self.history = History(degree, self.rows)
         self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
         self.reached: Row | None = None  # where extrapolation has taken the inputs in the last step
@@ -49,7 +52,11 @@ class Node:
         if self._conversions is not None:
             for k, factor, offset in self._conversions:
                 values[k] = factor * values[k] + offset
-        return values
+        return values if self.alter is None else self.alter(values)
+
+    def restart(self) -> None:
+        """After a jump: the past of the inputs tells nothing any more, their present values are the only sample."""
+        self.history.restart(self.inputs())
 
     def drive(self, terms: Terms, h: float) -> None:
         """Give the unit its inputs over the coming step, and note where they will end."""
@@ -68,6 +75,17 @@ class Node:
         return reached is not None and all(
             abs(values[k] - reached[k]) <= change * abs(values[k]) for k, change in self.direct
         )
+
+
+@dataclass
+class Saved:
+    """A master and its units at an instant."""
+
+    units: list[Any]
+    signals: Row
+    histories: list[History]
+    ends: list[tuple[Row | None, Row | None]]
+    steps: int
 
 
 class Master:
@@ -122,7 +140,7 @@ class Master:
         for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
             for link, k in zip(node.links, node.sources, strict=True):
                 start = self.coupling.interfaces[link.target[0]].inputs[link.target[1]].start
-                signals[k] = (start - link.offset) / link.factor
+                signals[k] = (float(start) - link.offset) / link.factor
         nodes = sorted(self.nodes, key=self._direct_share)
         for sweep in range(1, SWEEPS + 1):
             before = self.sample()[:]
@@ -157,6 +175,21 @@ class Master:
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h."""
         raise NotImplementedError
+
+    def save(self, reuse: Saved | None = None) -> Saved:
+        """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
+        units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
+        return Saved(units, self.signals[:] if isinstance(self.signals, list) else self.signals.copy(),
+                     [copy(node.history) for node in self.nodes], [(node.reached, node.fresh) for node in self.nodes], self.steps)
+
+    def restore(self, saved: Saved) -> None:
+        """Take back what `save` gave; it can be restored again."""
+        self.signals[:] = saved.signals
+        self.steps = saved.steps
+        for node, state, history, ends in zip(self.nodes, saved.units, saved.histories, saved.ends, strict=True):
+            node.unit.restore(state)
+            node.history.take(history)
+            node.reached, node.fresh = ends
 
     def _finish(self, t: float, h: float) -> None:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""

@@ -30,6 +30,14 @@ class History:
         if self.count <= self.degree:
             self.count += 1
 
+    def restart(self, values: Row) -> None:
+        """Forget everything but these present values."""
+        self.present, self.before, self.earlier, self.count = values, None, None, 1
+
+    def take(self, other: History) -> None:
+        """Become a copy of another history of the same inputs; the rows themselves are never changed."""
+        self.__dict__.update(other.__dict__)
+
     def ahead(self) -> Terms:
         """Extrapolation from the present sample."""
         present, h1 = self.present, self.h1

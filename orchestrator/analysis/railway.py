@@ -52,16 +52,16 @@ def analysis_window(scene: Scene) -> tuple[float, float]:
 def passages(result: Result) -> list[Passage]:
     """The pantographs of a run, foremost first: units whose contact force and wire height are recorded."""
     found = []
-    for connection in result.scene.connections:
+    for connection in result.scene.arrows:
         source, target = (part.strip() for part in connection.split("->"))
-        unit, _, name = target.partition(".")
+        unit, _, name = target.rpartition(".")
         if name != "wire_height":
             continue
         needed = [f"{unit}.contact_force", f"{unit}.contact_position", source]
         if any(n not in result.columns for n in needed):
             continue
         force, position, height = (result.columns[n] for n in needed)
-        catenary = source.partition(".")[0]
+        catenary = source.rpartition(".")[0]
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))

@@ -79,6 +79,7 @@ class ComponentUnit:
     """A component as a unit; inputs and outputs are views of the component's own arrays."""
 
     kind = "in process"
+    event: float | None = None  # components have no events of their own
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component
@@ -97,6 +98,15 @@ class ComponentUnit:
         places = _stretch(self.component.output_positions(outputs))
         self.get = (lambda: y[places]) if len(outputs) > WIDE else self.reader(outputs)
         self.step = self.component.step
+
+    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        raise NotImplementedError  # components have no texts among their inputs and outputs
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def get_texts(self) -> list[str]:
+        raise NotImplementedError
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         y, places = self.component.y, _stretch(self.component.output_positions(names))
@@ -130,6 +140,18 @@ class ComponentUnit:
 
     def restore(self, state: bytes) -> None:
         self.component.restore(state)
+
+    def release(self, state: bytes) -> None:
+        """Nothing to do: Python frees it."""
+
+    def pack(self, state: bytes) -> bytes:
+        return state
+
+    def unpack(self, packed: bytes) -> bytes:
+        return packed
+
+    def jacobian(self) -> np.ndarray:
+        raise NotImplementedError  # `Interface.gives_jacobian` says so
 
     def parameters(self) -> dict[str, Any]:
         return dict(self.component.parameters)

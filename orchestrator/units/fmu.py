@@ -149,6 +149,7 @@ class FmuUnit:
     """An FMU that is extracted, instantiated and has its parameters; see `Unit` for the order of calls."""
 
     kind = "FMU"
+    event: float | None = None
 
     def __init__(self, name: str, path: str, values: Mapping[str, Any], twin: Component | None = None):
         """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons."""
@@ -233,6 +234,15 @@ class FmuUnit:
         self._instance = self._fmu.component
         self.get = self.reader(outputs, len(outputs) > WIDE)
 
+    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def get_texts(self) -> list[str]:
+        raise NotImplementedError
+
     def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], Row]:
         get_real = self._function("fmi2GetReal", ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
         n = len(names)
@@ -314,6 +324,18 @@ class FmuUnit:
 
     def restore(self, state: ctypes.c_void_p) -> None:
         self._call("fmi2SetFMUstate", state)
+
+    def release(self, state: ctypes.c_void_p) -> None:
+        raise NotImplementedError
+
+    def pack(self, state: ctypes.c_void_p) -> bytes:
+        raise NotImplementedError
+
+    def unpack(self, packed: bytes) -> ctypes.c_void_p:
+        raise NotImplementedError
+
+    def jacobian(self) -> np.ndarray:
+        raise NotImplementedError
 
     def parameters(self) -> dict[str, Any]:
         return self._values

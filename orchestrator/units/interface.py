@@ -4,23 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
+
+import numpy as np
 
 Row = Any  # list[float], or an ndarray of more than WIDE numbers
-
-
+Kind = Literal["real", "integer", "boolean", "enumeration", "string"]
 WIDE = 24  # numbers: more of them are handed over as arrays, fewer as lists
 
 
 @dataclass(frozen=True)
 class Signal:
-    """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared."""
+    """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared.
+
+    Numbers of every kind travel as floats: integers and members of an enumeration as their value, booleans as 0 and 1.
+    Texts take their own way, see `Unit.set_texts`.
+    """
 
     name: str
     unit: str  # "": not declared, so that it can neither be converted nor refused
-    start: float = 0.0
+    start: float | str = 0.0
     nominal: float = 1.0
     feedthrough: tuple[str, ...] | None = ()
+    kind: Kind = "real"
+    discrete: bool = False  # changes at instants only: held over a step, never extrapolated; all kinds but real are
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its values are texts."""
+        return self.kind == "string"
 
 
 @dataclass(frozen=True)
@@ -34,17 +46,24 @@ class Interface:
     set_inputs: frozenset[str] = frozenset()  # inputs the scene gives a value
     input_degree: int = 2  # highest degree of an input's polynomial over a step; above it the unit holds the mean
     variable_step: bool = True
-    saves_state: bool = True
+    saves_state: bool = True  # `save` and `restore` are exact
+    packs_state: bool = True  # and a saved state can be written to a file: `pack`, `unpack`
+    gives_jacobian: bool = False  # `jacobian` is offered
+    fixed_step: float = 0.0  # s, that every communication step must be a multiple of; 0: free
+    may_return_early: bool = False  # events inside a step are told by `event`
 
 
 class Unit(Protocol):
     """One simulated part. Calls come in this order:
 
-    1. `wire` once: which inputs are driven and which outputs are read in every step
+    1. `wire` once: which inputs are driven and which outputs are read in every step; `wire_texts` where texts are connected
     2. `initialize`, repeated while the inputs still change, with `get` after each; then `start` once
     3. for each step `drive`, `step`, `get`; between steps `update`, `get` and the readers of `reader`;
        `save` and `restore` around a repeated step
     4. `close`, always and once
+
+    `step` may return before the unit has finished; `get` then waits for it. So units in processes of their own work at the
+    same time where a master calls `step` of several before it asks for their values. What a step raises, `get` may raise.
 
     After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are in the order of the names
     given to `wire`: plain lists, for the few scalars of a usual connection faster than arrays, and arrays where there are
@@ -52,10 +71,20 @@ class Unit(Protocol):
     """
 
     name: str
-    kind: str  # "in process" or "FMU"
+    kind: str  # "in process", "FMU", ...
+    event: float | None  # s, the first event inside the last step, which the unit has dealt with; asked for after `get`
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         """Fix the names of the driven inputs and of the outputs that `get` returns."""
+
+    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        """Fix the names of the texts of `set_texts` and `get_texts`; called only where there are some."""
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        """Texts of the driven inputs from now on."""
+
+    def get_texts(self) -> list[str]:
+        """Present texts of the outputs."""
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """A function that gives the present values of some outputs."""
@@ -83,6 +112,18 @@ class Unit(Protocol):
 
     def restore(self, state: Any) -> None:
         """Take back a state of `save`."""
+
+    def release(self, state: Any) -> None:
+        """A state of `save` that will not be needed any more."""
+
+    def pack(self, state: Any) -> bytes:
+        """A state of `save` as bytes for a file."""
+
+    def unpack(self, packed: bytes) -> Any:
+        """The state of `pack`, for `restore` of a unit with the same parameters, in this process or another."""
+
+    def jacobian(self) -> np.ndarray:
+        """Derivatives of the outputs of `get` with respect to the driven inputs at this instant, (outputs, inputs)."""
 
     def parameters(self) -> dict[str, Any]:
         """Values the run was made with, by name."""

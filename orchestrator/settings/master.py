@@ -1,0 +1,70 @@
+"""How the units of a scene are stepped and how values are handed over."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from components.core.errors import BadInput
+
+from .model import Model, Positive, Seconds
+
+
+class IterationSettings(Model):
+    """Of algorithm = "iterative": repeating a macro step until the inputs fit the outputs."""
+
+    method: Literal["aitken", "quasi-newton", "newton"] = Field(
+        default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian")
+    tolerance: Positive = Field(default=1e-8, description="largest residual of an input, relative to its size or nominal value")
+    max_iterations: Annotated[int, Field(strict=True, ge=1)] = 20
+    not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
+
+
+class ControlSettings(Model):
+    """The macro step follows an error estimate instead of being fixed."""
+
+    method: Literal["milne", "doubling", "energy"] = Field(description=(
+        "milne: predicted against reached inputs, no rollback; doubling: one step against two halves, needs rollback; "
+        "energy: power that the coupling creates at the bonds (ECCO)"))
+    relative: Positive = Field(default=1e-4, description="error allowed in a step, relative to a value")
+    absolute: Positive = Field(default=1e-4, description="and relative to the nominal value, for values near zero")
+    min_step: Seconds | None = Field(default=None, description="s; default: a thousandth of master.step; all steps are multiples")
+    max_step: Seconds | None = Field(default=None, description="s; default: the whole run")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> ControlSettings:
+        if self.min_step is not None and self.max_step is not None and self.min_step > self.max_step:
+            raise BadInput("max_step", f"{self.max_step:g} s", f"at least min_step, {self.min_step:g} s")
+        return self
+
+
+class MasterSettings(Model):
+    """The algorithm that steps the units and hands values over."""
+
+    algorithm: Literal["jacobi", "gauss-seidel", "iterative", "interface-model"] = "gauss-seidel"
+    step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
+    extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
+    smoothing: bool = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
+    feedthrough: Literal["fresh", "stale"] = Field(default="fresh", description="do outputs follow inputs within an instant?")
+    order: tuple[str, ...] = Field(default=(), description="gauss-seidel only: all units in the order of stepping")
+    iteration: IterationSettings | None = Field(default=None, description="iterative only")
+    control: ControlSettings | None = Field(default=None, description="default: every macro step has the length `step`")
+    events: tuple[str, ...] = Field(
+        default=(), description="unit.output whose changes of sign are located: a macro step ends there; needs rollback")
+    bonds: tuple[str, ...] = Field(default=(), description=(
+        '"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'))
+    energy_correction: bool = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
+
+    @model_validator(mode="after")
+    def _options_matter(self) -> MasterSettings:
+        if self.order and self.algorithm != "gauss-seidel":
+            raise BadInput("order", "an order of units", f"none; {self.algorithm} does not go by one", "Remove it.")
+        if self.iteration is not None and self.algorithm != "iterative":
+            raise BadInput("iteration", "settings of an iteration", f"none; {self.algorithm} does not iterate",
+                           'Remove them, or take algorithm = "iterative".')
+        if not self.bonds and self.energy_correction:
+            raise BadInput("energy_correction", "true without bonds", "bonds = [...] as well")
+        if not self.bonds and self.control is not None and self.control.method == "energy":
+            raise BadInput("control.method", "'energy' without bonds", "bonds = [...] as well")
+        return self

@@ -1,0 +1,116 @@
+"""A whole scene, and what it says of connections, records and sweeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isfinite
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, PrivateAttr, field_validator, model_validator
+
+from components.core.errors import BadInput
+
+from .faults import FaultSettings
+from .master import MasterSettings
+from .model import Model, Number, Seconds
+from .units import UnitSettings
+
+RANGE = ("from", "to", "points")
+UNIT_NAME = r"^[A-Za-z]\w*(\.[A-Za-z]\w*)*$"  # "subsystem.unit" for the units of an included scene
+
+
+class ConnectionSettings(Model):
+    """A connection that needs more than its two ends: input = factor * output + offset, in the input's unit of measure."""
+
+    source: str = Field(description="unit.output")
+    target: str = Field(description="unit.input")
+    factor: Number = 1.0
+    offset: Number = 0.0
+    convert_units: bool = Field(default=True, description="false: the numbers are handed over whatever the units of measure say")
+
+    @property
+    def text(self) -> str:
+        """The connection as a plain one is written."""
+        return f"{self.source} -> {self.target}"
+
+
+class RecordSettings(Model):
+    """What is kept. Samples are taken at the first macro step not before each multiple of the interval, and at the end."""
+
+    signals: tuple[str, ...] | None = Field(
+        default=None, description="unit.output, or unit.array for all its elements; default: all scalar outputs outside arrays")
+    interval: Seconds | None = Field(default=None, description="s; default: every macro step")
+    snapshots: tuple[str, ...] = Field(default=(), description="unit.array, kept as whole arrays")
+    snapshot_interval: Seconds | None = Field(default=None, description="s; default: every macro step")
+
+    @model_validator(mode="after")
+    def _interval_has_effect(self) -> RecordSettings:
+        if self.snapshot_interval is not None and not self.snapshots:
+            raise BadInput("snapshot_interval", f"{self.snapshot_interval:g} s without snapshots", "snapshots = [...] as well")
+        return self
+
+
+class SceneSettings(Model):
+    """Units, connections, master, records. `scene.Scene` is what they are once checked against the units."""
+
+    title: str = ""
+    stop_time: Seconds = Field(description="s; every run starts at 0")
+    connections: tuple[str | ConnectionSettings, ...] = Field(
+        default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor')
+    units: dict[Annotated[str, Field(pattern=UNIT_NAME)], UnitSettings] = Field(min_length=1)
+    master: MasterSettings
+    record: RecordSettings = RecordSettings()
+    faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
+    sweep: dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]] = Field(
+        default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
+    analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
+    _name: str = PrivateAttr("scene")
+
+    @property
+    def name(self) -> str:
+        """Stem of the file the scene came from."""
+        return self._name
+
+    @property
+    def arrows(self) -> tuple[str, ...]:
+        """Every connection as "unit.output -> unit.input"."""
+        return tuple(c if isinstance(c, str) else c.text for c in self.connections)
+
+    @field_validator("sweep", mode="before")
+    @classmethod
+    def _by_full_name(cls, sweep: Any) -> Any:
+        return dict(_swept(sweep)) if isinstance(sweep, Mapping) else sweep
+
+    @model_validator(mode="after")
+    def _lengths_fit(self) -> Self:
+        step, stop, record = self.master.step, self.stop_time, self.record
+        if step > stop:
+            raise BadInput("master.step", f"{step:g} s", f"at most the length of the run, {stop:g} s")
+        for label, interval in (("interval", record.interval), ("snapshot_interval", record.snapshot_interval)):
+            if interval is not None and not step <= interval <= stop:
+                expected = f"between the macro step, {step:g} s, and stop_time, {stop:g} s"
+                raise BadInput(f"record.{label}", f"{interval:g} s", expected)
+        return self
+
+    def settings(self) -> dict[str, Any]:
+        """What was given, as plain data; `read_scene` of it gives the scene again."""
+        return self.model_dump(exclude_unset=True)
+
+
+def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested tables of a sweep as full names of parameters, each with its values; ranges as evenly spaced ones."""
+    for key, value in table.items():
+        name = prefix + key
+        if not isinstance(value, Mapping):
+            yield name, value
+        elif not value.keys() & set(RANGE):
+            yield from _swept(value, name + ".")
+        else:
+            first, last, points = (value.get(k) for k in RANGE)
+            numbers = all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in (first, last))
+            if len(value) != 3 or not numbers or not isinstance(points, int) or points < 2:
+                raise BadInput(name, repr(dict(value)), "{ from = first value, to = last value, points = 2 or more }")
+            yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
+
+

@@ -1,0 +1,58 @@
+"""The units of a scene: what is simulated, and how it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from components.core.errors import BadInput
+
+from .model import Model, Positive, Value
+
+
+class UnitSettings(Model):
+    """One unit: a component of the catalogue (or "module:Class", which always runs in process), or any FMU, FMI 2.0 or 3.0."""
+
+    component: str = Field(default="", description="name in the catalogue, or module:Class")
+    fmu: str = Field(default="", description="path to an FMU, relative to the scene's file")
+    preset: str = Field(default="", description="published set of parameters of the component")
+    effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
+    parameters: dict[str, Value] = Field(default={}, description="parameters, and values of inputs that no connection drives")
+    every: Annotated[int, Field(strict=True, ge=1)] = Field(
+        default=1, description="steps with every n-th macro step only, over all n of them; for slow units")
+    isolation: Literal["none", "process"] = Field(
+        default="none", description="process: in a worker process of its own, for what may crash and to use several cores")
+    interface: Literal["co-simulation", "model-exchange"] | None = Field(
+        default=None, description="of an FMU that has both; default: co-simulation where it has that")
+    solver: str | None = Field(default=None, description="model-exchange only: CVode, or a method of scipy's solve_ivp")
+    tolerance: Positive | None = Field(default=None, description="relative tolerance for the FMU's solver")
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _flat(cls, parameters: Any) -> Any:
+        return dict(_flattened(parameters)) if isinstance(parameters, Mapping) else parameters
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> UnitSettings:
+        if bool(self.component) == bool(self.fmu):
+            came = "both component and fmu" if self.fmu else "neither component nor fmu"
+            raise BadInput("", came, "one of them", 'Write component = "Name" or fmu = "path/to/file.fmu".')
+        if self.fmu and self.preset:
+            raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
+        for key in ("interface", "solver", "tolerance"):
+            if self.component and getattr(self, key) is not None:
+                raise BadInput(key, repr(getattr(self, key)), "none for a component; it would have no effect", "Remove it.")
+        return self
+
+
+def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Nested tables and lists as the full names of variables: "effect.name", "name[1]"."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flattened(value, f"{prefix}{key}.")
+        elif isinstance(value, list | tuple):
+            yield from ((f"{prefix}{key}[{i}]", v) for i, v in enumerate(value, 1))
+        else:
+            yield prefix + key, value
