@@ -15,19 +15,10 @@ from pydantic import ValidationError
 
 from components.core.errors import BadInput, nearest
 
-from .analysis.keys import RecurrenceKeys, SectionKeys, keys_of, unknown
+from .analysis.keys import keys_of, unknown
 from .coupling import settle
-from .settings import (
-    ConnectionSettings,
-    ControlSettings,
-    FaultSettings,
-    IterationSettings,
-    MasterSettings,
-    Model,
-    RecordSettings,
-    SceneSettings,
-    UnitSettings,
-)
+from .messages import one_message
+from .settings import SceneSettings
 
 SHIPPED = Path(__file__).parent / "scenes"
 
@@ -99,7 +90,7 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        raise _one_message(error, name) from None
+        raise one_message(error, Scene, name) from None
     scene._name = name
     _check_analysis(scene.analysis, name)
     settle(scene)
@@ -115,7 +106,7 @@ def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:
         if finding["type"] == "extra_forbidden" and len(finding["loc"]) == 1:
             fault = unknown(model, str(finding["loc"][0]))
             raise BadInput(f"{name}: {fault.where}", fault.came, fault.expected, fault.remedy) from None
-        raise _one_message(error, name, "analysis") from None
+        raise one_message(error, model, name, "analysis") from None
     except BadInput as error:
         raise BadInput(f"{name}: {error.where}", error.came, error.expected, error.remedy) from None
 
@@ -124,42 +115,3 @@ def _located(unit: Any, folder: Path) -> Any:
     if isinstance(unit, dict) and isinstance(unit.get("fmu"), str):
         return {**unit, "fmu": str((folder / unit["fmu"]).resolve())}
     return unit
-
-
-_EXPECTED = {
-    "missing": "a value", "float_type": "a number", "string_type": "a text", "finite_number": "a finite number",
-    "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table", "int_type": "a whole number",
-    "tuple_type": "a list", "too_short": "at least one", "string_pattern_mismatch": "a name of letters, digits and _",
-}
-
-
-def _one_message(error: ValidationError, name: str, *table: str) -> BadInput:
-    """Pydantic's first finding, in a table of the scene, in the form of all other messages."""
-    finding = error.errors()[0]
-    kind, context = finding["type"], finding.get("ctx", {})
-    place = [*table, *(str(p) for p in finding["loc"] if p != "[key]")]
-    cause = context.get("error")
-    if isinstance(cause, BadInput):
-        where = ".".join(filter(None, [*place, cause.where]))
-        return BadInput(f"{name}: {where}", cause.came, cause.expected, cause.remedy)
-    where, last = f"{name}: {'.'.join(place)}", place[-1]
-    if kind == "extra_forbidden":
-        table_name = ".".join(place[:-1])
-        models: dict[str, type[Model]] = {"units": UnitSettings, "master": MasterSettings, "record": RecordSettings,
-                                          "connections": ConnectionSettings, "faults": FaultSettings,
-                                          "analysis": RecurrenceKeys if "recurrence" in place else SectionKeys}
-        inner: dict[str, type[Model]] = {"iteration": IterationSettings, "control": ControlSettings}
-        model = Scene if len(place) == 1 else inner.get(place[-2]) or models[place[0]]
-        where = f"{name}: {table_name}" if table_name else name
-        return BadInput(where, f"unknown key {last!r}", "a known key", nearest(last, model.model_fields))
-    if kind == "literal_error":
-        came, expected = finding["input"], context["expected"]
-        choices = re.findall("'(.*?)'", expected)
-        return BadInput(where, repr(came), expected, nearest(came, choices) if isinstance(came, str) else "")
-    if kind == "missing":
-        return BadInput(where, "nothing", "a value", f"Add {last} = ...")
-    if kind in ("greater_than", "greater_than_equal"):
-        return BadInput(where, repr(finding["input"]), f"a number greater than {next(iter(context.values())):g}")
-    if "parameters" in place:
-        return BadInput(f"{name}: {'.'.join(place[:3])}", repr(finding["input"]), "a number, a text or a truth value")
-    return BadInput(where, repr(finding["input"]), _EXPECTED.get(kind, finding["msg"]))

@@ -6,7 +6,7 @@ class BadInput(ValueError):
 
     def __init__(self, where: str, came: str, expected: str, remedy: str = ""):
         self.where, self.came, self.expected, self.remedy = where, came, expected, remedy
-        super().__init__(f"{where}: {came}; expected {expected}" + (f". {remedy}" if remedy else ""))
+        super().__init__(_one_line(f"{where}: {came}; expected {expected}" + (f". {remedy}" if remedy else "")))
 
 
 class StepFailed(RuntimeError):
@@ -15,6 +15,11 @@ class StepFailed(RuntimeError):
     def __init__(self, unit: str, time: float, reason: str, remedy: str = ""):
         self.unit, self.time, self.reason, self.remedy = unit, time, reason, remedy
         super().__init__(f"{unit} failed at t = {time:.9g} s: {reason}" + (f". {remedy}" if remedy else ""))
+
+
+def _one_line(text: str) -> str:
+    """The text with line ends and control characters escaped: names from files may hold any."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def nearest(name: str, names) -> str:
