@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from components.core.errors import BadInput
 
-from .model import Model, Positive, Seconds
+from .model import Model, Positive, Seconds, Truth
 
 
 class IterationSettings(Model):
@@ -45,7 +45,7 @@ class MasterSettings(Model):
     algorithm: Literal["jacobi", "gauss-seidel", "iterative", "interface-model"] = "gauss-seidel"
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
-    smoothing: bool = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
+    smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
     feedthrough: Literal["fresh", "stale"] = Field(default="fresh", description="do outputs follow inputs within an instant?")
     order: tuple[str, ...] = Field(default=(), description="gauss-seidel only: all units in the order of stepping")
     iteration: IterationSettings | None = Field(default=None, description="iterative only")
@@ -54,7 +54,7 @@ class MasterSettings(Model):
         default=(), description="unit.output whose changes of sign are located: a macro step ends there; needs rollback")
     bonds: tuple[str, ...] = Field(default=(), description=(
         '"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'))
-    energy_correction: bool = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
+    energy_correction: Truth = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
 
     @model_validator(mode="after")
     def _options_matter(self) -> MasterSettings:

@@ -13,7 +13,7 @@ from components.core.errors import BadInput
 
 from .faults import FaultSettings
 from .master import MasterSettings
-from .model import Model, Number, Seconds
+from .model import Model, Number, Seconds, Truth
 from .units import UnitSettings
 
 RANGE = ("from", "to", "points")
@@ -27,7 +27,7 @@ class ConnectionSettings(Model):
     target: str = Field(description="unit.input")
     factor: Number = 1.0
     offset: Number = 0.0
-    convert_units: bool = Field(default=True, description="false: the numbers are handed over whatever the units of measure say")
+    convert_units: Truth = Field(default=True, description="false: the numbers are handed over whatever the units of measure say")
 
     @property
     def text(self) -> str:
