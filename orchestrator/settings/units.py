@@ -24,6 +24,8 @@ class UnitSettings(Model):
         default=1, description="steps with every n-th macro step only, over all n of them; for slow units")
     isolation: Literal["none", "process"] = Field(
         default="none", description="process: in a worker process of its own, for what may crash and to use several cores")
+    time_limit: Positive | None = Field(
+        default=None, description="isolation only: s of real time to wait for the worker in a call; default: as long as it takes")
     interface: Literal["co-simulation", "model-exchange"] | None = Field(
         default=None, description="of an FMU that has both; default: co-simulation where it has that")
     solver: str | None = Field(default=None, description="model-exchange only: CVode, or a method of scipy's solve_ivp")
@@ -41,6 +43,8 @@ class UnitSettings(Model):
             raise BadInput("", came, "one of them", 'Write component = "Name" or fmu = "path/to/file.fmu".')
         if self.fmu and self.preset:
             raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
+        if self.time_limit is not None and self.isolation == "none":
+            raise BadInput("time_limit", f"{self.time_limit:g} s without isolation", 'isolation = "process" as well')
         for key in ("interface", "solver", "tolerance"):
             if self.component and getattr(self, key) is not None:
                 raise BadInput(key, repr(getattr(self, key)), "none for a component; it would have no effect", "Remove it.")

@@ -19,6 +19,10 @@ def describe(name: str, settings: UnitSettings) -> Interface:
 
 def open_unit(name: str, settings: UnitSettings, *, in_process: bool) -> Unit:
     """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit."""
+    if settings.isolation == "process":
+        from .process import WorkerUnit
+
+        return WorkerUnit(name, settings, in_process=in_process)
     if settings.fmu or not (in_process or ":" in settings.component):
         from .fmu import open_fmu
 

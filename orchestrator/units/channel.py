@@ -1,0 +1,68 @@
+"""Messages between a run and a unit's worker process: a length, a code, and numbers or pickled objects.
+
+A pipe of the operating system carries them, one request and one answer at a time. Memory shared by both and watched in a
+loop would answer ten times sooner, but it takes a whole core for each side, also while a unit computes.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from struct import Struct
+from typing import Any
+
+import numpy as np
+
+from .interface import WIDE, Row
+
+HEAD = Struct("=IB")  # bytes that follow, code
+STEP, UPDATE, GET, READ, CALL, VALUES, OBJECT, FAILED, WARNED = range(9)
+TIMES = Struct("ddd")  # start and length of a step, length the inputs are meant for
+EVENT = Struct("d")  # time of the event in a step, NaN for none
+INDEX = Struct("I")
+ONCE = 1 << 16  # bytes asked for in one read: what a pipe holds on Linux
+
+
+class Channel:
+    """One end of a pair of pipes; `EOFError` and `BrokenPipeError` where the other end has gone."""
+
+    def __init__(self, read: int, write: int):
+        self._from, self._to = read, write
+
+    def send(self, code: int, content: bytes) -> None:
+        """Hand over one message, whole."""
+        message: bytes | memoryview = HEAD.pack(len(content), code) + content
+        while (written := os.write(self._to, message)) < len(message):
+            message = memoryview(message)[written:]
+
+    def receive(self) -> tuple[int, memoryview]:
+        """Wait for one message: code and content."""
+        message = self._read(ONCE)
+        while len(message) < HEAD.size:
+            message += self._read(HEAD.size - len(message))
+        length, code = HEAD.unpack_from(message)
+        while (missing := HEAD.size + length - len(message)) > 0:
+            message += self._read(missing)
+        return code, memoryview(message)[HEAD.size :]
+
+    def _read(self, most: int) -> bytes:
+        found = os.read(self._from, most)
+        if not found:
+            raise EOFError
+        return found
+
+
+def packer(n: int) -> Callable[[Row], bytes]:
+    """A function that turns n numbers into bytes."""
+    if n > WIDE:
+        return lambda row: np.asarray(row, dtype=float).tobytes()
+    pack = Struct(f"{n}d").pack
+    return lambda row: pack(*row)
+
+
+def unpacker(n: int) -> Callable[[Any, int], Row]:
+    """A function of bytes and an offset that gives n numbers, as a list or, where they are many, as an array."""
+    if n > WIDE:
+        return lambda content, offset: np.frombuffer(content, dtype=float, count=n, offset=offset)
+    unpack = Struct(f"{n}d").unpack_from
+    return lambda content, offset: list(unpack(content, offset))
