@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from importlib.metadata import version
 from time import perf_counter
@@ -18,34 +18,11 @@ from .coupling import Coupling, settle
 from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
+from .stepping import Stepping
 from .units import Unit, open_unit
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
-
-
-class Stepping:
-    """The stepping loop: from tick 0 to `end` in strides, the last one shorter where they do not divide it."""
-
-    def __init__(self, master: Master, clock: Clock, stride: int, end: int):
-        self.master, self.clock, self.stride, self.end = master, clock, stride, end
-        self.tick = 0
-
-    def run(self, observers: Sequence[Callable[[int, float], None]]) -> None:
-        """Step to the end; observers see every instant after all units have reached it."""
-        seconds, step, stride, end = self.clock.seconds, self.master.step, self.stride, self.end
-        t, h = 0.0, seconds(stride)
-        for observe in observers:
-            observe(0, t)
-        while (tick := self.tick) < end:
-            if tick + stride > end:
-                stride = end - tick
-                h = seconds(stride)
-            step(t, h)
-            self.tick = tick = tick + stride
-            t = seconds(tick)
-            for observe in observers:
-                observe(tick, t)
 
 
 def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Result:
