@@ -113,5 +113,5 @@ def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:
 
 def _located(unit: Any, folder: Path) -> Any:
     if isinstance(unit, dict) and isinstance(unit.get("fmu"), str):
-        return {**unit, "fmu": str((folder / unit["fmu"]).resolve())}
+        return {**unit, "fmu": str(folder.resolve() / unit["fmu"])}
     return unit

@@ -10,7 +10,8 @@ Seconds = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 Truth = Annotated[bool, Field(strict=True)]
-Value = bool | int | float | str
+Whole = Annotated[int, Field(gt=-(2**64), lt=2**64)]  # what the widest types of an FMU hold
+Value = bool | Whole | float | str
 
 
 class Model(BaseModel):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import isfinite
+from sys import float_info
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -17,6 +17,7 @@ from .model import Model, Number, Seconds, Truth
 from .units import UnitSettings
 
 RANGE = ("from", "to", "points")
+MOST_POINTS = 1_000_000  # of one range; each is a run
 UNIT_NAME = r"^[A-Za-z]\w*(\.[A-Za-z]\w*)*$"  # "subsystem.unit" for the units of an included scene
 
 
@@ -108,9 +109,9 @@ def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield from _swept(value, name + ".")
         else:
             first, last, points = (value.get(k) for k in RANGE)
-            numbers = all(isinstance(v, int | float) and not isinstance(v, bool) and isfinite(v) for v in (first, last))
-            if len(value) != 3 or not numbers or not isinstance(points, int) or points < 2:
-                raise BadInput(name, repr(dict(value)), "{ from = first value, to = last value, points = 2 or more }")
-            yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
+            ends = [v for v in (first, last) if isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= float_info.max]
+            if len(value) != 3 or len(ends) != 2 or not isinstance(points, int) or not 2 <= points <= MOST_POINTS:
+                raise BadInput(name, repr(dict(value)), f"{{ from = first value, to = last value, points = 2 to {MOST_POINTS} }}")
+            yield name, np.linspace(*map(float, ends), points).tolist()
 
 
