@@ -99,6 +99,10 @@ class SceneSettings(Model):
         return self.model_dump(exclude_unset=True)
 
 
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= float_info.max
+
+
 def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Nested tables of a sweep as full names of parameters, each with its values; ranges as evenly spaced ones."""
     for key, value in table.items():
@@ -109,9 +113,8 @@ def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
             yield from _swept(value, name + ".")
         else:
             first, last, points = (value.get(k) for k in RANGE)
-            ends = [v for v in (first, last) if isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= float_info.max]
-            if len(value) != 3 or len(ends) != 2 or not isinstance(points, int) or not 2 <= points <= MOST_POINTS:
+            if len(value) != 3 or not (_finite(first) and _finite(last)) or not isinstance(points, int) or not 2 <= points <= MOST_POINTS:
                 raise BadInput(name, repr(dict(value)), f"{{ from = first value, to = last value, points = 2 to {MOST_POINTS} }}")
-            yield name, np.linspace(*map(float, ends), points).tolist()
+            yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
 
 
