@@ -142,7 +142,8 @@ class WorkerUnit:
 
     def _end(self) -> StepFailed:
         """The process has ended, or is to; the failure to raise."""
-        self._lost, self._waiting, self._since = True, False, None
+        self._lost = self._stale = True
+        self._waiting, self._since = False, None
         try:
             code = self._process.wait(GRACE)
         except subprocess.TimeoutExpired:  # it has closed the pipe and lives on
