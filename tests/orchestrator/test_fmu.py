@@ -105,7 +105,7 @@ def test_a_discarded_step_names_unit_time_and_log(foreign):
 
 
 @pytest.mark.parametrize(("parameters", "named"), [
-    ({"limt": 1.0}, ["'limt'", "'limit'"]), ({"limit": -1.0}, ["limit = -1.0", "[0, None]"]),
+    ({"limt": 1.0}, ["'limt'", "'limit'"]), ({"limit": -1.0}, ["limit = -1.0", "[0, inf]"]),
     ({"limit": float("nan")}, ["limit = nan", "finite"]), ({"limit": "high"}, ["'high'", "Real"]),
     ({"sign": 0.5}, ["sign = 0.5", "Integer"]), ({"sign": True}, ["sign = True", "Integer"]), ({"x": 1.0}, ["'x'"]),
 ])

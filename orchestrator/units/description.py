@@ -1,0 +1,194 @@
+"""What an FMU's model description says, as scalars by name and as an `Interface`.
+
+FMPy reads the file. Arrays of FMI 3 become their elements, "name[1]" or "name[1,2]", in the order of their values.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fmpy import read_model_description
+from fmpy.model_description import ModelDescription, ModelVariable
+from lxml import etree
+
+from components.core.errors import BadInput, nearest
+
+from .interface import Interface, Kind, Signal
+
+if TYPE_CHECKING:
+    from ..settings import UnitSettings
+
+KINDS: dict[str, Kind] = {"Real": "real", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
+NEITHER = ("Binary", "Clock")  # types that are neither numbers nor texts
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A scalar variable, or one element of an array."""
+
+    name: str
+    variable: ModelVariable
+    position: int  # among the values of the array, 0 for a scalar
+    size: int  # values of the variable
+    start: Any  # of the type's Python kind; None: not given
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of its values."""
+        type_ = self.variable.type
+        return KINDS.get(type_) or ("real" if type_.startswith("Float") else "integer")
+
+    @property
+    def discrete(self) -> bool:
+        """Whether it changes at instants only."""
+        return self.kind != "real" or self.variable.variability != "continuous"
+
+
+@dataclass(frozen=True)
+class Description:
+    """FMPy's model description, and its scalars by name."""
+
+    path: str
+    model: ModelDescription
+    scalars: Mapping[str, Scalar]
+    directional: bool  # the co-simulation interface gives directional derivatives
+
+    @property
+    def fmi3(self) -> bool:
+        """Whether it is of FMI 3."""
+        return self.model.fmiMajorVersion == 3
+
+    def sized(self, values: Mapping[str, Any], where: str) -> Description:
+        """With the sizes of arrays that these values of structural parameters give."""
+        sizes = {n: values[n] for n, s in self.scalars.items() if n in values and s.variable.causality == "structuralParameter"}
+        if not sizes:
+            return self
+        for name, size in sizes.items():
+            if not isinstance(size, int) or isinstance(size, bool) or size < 0:
+                raise BadInput(f"{where}.parameters", f"{name} = {size!r}", "a whole number of elements")
+        return replace(self, scalars=_scalars(self.model, sizes, {}))
+
+
+def read(path: str, where: str) -> Description:
+    """The description of an FMU for co-simulation; `BadInput` for what is none."""
+    if not Path(path).is_file():
+        raise BadInput(where, repr(path), "an FMU file")
+    return _read(path, Path(path).stat().st_mtime_ns, where)
+
+
+@lru_cache(maxsize=64)
+def _read(path: str, _changed: int, where: str) -> Description:
+    try:
+        found = read_model_description(path, validate=False)
+        with zipfile.ZipFile(path) as file:
+            root = etree.fromstring(file.read("modelDescription.xml"))
+    except Exception as error:  # FMPy raises bare exceptions and those of zipfile and lxml
+        raise BadInput(where, repr(path), "an FMU", f"{error}.") from None
+    if not found.fmiVersion.startswith(("2.0", "3.0")):
+        raise BadInput(where, f"{path} (FMI {found.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
+    if found.coSimulation is None:
+        only = "model exchange" if found.modelExchange else "scheduled execution"
+        raise BadInput(where, f"{path}, for {only} only", "an FMU for co-simulation")
+    interface = root.find("CoSimulation")
+    flags = [interface.get("providesDirectionalDerivative" + plural) for plural in ("", "s")]  # FMPy knows that of FMI 2
+    texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
+    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags))
+
+
+def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:
+    """Scalars by name; `sizes`: changed structural parameters; `texts`: start values of array of texts."""
+    found: dict[str, Scalar] = {}
+    for v in model.modelVariables:
+        if v.type in NEITHER:
+            continue
+        shape = tuple(d.start if d.variable is None else sizes.get(d.variable.name, int(d.variable.start)) for d in v.dimensions)
+        size = prod(shape)
+        starts = _starts(v, size, texts.get(v.name) or [])
+        names = [f"{v.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in shape))] if shape else [v.name]
+        found.update((n, Scalar(n, v, k, size, starts[k])) for k, n in enumerate(names))
+    return found
+
+
+def _starts(v: ModelVariable, size: int, texts: Sequence[str]) -> Sequence[Any]:
+    """Start values of all elements; one value stands for all, and where their number does not fit, none is known."""
+    if v.type == "String":
+        values: list[Any] = list(texts) or ([] if v.start is None else [v.start])
+    else:
+        of: Any = {"Boolean": is_true, "Real": float, "Float32": float, "Float64": float}.get(v.type, int)
+        values = [of(word) for word in (v.start or "").split()]
+    return values * size if len(values) == 1 else values if len(values) == size else [None] * size
+
+
+def is_true(text: Any) -> bool:
+    """A truth value as XML writes it."""
+    return str(text).lower() in ("true", "1")
+
+
+def describe_fmu(name: str, settings: UnitSettings) -> Interface:
+    """The interface an FMU's model description gives, with the scene's effects and parameters checked against it."""
+    from .values import settled
+
+    where = f"units.{name}"
+    found = read(settings.fmu, f"{where}.fmu").sized(settings.parameters, where)
+    cosimulation = found.model.coSimulation
+    known = [n.removeprefix("effects.") for n in found.scalars if n.startswith("effects.")]
+    for effect in settings.effects:
+        if effect not in known:
+            raise BadInput(f"{where}.effects", repr(effect), "an effect of the FMU", nearest(effect, known))
+    off = [e for e in known if e not in settings.effects and not found.scalars[f"effects.{e}"].start]
+    settled(found, settings.parameters, where, off)
+    named = dict.fromkeys(settings.effects, "named in the scene")
+    there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
+    direct = {u.variable.name: u.dependencies for u in found.model.outputs}
+    inputs = {n: _signal(s, ()) for n, s in there.items() if s.variable.causality == "input" and not is_companion(n, there)}
+    real = [n for n, s in inputs.items() if s.kind == "real"]
+    companions = has_companions(found.scalars, real)
+    return Interface(
+        title=found.model.description or found.model.modelName,
+        inputs=inputs,
+        outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there))
+                 for n, s in there.items() if s.variable.causality == "output"},
+        effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
+        set_inputs=frozenset(settings.parameters) & frozenset(inputs),
+        input_degree=2 if cosimulation.canInterpolateInputs or companions else 0,
+        variable_step=cosimulation.canHandleVariableCommunicationStepSize,
+        saves_state=cosimulation.canGetAndSetFMUstate,
+        packs_state=cosimulation.canGetAndSetFMUstate and cosimulation.canSerializeFMUstate,
+        gives_jacobian=found.directional,
+        fixed_step=cosimulation.fixedInternalStepSize or 0.0,
+        may_return_early=cosimulation.hasEventMode or cosimulation.mightReturnEarlyFromDoStep,
+    )
+
+
+def _signal(s: Scalar, feedthrough: tuple[str, ...] | None) -> Signal:
+    v, declared, kind = s.variable, s.variable.declaredType, s.kind
+    unit = v.unit or (declared.unit if declared else None) or ""
+    nominal = abs(float(v.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
+    start = (s.start or "") if kind == "string" else float(s.start or 0)
+    return Signal(s.name, unit, start, nominal, feedthrough, kind, s.discrete)
+
+
+def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],
+             scalars: Mapping[str, Scalar]) -> tuple[str, ...] | None:
+    """Names of inputs that are, or are elements of, declared variables."""
+    if declared is None:
+        return None
+    references = {(v.type, v.valueReference) for v in declared}
+    return tuple(n for n in inputs for v in [scalars[n].variable] if (v.type, v.valueReference) in references)
+
+
+def is_companion(name: str, scalars: Mapping[str, Scalar]) -> bool:
+    """Whether a variable is "der(x)" or "der(x,2)" of another one."""
+    return name.startswith("der(") and name[4:-1].removesuffix(",2") in scalars
+
+
+def has_companions(scalars: Mapping[str, Scalar], inputs: Sequence[str]) -> bool:
+    """Whether all inputs have companions "der(x)" and "der(x,2)" that carry their derivatives."""
+    return bool(inputs) and all(f"der({n})" in scalars and f"der({n},2)" in scalars for n in inputs)

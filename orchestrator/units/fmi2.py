@@ -1,0 +1,93 @@
+"""Units made of FMUs of FMI 2.0."""
+
+from __future__ import annotations
+
+import ctypes
+from time import sleep
+from typing import Any
+
+from fmpy import calloc, free
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+from .fmu_unit import FmuUnit
+from .inputs import WARNING
+
+DISCARD, PENDING = 2, 5
+STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
+POLL = 1e-4  # s between two looks at a step that another thread of the FMU takes
+
+
+class Fmi2Unit(FmuUnit):
+    """What model exchange and co-simulation share. `fmpy_class` is FMPy's class of the interface."""
+
+    prefix = "fmi2"
+    fmpy_class: Any = FMU2Slave
+
+    def _instantiate(self) -> Any:
+        fmu = self.fmpy_class(instanceName=self.name, guid=self.description.model.guid, unzipDirectory=self._folder,
+                              modelIdentifier=self._interface().modelIdentifier)
+        fmu.instantiate(callbacks=self._callbacks(), loggingOn=True)
+        return fmu
+
+    def _callbacks(self) -> fmi2CallbackFunctions:
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(lambda _environment, _name, _status, _category, text: self._noted(text))
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        addLoggerProxy(ctypes.byref(callbacks))
+        return callbacks
+
+    def _set_up(self) -> None:
+        tolerance = self._tolerance or 0.0
+        self._call("SetupExperiment", ctypes.c_int(tolerance > 0.0), ctypes.c_double(tolerance), ctypes.c_double(0.0),
+                   ctypes.c_int(0), ctypes.c_double(0.0))
+
+    def _enter_initialization(self) -> None:
+        self._call("EnterInitializationMode")
+
+    def start(self) -> None:
+        self._call("ExitInitializationMode")
+        self._started = True
+
+
+class Fmi2CoSimulation(Fmi2Unit):
+    """An FMU of FMI 2.0 for co-simulation."""
+
+    def wire(self, inputs: Any, outputs: Any) -> None:
+        super().wire(inputs, outputs)
+        self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
+        self._instance = self._fmu.component
+
+    def step(self, t: float, h: float) -> None:
+        self._time = t
+        status = self._do_step(self._instance, t, h, not self._states)
+        self._steps += 1
+        if status > WARNING:
+            self._not_done(status, t)
+
+    def _not_done(self, status: int, t: float) -> None:
+        """Wait for a step that goes on in the FMU's own thread; tell why one was not completed."""
+        kind, place = ctypes.c_int, ctypes.c_void_p
+        while status == PENDING:
+            sleep(POLL)
+            found = ctypes.c_int(PENDING)
+            self._check(self._function("GetStatus", kind, place)(self._instance, STEP_STATUS, ctypes.addressof(found)))
+            status = found.value
+        if status == DISCARD:
+            ended, last = ctypes.c_int(), ctypes.c_double(t)
+            if self._function("GetBooleanStatus", kind, place)(self._instance, TERMINATED, ctypes.addressof(ended)) > WARNING:
+                ended.value = 0
+            known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
+            if ended.value:
+                self._asked_to_end(last.value if known else t)
+            if known and last.value > t:
+                self._failed(status, f" and got to {last.value:.9g} s",
+                             f"A macro step of at most {last.value - t:.3g} s may help")
+        self._check(status)

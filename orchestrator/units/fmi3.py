@@ -1,0 +1,158 @@
+"""Units made of co-simulation FMUs of FMI 3.0, with early return and event mode where the FMU has them.
+
+An FMU with event mode handles its events inside `step`: it returns at the event, its discrete states are settled, and
+it goes on to the end of the step. Where it announces the time of its next event, it is stepped exactly to it. Inputs that
+change at instants only are handed over in event mode, and only when they have changed.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from math import inf, ulp
+from typing import Any
+
+import numpy as np
+from fmpy.fmi3 import FMU3Slave
+
+from components.core.errors import StepFailed
+
+from .fmu_unit import FmuUnit
+from .inputs import WARNING
+
+DISCARD = 2
+ITERATIONS = 100  # of the discrete states at an event
+EVENTS = 10_000  # in one step
+BOOLEAN, DOUBLE = ctypes.c_bool, ctypes.c_double
+
+
+class Fmi3CoSimulation(FmuUnit):
+    """An FMU of FMI 3.0 for co-simulation."""
+
+    prefix = "fmi3"
+
+    def _instantiate(self) -> Any:
+        interface, model = self._interface(), self.description.model
+        self._events = interface.hasEventMode
+        self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
+        self._last_held: list[Any] | None = None  # what was handed over in event mode
+        fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
+                        modelIdentifier=interface.modelIdentifier)
+        fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
+                        logMessage=lambda _environment, _status, _category, text: self._noted(text))
+        return fmu
+
+    def _set_values(self, values: Any) -> None:
+        """Structural parameters first, in a mode of their own: they fix the sizes of arrays."""
+        sizes = {n: v for n, v in values.items() if self._scalars[n].variable.causality == "structuralParameter"}
+        if sizes:
+            self._call("EnterConfigurationMode")
+            super()._set_values(sizes)
+            self._call("ExitConfigurationMode")
+        super()._set_values({n: v for n, v in values.items() if n not in sizes})
+
+    def _enter_initialization(self) -> None:
+        tolerance = self._tolerance or 0.0
+        self._call("EnterInitializationMode", BOOLEAN(tolerance > 0.0), DOUBLE(tolerance), DOUBLE(0.0), BOOLEAN(False),
+                   DOUBLE(0.0))
+
+    def start(self) -> None:
+        self._call("ExitInitializationMode")
+        self._started = True
+        if self._events:
+            self._settle_events()
+
+    def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        super().wire(inputs, outputs)
+        pointer = ctypes.c_void_p
+        self._do_step = self._function("DoStep", DOUBLE, DOUBLE, BOOLEAN, pointer, pointer, pointer, pointer)
+        self._update_discrete = self._function("UpdateDiscreteStates", *[pointer] * 6)
+        self._enter_event_mode, self._enter_step_mode = (self._function(n) for n in ("EnterEventMode", "EnterStepMode"))
+        self._instance = self._fmu.component
+        # event, termination, early return: three bytes that are looked at as one word
+        self._word, self._reached = ctypes.c_uint32(), DOUBLE()
+        flags = ctypes.addressof(self._word)
+        self._answers = (flags, flags + 1, flags + 2, ctypes.addressof(self._reached))
+
+    def _hold(self, values: list[Any]) -> None:
+        if not (self._events and self._started):
+            super()._hold(values)
+        elif values != self._last_held:
+            self._check(self._enter_event_mode(self._instance))
+            super()._hold(values)
+            self._settle_events()
+        self._last_held = values
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        if not (self._events and self._started):
+            super().set_texts(values)
+            return
+        self._check(self._enter_event_mode(self._instance))
+        super().set_texts(values)
+        self._settle_events()
+
+    def _settle_events(self) -> None:
+        """In event mode: find the discrete states, and go on to step mode."""
+        flags, when = np.zeros(5, dtype=np.uint8), DOUBLE()
+        places = [flags.ctypes.data + k for k in range(5)]
+        for _ in range(ITERATIONS):
+            self._check(self._update_discrete(self._fmu.component, *places, ctypes.addressof(when)))
+            again, ends, _, _, defined = flags.tolist()
+            if ends:
+                self._asked_to_end(self._time)
+            if not again:
+                break
+        else:
+            raise StepFailed(self.name, self._time,
+                             f"the discrete states do not settle in {ITERATIONS} iterations{self._said()}")
+        self.next_event = when.value if defined else inf
+        self._check(self._enter_step_mode(self._fmu.component))
+
+    def step(self, t: float, h: float) -> None:
+        self._time, self.event = t, None
+        self._steps += 1
+        if self.next_event <= t + h:
+            self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
+        else:
+            status = self._do_step(self._instance, t, h, not self._states, *self._answers)
+            if status > WARNING or self._word.value:
+                self._step_by_events(t, h, self._answered(status, t, t + h))
+
+    def _stride(self, t: float, h: float) -> float:
+        """The part of h up to the next event, if the FMU can be stepped to it."""
+        return min(h, max(self.next_event - t, 0.0)) if self._stops else h
+
+    def _advance(self, t: float, h: float) -> tuple[float, bool]:
+        """One call of the FMU: (time reached, whether there is an event)."""
+        if h <= 0.0:
+            return t, True
+        return self._answered(self._do_step(self._instance, t, h, not self._states, *self._answers), t, t + h)
+
+    def _answered(self, status: int, t: float, end: float) -> tuple[float, bool]:
+        event, ends, early, _ = self._word.value.to_bytes(4, "little")
+        reached = self._reached.value if early else end
+        if ends:
+            self._asked_to_end(reached)
+        if status == DISCARD and t < self._reached.value < end:
+            self._failed(status, f" and got to {self._reached.value:.9g} s",
+                         f"A macro step of at most {self._reached.value - t:.3g} s may help")
+        self._check(status)
+        return reached, bool(event)
+
+    def _step_by_events(self, t: float, h: float, first: tuple[float, bool]) -> None:
+        """The rest of a step behind its first part, with all events up to its end."""
+        reached, event = first
+        end = t + h
+        for _ in range(EVENTS):
+            due = self._events and (event or self.next_event <= reached)
+            if self.event is None and (due or reached < end):
+                self.event = reached
+            self._time = reached
+            if due:
+                self._check(self._enter_event_mode(self._instance))
+                self._settle_events()
+            left = end - reached
+            if left <= 2.0 * ulp(end):
+                return
+            reached, event = self._advance(reached, self._stride(reached, left))
+        raise StepFailed(self.name, self._time, f"more than {EVENTS} events in one step{self._said()}")

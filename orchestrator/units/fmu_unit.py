@@ -1,0 +1,317 @@
+"""What units made of an FMU share, whatever its version: its lifetime, its values, its states, its log.
+
+FMPy extracts and loads; the calls of every step go past it, straight to the library with buffers made once,
+because FMPy builds new arrays in each call and then costs more than the FMU.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import sys
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from fmpy import extract
+
+from components.core.errors import BadInput, StepFailed
+
+from .description import Description
+from .inputs import WARNING, Others, Reals, means
+from .interface import WIDE, Row
+from .states import State, States
+from .values import Block, blocks, decoded, signature
+
+if TYPE_CHECKING:
+    from components.core.component import Component
+
+FATAL = 4
+STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
+_once: set[str] = set()  # running FMUs that allow one instance in a process only
+
+
+class FmuUnit:
+    """An FMU that is extracted, instantiated and has its parameters; see `Unit` for the order of calls.
+
+    A subclass gives `prefix`, `_instantiate`, `_set_up`, `_enter_initialization`, `start` and `step`.
+    """
+
+    kind = "FMU"
+    prefix = ""
+    event: float | None = None
+    next_event = float("inf")  # s, where the FMU wants to be told of an event
+
+    def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None = None,
+                 twin: Component | None = None):
+        """`twin`: the component that is in the FMU, to ask why it cannot start; FMI hands over a status, no reasons."""
+        self.name, self.description, self._values, self._twin = name, description, dict(values), twin
+        self._tolerance, self._fmi3 = tolerance, description.fmi3
+        self._time, self._steps = 0.0, 0
+        self._initializing = self._started = False
+        self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
+        self._scalars = description.scalars
+        self._log: deque[str] = deque(maxlen=3)
+        self._alone = self._identifier() if self._interface().canBeInstantiatedOnlyOncePerProcess else ""
+        if self._alone in _once:
+            raise BadInput(f"units.{name}", f"a second instance of {description.path}",
+                           "one; this FMU allows no more in a process", 'Write isolation = "process".')
+        here, self._folder = os.getcwd(), extract(description.path)
+        try:
+            self._fmu = self._instantiate()
+            self._usable = self._healthy = True
+        except Exception as error:  # FMPy raises bare exceptions
+            os.chdir(here)  # FMPy stays in the library's folder when loading fails
+            self.close()
+            raise BadInput(f"units.{name}", f"{description.path} cannot be started: {error}{self._said()}",
+                           "an FMU with a library for this platform") from None
+        if self._alone:
+            _once.add(self._alone)
+        self._states = States(self._fmi3, self._fmu.component, self._function, self._failed)
+        try:
+            self._set_values(values)
+            self._set_up()
+        except StepFailed as error:
+            self.close()
+            raise BadInput(f"units.{name}", error.reason, "parameter values the FMU accepts") from None
+        except BadInput:
+            self.close()
+            raise
+
+    def _interface(self) -> Any:
+        return self.description.model.coSimulation
+
+    def _identifier(self) -> str:
+        return f"{self.description.path}:{self._interface().modelIdentifier}"
+
+    def _instantiate(self) -> Any:
+        """FMPy's object of the FMU with an instance."""
+        raise NotImplementedError
+
+    def _set_up(self) -> None:
+        """What comes between the parameters and the initialization."""
+
+    def _enter_initialization(self) -> None:
+        raise NotImplementedError
+
+    def start(self) -> None:
+        raise NotImplementedError
+
+    def step(self, t: float, h: float) -> None:
+        raise NotImplementedError
+
+    # Calls of the library
+
+    def _noted(self, message: bytes | None) -> None:
+        """A message of the FMU's log."""
+        self._log.append((message or b"").decode(errors="replace").strip())
+
+    def _function(self, name: str, *types: Any) -> Callable[..., int]:
+        """A C function under this unit's own argument types: indexing the library gives a new object each time."""
+        function = self._fmu.dll[self.prefix + name]
+        function.argtypes, function.restype = (ctypes.c_void_p, *types), ctypes.c_int
+        return function
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        status = self._function(name, *(type(a) for a in arguments))(self._fmu.component, *arguments)
+        if status > WARNING:
+            self._failed(status)
+
+    def _said(self) -> str:
+        return "".join(f"\n  log: {line}" for line in self._log)
+
+    def _failed(self, status: int, more: str = "", remedy: str = "") -> None:
+        self._usable, self._healthy = status != FATAL, False
+        reason = f"the FMU {STATUS.get(status, f'returned status {status}')}{more}{self._said()}"
+        raise StepFailed(self.name, self._time, reason, remedy)
+
+    def _asked_to_end(self, t: float) -> None:
+        self._healthy = False
+        raise StepFailed(self.name, t, f"the FMU asked to end the simulation{self._said()}")
+
+    # Values
+
+    def _set_values(self, values: Mapping[str, Any]) -> None:
+        """Parameters and start values; of arrays all elements, because they can only be set as a whole."""
+        given: dict[str, Any] = {}
+        partly = {self._scalars[n].variable.name for n in values if self._scalars[n].size > 1}
+        if partly:
+            given = {n: s.start for n, s in self._scalars.items() if s.variable.name in partly}
+        given |= values
+        if missing := [n for n, value in given.items() if value is None]:
+            raise BadInput(f"units.{self.name}.parameters", f"no value for {missing[0]!r}",
+                           "values for all elements of its array", "The FMU gives no start value for an array of this size.")
+        others = Others(self.name, list(given), *self._common())
+        others.write(list(given.values()), 0.0)
+
+    def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        self._input_names, self._output_names = tuple(inputs), tuple(outputs)
+        scalars = [self._scalars[n] for n in inputs]
+        held = [k for k, s in enumerate(scalars) if s.discrete]
+        levels = [k for k, s in enumerate(scalars) if not s.discrete and s.variable.type == "Float32"]
+        moving = [k for k in range(len(inputs)) if k not in {*held, *levels}]
+        interpolates = not self._fmi3 and self._interface().canInterpolateInputs
+        self._reals = Reals([inputs[k] for k in moving], interpolates, *self._common()) if moving else None
+        self._levels, self._held = (Others(self.name, [inputs[k] for k in part], *self._common()) for part in (levels, held))
+        self._rows = moving, levels, held
+        if not inputs:
+            self.drive, self.update = _nothing, _nothing
+        elif self._reals is not None and len(moving) == len(inputs):
+            self.drive, self.update = self._reals.drive, self._reals.write
+        else:
+            self.drive, self.update = self._drive_mixed, self._update_mixed
+        self.get = self.reader(outputs, len(outputs) > WIDE)
+
+    def _common(self) -> tuple[Any, ...]:
+        return self._scalars, self._fmi3, self._fmu.component, self._function, self._failed
+
+    def _drive_mixed(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        moving, levels, held = self._rows
+        mean = values if slopes is None else means(values, slopes, halves, h)
+        self._hold([values[k] for k in held])
+        self._levels.write([mean[k] for k in levels], self._time)
+        if self._reals is not None:
+            first, *higher = (None if row is None else [row[k] for k in moving] for row in (values, slopes, halves))
+            self._reals.drive(first, higher[0], higher[1], h)
+
+    def _update_mixed(self, values: Row) -> None:
+        self._drive_mixed(values, None, None, 0.0)
+
+    def _hold(self, values: list[Any]) -> None:
+        """Inputs that change at instants only."""
+        self._held.write(values, self._time)
+
+    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        self._texts = Others(self.name, inputs, *self._common())
+        self._text_outputs = blocks([self._scalars[n] for n in outputs], self._fmi3)
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        self._texts.write(values, self._time)
+
+    def get_texts(self) -> list[str]:
+        return [text for block in self._text_outputs for text in self._read(block)]
+
+    def _read(self, block: Block) -> list[Any]:
+        """Present values of a block's scalars."""
+        self._check(self._function("Get" + block.type.suffix, *signature(self._fmi3))(self._fmu.component, *block.arguments))
+        return decoded(block)
+
+    def _check(self, status: int) -> None:
+        if status > WARNING:
+            self._failed(status)
+
+    def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], Row]:
+        if not names:
+            return list
+        found = blocks([self._scalars[n] for n in names], self._fmi3)
+        calls = [(self._function("Get" + b.type.suffix, *signature(self._fmi3)), (self._fmu.component, *b.arguments))
+                 for b in found]
+        if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
+            return self._straight_reader(*calls[0], found[0], arrays)
+        order = np.argsort([row for b in found for row in b.rows]).tolist()
+        failed = self._failed
+
+        def read() -> Row:
+            values: list[float] = []
+            for block, (call, arguments) in zip(found, calls, strict=True):
+                status = call(*arguments)
+                if status > WARNING:
+                    failed(status)
+                values += map(float, decoded(block))
+            values = [values[k] for k in order]
+            return np.array(values) if arrays else values
+
+        return read
+
+    def _straight_reader(self, call: Callable[..., int], arguments: tuple[Any, ...], block: Block,
+                         arrays: bool) -> Callable[[], Row]:
+        buffer, failed = block.buffer, self._failed
+        values = np.ctypeslib.as_array(buffer) if arrays else None
+
+        def read(_alive: Block = block) -> Row:  # the arguments are addresses in it
+            status = call(*arguments)
+            if status > WARNING:
+                failed(status)
+            return buffer[:] if values is None else values
+
+        return read
+
+    def initialize(self, t: float, values: Row) -> None:
+        if not self._initializing:
+            self._initializing = True
+            self._enter_initialization()
+            for block in (*([self._reals.block] if self._reals else []), *self._levels.blocks, *self._held.blocks):
+                if not block.whole:  # elements of arrays that nothing drives keep their values
+                    self._read(block)
+        try:
+            self.update(values)
+            if not isfinite(sum(self.get())):
+                raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._said()}")
+        except StepFailed:
+            if self._twin is not None:
+                for name, value in zip(self._input_names, values, strict=True):
+                    self._twin.set(name, value)
+                self._twin.initialize(t)  # raises with the component's own words, which may be `BadInput`
+            raise
+
+    # States and derivatives
+
+    def save(self, reuse: State | None = None) -> State:
+        return self._states.save(self.next_event, reuse)
+
+    def restore(self, state: State) -> None:
+        self._states.restore(state)
+        self.next_event = state.next_event
+
+    def release(self, state: State) -> None:
+        self._states.release(state)
+
+    def pack(self, state: State) -> bytes:
+        return self._states.pack(state)
+
+    def unpack(self, packed: bytes) -> State:
+        return self._states.unpack(packed)
+
+    def jacobian(self) -> np.ndarray:
+        """Directional derivatives along each real input; whole numbers and truth values have none, which is 0 here."""
+        result = np.zeros((len(self._output_names), len(self._input_names)))
+        rows, columns = ([k for k, n in enumerate(names) if not self._scalars[n].discrete]
+                         for names in (self._output_names, self._input_names))
+        if rows and columns:
+            unknowns = Block.of_derivatives([self._scalars[self._output_names[k]] for k in rows], self._fmi3)
+            knowns = Block.of_derivatives([self._scalars[self._input_names[k]] for k in columns], self._fmi3)
+            pointer, size = ctypes.c_void_p, ctypes.c_size_t
+            extra = (size,) if self._fmi3 else ()
+            derive = self._function("GetDirectionalDerivative", pointer, size, pointer, size, pointer, *extra, pointer, *extra)
+            arguments = (*unknowns.arguments[:2], *knowns.arguments, *unknowns.arguments[2:])
+            for column, at in zip(columns, knowns.at, strict=True):
+                knowns.buffer[at] = 1.0
+                self._check(derive(self._fmu.component, *arguments))
+                knowns.buffer[at] = 0.0
+                result[rows, column] = [unknowns.buffer[k] for k in unknowns.at]
+        return result
+
+    def parameters(self) -> dict[str, Any]:
+        return self._values
+
+    def work(self) -> dict[str, int]:
+        return {"steps": self._steps}
+
+    def close(self) -> None:
+        if self._usable:  # after a fatal error the instance must not be touched
+            if self._healthy:  # after an error only the last of these calls is allowed
+                self._states.close()
+                if self._started:
+                    self._function("Terminate")(self._fmu.component)
+            self._fmu.freeInstance()
+            self._usable = False
+        _once.discard(self._alone)
+        shutil.rmtree(self._folder, ignore_errors=True)
+        sys.path[:] = [p for p in sys.path if not p.startswith(str(self._folder))]  # pythonfmu leaves an entry at each start
+
+
+def _nothing(*_: Any) -> None:
+    """For a unit without driven inputs."""

@@ -1,0 +1,114 @@
+"""The driven inputs of an FMU: buffers made once, one call of the library for all inputs of a type.
+
+Inputs that change over a step are given in the best of three ways: by companion inputs "der(x)" and "der(x,2)" (our own
+FMUs have them); by fmi2SetRealInputDerivatives where the FMU says canInterpolateInputs; else the mean of the polynomial
+over the step is held: the unit then receives the right impulse, and the second order of the coupling survives.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from components.core.errors import StepFailed
+
+from .description import Scalar, has_companions
+from .interface import WIDE, Row
+from .values import Block, blocks, signature
+
+Call = Callable[..., int]
+Functions = Callable[..., Call]  # of a library: name without its prefix, types of the arguments behind the instance
+WARNING = 1  # the highest status with which a call has done its work
+
+
+class Reals:
+    """Inputs of 64 bits that may change over a step."""
+
+    def __init__(self, names: Sequence[str], interpolates: bool, scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
+                 functions: Functions, failed: Callable[[int], None]):
+        n, pointer = len(names), ctypes.c_void_p
+        self._n, self._failed, self._interpolates = n, failed, interpolates
+        self._companions = has_companions(scalars, names)
+        all_names = [*names, *(f"der({i})" for i in names), *(f"der({i},2)" for i in names)] if self._companions else names
+        self.block = block = blocks([scalars[i] for i in all_names], fmi3)[0]
+        self._set = functions("Set" + block.type.suffix, *signature(fmi3))
+        listed = n <= WIDE and block.straight  # a list is stored in the buffer faster than in an array over it
+        self._target: Any = block.buffer if listed else np.ctypeslib.as_array(block.buffer)
+        at = np.array(block.at)
+        self._places = [slice(k * n, k * n + n) if block.straight else at[k * n : k * n + n] for k in range(3)]
+        self._arguments = [(instance, *block.first(k * n)) if self._companions else (instance, *block.arguments)
+                           for k in (1, 2, 3)]
+        if interpolates:
+            self._orders = [(ctypes.c_int * n)(*[k] * n) for k in (1, 2)]
+            references, size, buffer = block.arguments[:3]
+            self._set_derivatives = functions("SetRealInputDerivatives", pointer, ctypes.c_size_t, pointer, pointer)
+            self._derivatives = [(instance, references, size, ctypes.addressof(o), buffer) for o in self._orders]
+
+    def write(self, values: Row) -> None:
+        """The inputs have these values now."""
+        self._target[self._places[0]] = values
+        status = self._set(*self._arguments[0])
+        if status > WARNING:
+            self._failed(status)
+
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        """As `Unit.drive`."""
+        target, places, arguments = self._target, self._places, self._arguments[0]
+        if slopes is None:
+            target[places[0]] = values
+        elif self._companions:
+            target[places[0]], target[places[1]], arguments = values, slopes, self._arguments[1]
+            if halves is not None:
+                target[places[2]], arguments = [2.0 * c for c in halves], self._arguments[2]
+        elif self._interpolates:
+            self.write(values)
+            second = None if halves is None else [2.0 * c for c in halves]
+            for call, derivatives in zip(self._derivatives, (slopes, second), strict=True):
+                if derivatives is not None:
+                    target[places[0]] = derivatives
+                    status = self._set_derivatives(*call)
+                    if status > WARNING:
+                        self._failed(status)
+            return
+        else:
+            target[places[0]] = means(values, slopes, halves, h)
+        status = self._set(*arguments)
+        if status > WARNING:
+            self._failed(status)
+
+
+def means(values: Row, slopes: Row, halves: Row | None, h: float) -> list[float]:
+    """Of the polynomials over a step."""
+    terms = zip(values, slopes, [0.0] * len(values) if halves is None else halves, strict=True)
+    return [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in terms]
+
+
+class Others:
+    """Inputs of all other types, and reals that change at instants only: values are held over a step."""
+
+    def __init__(self, name: str, names: Sequence[str], scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
+                 functions: Functions, failed: Callable[[int], None]):
+        self._name, self._names, self._failed = name, names, failed
+        self.blocks = blocks([scalars[n] for n in names], fmi3)
+        self._calls = [(functions("Set" + b.type.suffix, *signature(fmi3)), (instance, *b.arguments)) for b in self.blocks]
+
+    def write(self, values: Sequence[Any], t: float) -> None:
+        """The inputs have these values from t on; raises `StepFailed` for a number that the type cannot hold."""
+        for block, (call, arguments) in zip(self.blocks, self._calls, strict=True):
+            for row, at in zip(block.rows, block.at, strict=True):
+                block.buffer[at] = self._fitting(block, row, values[row], t)
+            status = call(*arguments)
+            if status > WARNING:
+                self._failed(status)
+
+    def _fitting(self, block: Block, row: int, value: Any, t: float) -> Any:
+        type_ = block.type
+        if type_.high:
+            if not type_.low <= value <= type_.high or value != int(value):  # the first holds for no NaN
+                raise StepFailed(self._name, t, f"input {self._names[row]} cannot be {value:.9g}: it holds whole numbers "
+                                                f"from {type_.low} to {type_.high}")
+            return int(value)
+        return value.encode() if isinstance(value, str) else bool(value) if type_.suffix == "Boolean" else value
