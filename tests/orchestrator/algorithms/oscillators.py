@@ -115,7 +115,7 @@ def give_past(master: Master, exact, step: float, degree: int) -> None:
 
 def step_matrix(scene: dict) -> np.ndarray:
     """What one macro step does to all states and kept inputs of a linear scene, column by column."""
-    master = open_master(scene, iteration=TIGHT)
+    master = open_master(scene, (), TIGHT)
     degree, step = scene["master"].get("extrapolation", 1), scene["master"]["step"]
     components = [node.unit.component for node in master.nodes]
     sizes = [(c.x.size, len(node.links) * (degree + 1)) for c, node in zip(components, master.nodes, strict=True)]
