@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from orchestrator.algorithms.polynomial import History
 from orchestrator.run import run
