@@ -6,13 +6,14 @@ assuming all, as FMI permits, would call every loop of such FMUs an algebraic on
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
-from .graph import Endpoint, Link, groups, passes
+from .faults import targets
+from .graph import Endpoint, Link, Loop, groups, jumps, passes
 from .settings import ConnectionSettings, SceneSettings
 from .units import Interface, describe
 from .units.interface import Signal
@@ -28,8 +29,14 @@ class Coupling:
     undriven: tuple[str, ...]  # "unit.input" that keeps its start value
     signals: tuple[Endpoint, ...]  # recorded outputs
     snapshots: Mapping[Endpoint, tuple[str, ...]]  # (unit, array) -> its elements
-    passes: tuple[str, ...]  # units to update, in this order, until every output follows its inputs
+    passes: tuple[str | Loop, ...]  # units to update and loops to solve, in this order, until every output follows its inputs
     groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
+    rates: Mapping[str, int]  # units that step with every n-th macro step only -> n
+    faults: tuple[tuple[Endpoint, ...], ...]  # inputs that each fault of the scene changes
+
+    def order(self, wished: tuple[str, ...] = ()) -> tuple[str, ...]:
+        """The units as Gauss-Seidel steps them: as the scene wishes, or else each group behind those that feed it."""
+        return wished or tuple(name for group in self.groups for name in group)
 
 
 def settle(scene: SceneSettings) -> Coupling:
@@ -46,6 +53,8 @@ def settle(scene: SceneSettings) -> Coupling:
             snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
             passes=passes(interfaces, links),
             groups=groups(interfaces, found),
+            rates={name: unit.every for name, unit in scene.units.items() if unit.every > 1},
+            faults=tuple(_faults(scene, interfaces, found)),
         )
         _check_master(scene, coupling)
         return coupling
@@ -176,6 +185,12 @@ def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple
     return tuple(found)
 
 
+def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:
+    for i, fault in enumerate(scene.faults, 1):
+        end = _endpoint(fault.signal, f"faults[{i}].signal", interfaces) if fault.signal else None
+        yield targets(fault, f"faults[{i}]", end, scene, interfaces, links)
+
+
 def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(scene.units):
@@ -186,9 +201,50 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
         raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
     if master.feedthrough == "stale" and not coupling.passes:
         raise BadInput("master.feedthrough", "'stale'", "none; no driven output depends on an input directly", "Remove it.")
-    whole = (scene.stop_time / master.step) % 1.0
-    if min(whole, 1.0 - whole) > 1e-9:
-        for name, interface in coupling.interfaces.items():
-            if not interface.variable_step:
-                raise BadInput("master.step", f"{master.step:g} s in a run of {scene.stop_time:g} s",
-                               f"a step that divides the run; {name} cannot make the last one shorter")
+    if master.feedthrough == "fresh":
+        for loop in (step for step in coupling.passes if isinstance(step, Loop)):
+            _check_loop(loop, coupling)
+    if master.smoothing:
+        _check_smoothing(scene, coupling)
+    for name in coupling.rates:
+        _check_rate(name, scene)
+    for name, interface in coupling.interfaces.items():
+        whole = (scene.stop_time / (master.step * scene.units[name].every)) % 1.0
+        if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:
+            raise BadInput("master.step", f"{master.step * scene.units[name].every:g} s in a run of {scene.stop_time:g} s",
+                           f"a step that divides the run; {name} cannot make the last one shorter")
+
+
+def _check_loop(loop: Loop, coupling: Coupling) -> None:
+    """Algebraic loops are solved at each communication point: their signals must be smooth, and all units must be there."""
+    where, remedy = "connections", "Give one of the units a state, or put the loop inside one unit."
+    for unit, name in loop.outputs:
+        if jumps(coupling.interfaces[unit].outputs[name]):
+            raise BadInput(where, f"an algebraic loop of {loop.text}, where {unit}.{name} only jumps",
+                           "a loop of continuous numbers, or one that a state breaks", remedy)
+        if unit in coupling.rates:
+            raise BadInput(f"units.{unit}.every", f"{coupling.rates[unit]} in an algebraic loop of {loop.text}",
+                           "1, for all units of such a loop", remedy)
+
+
+def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
+    master, where = scene.master, "master.smoothing"
+    if master.algorithm == "iterative":
+        raise BadInput(where, "true", "none; iterative interpolates, and its inputs do not jump", "Remove it.")
+    if master.extrapolation == 0:
+        raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")
+    ranks = {name: k for k, name in enumerate(coupling.order(master.order))}
+    if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.algorithm == "gauss-seidel":
+        raise BadInput(where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before",
+                       "Remove it.")
+
+
+def _check_rate(name: str, scene: SceneSettings) -> None:
+    master, where, came = scene.master, f"units.{name}.every", str(scene.units[name].every)
+    if master.algorithm not in ("jacobi", "gauss-seidel"):
+        raise BadInput(where, came, f"1 with {master.algorithm}; jacobi and gauss-seidel can step units at rates of their own")
+    for option in ("control", "events"):
+        if getattr(master, option):
+            raise BadInput(where, came, f"1 with master.{option}; a step that changes has no n-th one")
+    if master.step * scene.units[name].every > scene.stop_time * (1.0 + 1e-9):
+        raise BadInput(where, came, f"at most the steps of the run, {scene.stop_time / master.step:.0f}")

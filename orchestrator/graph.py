@@ -10,9 +10,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from components.core.errors import BadInput
-
 from .units import Interface
+from .units.interface import Signal
 
 Endpoint = tuple[str, str]  # unit, variable
 
@@ -27,13 +26,16 @@ class Link:
     offset: float
 
 
+def jumps(signal: Signal) -> bool:
+    """Whether a signal changes at instants only, and is held between them."""
+    return signal.discrete or signal.kind != "real"
+
+
 def groups(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> tuple[tuple[str, ...], ...]:
     """Strongly connected groups of units, each in the order of the scene; a group stands behind all that feed it."""
     names = list(interfaces)
     pairs = {(names.index(link.source[0]), names.index(link.target[0])) for link in links}
-    rows, columns = np.array(sorted(pairs), dtype=int).reshape(-1, 2).T
-    graph = coo_array((np.ones(len(pairs)), (rows, columns)), shape=(len(names), len(names)))
-    label = connected_components(graph, connection="strong")[1].tolist()
+    label = _strong(len(names), pairs)
     members: dict[int, list[str]] = {}
     for name, group in zip(names, label, strict=True):
         members.setdefault(group, []).append(name)
@@ -44,24 +46,54 @@ def groups(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> tuple[
     return tuple(tuple(members[group]) for group in TopologicalSorter(before).static_order())
 
 
-def passes(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str, ...]:
-    """Levels of the graph of direct dependences: a unit is updated once for each level its outputs stand on."""
+@dataclass(frozen=True)
+class Loop:
+    """An algebraic loop: outputs that depend on one another within an instant, with no state between them."""
+
+    outputs: tuple[Endpoint, ...]  # in the order of the scene
+    units: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """The outputs as a user names them."""
+        return ", ".join(map(".".join, self.outputs))
+
+
+def passes(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str | Loop, ...]:
+    """Levels of the graph of direct dependences: a unit is updated once for each level its outputs stand on.
+
+    Outputs that depend on one another are a loop, which has a level as one.
+    """
     sources = {link.target: link.source for link in links}
-    levels: dict[Endpoint, int] = {}
-    path: list[Endpoint] = []
+    ends = [(u, n) for u, interface in interfaces.items() for n in interface.outputs]
+    ranks = {end: k for k, end in enumerate(ends)}
+    behind: list[list[int]] = []
+    for unit, name in ends:
+        direct = interfaces[unit].outputs[name].feedthrough or ()
+        behind.append([ranks[sources[unit, i]] for i in direct if (unit, i) in sources])
+    label = _strong(len(ends), [(source, k) for k, before in enumerate(behind) for source in before])
+    members: dict[int, list[int]] = {}
+    for k, group in enumerate(label):
+        members.setdefault(group, []).append(k)
+    feeding = {group: {label[s] for k in inside for s in behind[k]} - {group} for group, inside in members.items()}
+    levels: dict[int, int] = {}
+    names = list(interfaces)
+    steps: set[tuple[int, int, Loop | None]] = set()
+    for group in TopologicalSorter(feeding).static_order():
+        inside = members[group]
+        loop = len(inside) > 1
+        levels[group] = level = max((levels[g] + 1 for g in feeding[group]), default=int(loop))
+        if loop:
+            circle = tuple(ends[k] for k in inside)
+            steps.add((level, names.index(circle[0][0]), Loop(circle, tuple(dict.fromkeys(unit for unit, _ in circle)))))
+        elif level:
+            steps.add((level, names.index(ends[inside[0]][0]), None))
+    return tuple(loop or names[rank] for _, rank, loop in sorted(steps, key=lambda step: (step[:2], step[2] is not None)))
 
-    def level(end: Endpoint) -> int:
-        if end in path:
-            loop = " -> ".join(".".join(e) for e in reversed([end, *path[path.index(end) + 1 :], end]))
-            raise BadInput("connections", f"an algebraic loop: {loop}", "a loop that at least one state breaks",
-                           "Give one of the units a state, or put the loop inside one unit.")
-        if end not in levels:
-            path.append(end)
-            direct = interfaces[end[0]].outputs[end[1]].feedthrough or ()
-            behind = [sources[end[0], i] for i in direct if (end[0], i) in sources]
-            levels[end] = max((level(s) + 1 for s in behind), default=0)
-            path.pop()
-        return levels[end]
 
-    steps = {(level((u, n)), k) for k, (u, i) in enumerate(interfaces.items()) for n in i.outputs}
-    return tuple(list(interfaces)[k] for depth, k in sorted(steps) if depth)
+def _strong(n: int, pairs: Iterable[tuple[int, int]]) -> list[int]:
+    """A number for each of n points, the same for those that can reach one another along the pairs (from, to)."""
+    unique = sorted(set(pairs))
+    rows, columns = np.array(unique, dtype=int).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(unique)), (rows, columns)), shape=(n, n))
+    return connected_components(graph, connection="strong")[1].tolist()

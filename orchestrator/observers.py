@@ -97,8 +97,8 @@ class Misses:
         for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
             n = max(self._samples, 1)
             variance = np.maximum(total2 / n - (total / n) ** 2, 0.0)
-            for link, m, v, square in zip(node.links, missed2 / n, variance, total2 / n, strict=True):
-                if v > 1e-20 * square:  # below it the variance is rounding
+            for k, (link, m, v, square) in enumerate(zip(node.links, missed2 / n, variance, total2 / n, strict=True)):
+                if v > 1e-20 * square and k not in node.held:  # below it the variance is rounding; what is held is not led
                     result[".".join(link.target)] = float(np.sqrt(m / v))
         return result
 

@@ -6,6 +6,7 @@ import platform
 import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
+from dataclasses import asdict
 from importlib.metadata import version
 from time import perf_counter
 from typing import Any
@@ -44,7 +45,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
             stack.callback(units[name].close)
         watched = coupling.signals if every == stride else ()
         master = ALGORITHMS[settings.algorithm](
-            units, coupling, watched, degree=settings.extrapolation, feedthrough=settings.feedthrough, order=settings.order
+            units, coupling, watched, degree=settings.extrapolation, feedthrough=settings.feedthrough, order=settings.order,
+            smoothing=settings.smoothing, end=scene.stop_time,
         )
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         ends = tuple(master.positions) if watched else coupling.signals
@@ -109,8 +111,9 @@ def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: M
             "undeclared_dependencies": undeclared,
         },
         "counters": {
-            "master": {"steps": master.steps, "initial_sweeps": master.sweeps, "initial_residual": master.residual},
+            "master": master.counters(),
             "units": {n: unit.work() for n, unit in units.items()},
         },
+        "initial_values": [asdict(group) for group in master.settled],
         "versions": {"python": platform.python_version(), **{p: version(p) for p in PACKAGES}},
     }

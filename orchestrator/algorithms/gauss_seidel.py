@@ -12,7 +12,10 @@ from .polynomial import History, Terms
 
 
 class GaussSeidel(Master):
-    """Units step in the order of the scene (or of `order`); inputs from earlier units are interpolated to their fresh values.
+    """Units step one after the other; inputs from earlier units are interpolated to their fresh values.
+
+    The order is that of `order`. Where the scene gives none, a unit steps behind those that feed it, and units that feed one
+    another in a circle step together in the order of the scene.
 
     Inputs from later units are extrapolated as in Jacobi. With degree 0 the fresh value is held over the whole step.
     Order of accuracy: degree + 1. Stability: sequential displacement-displacement coupling with held inputs is neutral
@@ -26,6 +29,10 @@ class GaussSeidel(Master):
         super().__init__(units, coupling, watched, **settings)
         ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
         self._late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
+
+    def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
+        """Each group of the graph behind those that feed it."""
+        return self.coupling.order()
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """Links from later units first, so that both groups are contiguous."""

@@ -1,4 +1,8 @@
-"""What all master algorithms share: the table of signals, initialization, and outputs that follow within an instant."""
+"""What all master algorithms share: the table of signals, initialization, and outputs that follow within an instant.
+
+What a scene does not use is decided when the master is made and costs nothing in a step: held inputs are another kind of
+history, smoothing another kind of node, a unit with a rate of its own another unit in its place, texts another `step`.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 from operator import mul
 from typing import Any, Literal
 
@@ -15,33 +19,34 @@ import numpy as np
 from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint, Link
+from ..graph import Loop, jumps
 from ..units import Unit
 from ..units.interface import WIDE, Row
+from .initial import RUNAWAY, Group, Settled
+from .loops import LoopSolver
 from .polynomial import History, Terms
-from .rows import rows_for
+from .rates import Slow, history
+from .rows import Rows, rows_for
+from .texts import Texts
 
-SWEEPS = 30
-CONVERGED = 1e-12  # relative change of an output from one sweep to the next
-STANDING = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
-RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
 ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
-ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 
 
 class Node:
     """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
 
-    def __init__(self, unit: Unit, place: slice, links: Sequence[Link], sources: Sequence[int], table: Row, degree: int,
-                 follows: bool):
+    def __init__(self, unit: Unit | Slow, place: slice, links: Sequence[Link], sources: Sequence[int], table: Row, past: History,
+                 held: Sequence[int], follows: bool):
         self.unit, self.place = unit, place
-        self.follows = follows  # inputs end where their polynomials do; a unit that holds their mean does not
+        self.held = tuple(held)  # positions of inputs that jump between steps and never change inside one
+        self.follows = follows  # inputs end where they are led to: the unit takes polynomials, and none of them is held
         self.links, self.sources = tuple(links), tuple(sources)
-        self.rows = rows_for(len(links))
+        self.rows = past.rows
         self._pick = self.rows.picker(table, sources)
         converted = [(k, link.factor, link.offset) for k, link in enumerate(links) if (link.factor, link.offset) != (1.0, 0.0)]
         self._conversions = converted or None
         self.alter: Callable[[Row], Row] | None = None  # faults on purpose: what the unit gets instead of the values it should
-        self.history = History(degree, self.rows)
+        self.history = past
         self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
         self.reached: Row | None = None  # where extrapolation has taken the inputs in the last step
         self.fresh: Row | None = None  # or what they were interpolated to: values that others had reached already
@@ -57,6 +62,8 @@ class Node:
     def restart(self) -> None:
         """After a jump: the past of the inputs tells nothing any more, their present values are the only sample."""
         self.history.restart(self.inputs())
+        if isinstance(self.unit, Slow):
+            self.unit.restart()
 
     def drive(self, terms: Terms, h: float) -> None:
         """Give the unit its inputs over the coming step, and note where they will end."""
@@ -77,6 +84,27 @@ class Node:
         )
 
 
+class SmoothNode(Node):
+    """A node whose inputs have no jumps: they start where they have ended, and go to where they should by the end of the step."""
+
+    def restart(self) -> None:
+        super().restart()
+        self.reached = None  # a jump on purpose remains one
+
+    def drive(self, terms: Terms, h: float) -> None:
+        values, slopes, halves = terms
+        if self.reached is not None:
+            rows, last = self.rows, rows_held(self.rows, self.reached, self.held, values)
+            back = rows.chord(values, last, h)
+            values, slopes = last, back if slopes is None else rows.shifted(slopes, back, 1.0)
+        super().drive((values, slopes, halves), h)
+
+
+def rows_held(rows: Rows, row: Row, held: Sequence[int], values: Row) -> Row:
+    """The row with those of `values` that are held."""
+    return rows.put(row, held, rows.picked(values, held)) if held else row
+
+
 @dataclass
 class Saved:
     """A master and its units at an instant."""
@@ -86,79 +114,122 @@ class Saved:
     histories: list[History]
     ends: list[tuple[Row | None, Row | None]]
     steps: int
+    jacobians: list[np.ndarray | None]  # of the algebraic loops, (n, n) each
 
 
 class Master:
     """Base of the algorithms: `initialize`, then `step` for each macro step; `signals` holds the outputs read in every step.
 
-    `watched`: outputs to read in every step although no connection needs them.
+    `watched`: outputs to read in every step although no connection needs them. `end`: s, of the run; units with a rate of
+    their own take a shorter last step to it. The table of signals may be longer than `positions`, for values that only the
+    master goes by; `sample` gives the outputs alone, in their order.
     """
 
-    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *,
-                 degree: int = 1, feedthrough: Literal["fresh", "stale"] = "fresh", order: Sequence[str] = ()):
+    def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *, degree: int = 1,
+                 feedthrough: Literal["fresh", "stale"] = "fresh", order: Sequence[str] = (), smoothing: bool = False,
+                 end: float = inf):
         read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
         # in the order of the units' own outputs, which they can hand over in one piece
         ranks = {(u, n): (i, k) for i, u in enumerate(units) for k, n in enumerate(coupling.interfaces[u].outputs)}
         read.sort(key=ranks.__getitem__)
-        self.coupling = coupling
+        self.coupling, self.degree = coupling, degree
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
+        guessed = [source for source in read if source[0] in coupling.rates]  # their estimates stand behind all that is read
+        self.cells = self.positions | {source: len(read) + k for k, source in enumerate(guessed)}  # what links take, by source
         driven, given = Counter(link.target[0] for link in coupling.links), Counter(u for u, _ in read)
         wide = max([*driven.values(), *given.values()], default=0) > WIDE
-        signals: Row = np.zeros(len(read)) if wide else [0.0] * len(read)
+        n, whole = len(read), len(read) + len(guessed)
+        signals: Row = np.zeros(whole) if wide else [0.0] * whole
         self.signals = signals
-        self.sample = signals.tolist if wide else lambda: signals
-        sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read]
+        self.sample = signals[:n].tolist if wide else (lambda: signals[:n]) if guessed else lambda: signals
+        sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read] + [0.0] * len(guessed)
         inverse = np.array(sizes)
         self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
-        self.sweeps, self.residual, self.steps = 0, 0.0, 0
-        nodes = {}
-        for name, unit in units.items():
-            mine = [k for k, end in enumerate(read) if end[0] == name]
-            place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
-            links = self.sorted_links([link for link in coupling.links if link.target[0] == name], tuple(order) or tuple(units))
-            unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
-            follows = coupling.interfaces[name].input_degree >= degree
-            sources = [self.positions[link.source] for link in links]
-            nodes[name] = Node(unit, place, links, sources, self.signals, degree, follows)
-        self.nodes = [nodes[name] for name in order or units]
-        self._passes = [nodes[name] for name in coupling.passes] if feedthrough == "fresh" else []
-        for node in self._passes:
-            interface = coupling.interfaces[node.unit.name]
+        self.steps = 0
+        self.settled: list[Settled] = []  # how each group came to its initial values
+        self.texts = Texts(units, coupling) if coupling.texts else None
+        if self.texts is not None:
+            self._step, self.step = self.step, self._step_with_texts  # type: ignore[method-assign]
+        order = tuple(order) or self.usual_order(tuple(units))
+        make = SmoothNode if smoothing else Node
+        nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
+        self.nodes = [nodes[name] for name in order]
+        self._passes, self._loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
+        self._follow = self._follow_with_loops if self._loops else self._follow_once
+
+    def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
+        """The order of the units where the scene gives none; `scene`: as they stand there."""
+        return scene
+
+    def _node(self, make: type[Node], unit: Unit, read: Sequence[Endpoint], order: tuple[str, ...], end: float) -> Node:
+        """The node of a unit, which is wired."""
+        coupling, interfaces = self.coupling, self.coupling.interfaces
+        name, rates = unit.name, coupling.rates
+        mine = [k for k, source in enumerate(read) if source[0] == name]
+        place = slice(mine[0], mine[-1] + 1) if mine else slice(0, 0)
+        links = self.sorted_links([link for link in coupling.links if link.target[0] == name], order)
+        unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
+        rows = rows_for(len(links))
+        held = [k for k, link in enumerate(links) if jumps(interfaces[link.source[0]].outputs[link.source[1]])
+                or jumps(interfaces[name].inputs[link.target[1]])]
+        follows = interfaces[name].input_degree >= self.degree and not held
+        by_rate: dict[int, list[int]] = {}
+        for k, link in enumerate(links):
+            by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
+        past = history(self.degree, rows, len(links), held, by_rate)
+        used: Unit | Slow = unit
+        if name in rates:
+            still = [k for k, output in enumerate(mine) if jumps(interfaces[name].outputs[read[output][1]])]
+            first = self.cells[read[mine[0]]] if mine else 0
+            used = Slow(unit, rates[name], history(self.degree, rows, len(links), held),
+                        history(self.degree, rows_for(len(mine)), len(mine), still), self.signals,
+                        slice(first, first + len(mine)), end)
+        sources = [self.cells[link.source] for link in links]
+        return make(used, place, links, sources, self.signals, past, held, follows and set(by_rate) <= {1})
+
+    def _following(self, nodes: Mapping[str, Node], read: Sequence[Endpoint]
+                   ) -> tuple[list[Node], list[LoopSolver], list[LoopSolver | list[Node]]]:
+        """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""
+        interfaces = self.coupling.interfaces
+        plan: list[LoopSolver | list[Node]] = []
+        for step in self.coupling.passes:
+            if isinstance(step, Loop):
+                plan.append(LoopSolver(step, [nodes[name] for name in step.units], self.signals, self.positions, interfaces))
+            elif plan and isinstance(plan[-1], list):
+                plan[-1].append(nodes[step])
+            else:
+                plan.append([nodes[step]])
+        updated = [node for part in plan if isinstance(part, list) for node in part]
+        for node in dict.fromkeys(updated):
+            interface = interfaces[node.unit.name]
             at_once = {i for k in range(*node.place.indices(len(read))) for i in interface.outputs[read[k][1]].feedthrough or ()}
+            exact = interface.input_degree >= self.degree
             for k, link in enumerate(node.links):
                 if link.target[1] in at_once:
-                    node.direct.append((k, ROUNDING if node.follows else -1.0))
+                    node.direct.append((k, ROUNDING if exact or k in node.held else -1.0))
+        return updated, [part for part in plan if isinstance(part, LoopSolver)], plan
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:
         """The links into one unit in the order the algorithm wants to have them."""
         return links
 
     def initialize(self, t: float) -> None:
-        """Initialize and propagate until the outputs stop changing; raises `StepFailed` with what is left when they do not."""
-        signals = self.signals
-        nominals = [ABOUT_ZERO * self.coupling.interfaces[u].outputs[n].nominal for u, n in self.positions]
+        """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not settle."""
+        signals, inputs = self.signals, self.coupling.interfaces
+        nodes = {node.unit.name: node for node in self.nodes}
         for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds
             for link, k in zip(node.links, node.sources, strict=True):
-                start = self.coupling.interfaces[link.target[0]].inputs[link.target[1]].start
-                signals[k] = (float(start) - link.offset) / link.factor
-        nodes = sorted(self.nodes, key=self._direct_share)
-        for sweep in range(1, SWEEPS + 1):
-            before = self.sample()[:]
-            for node in nodes:
-                node.unit.initialize(t, node.inputs())
-                signals[node.place] = node.unit.get()
-            self._check_finite(t)
-            changes = [abs(a - b) / max(abs(a), abs(b), c) for a, b, c in zip(self.sample(), before, nominals, strict=True)]
-            last, self.residual, self.sweeps = self.residual, max(changes, default=0.0), sweep
-            if self.residual <= CONVERGED or 0.5 * last <= self.residual <= STANDING:
-                break
-        else:
-            unit, name = list(self.positions)[changes.index(self.residual)]
-            raise StepFailed(unit, t, f"the initial values did not settle in {SWEEPS} sweeps; {name} still changes by "
-                                      f"{self.residual:.2g} of its value", "Give parameters closer to a common equilibrium")
+                if link.factor:
+                    signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
+        for names in self.coupling.groups:
+            group = Group(self, sorted((nodes[name] for name in names), key=self._direct_share), t)
+            self.settled.append(group.settle())
         for node in self.nodes:
             node.unit.start()
             signals[node.place] = node.unit.get()
+        for loop in self._loops:
+            loop.solve(t)
+        self._check_finite(t)
         for node in self.nodes:
             node.history.push(node.inputs(), 0.0)
 
@@ -176,36 +247,80 @@ class Master:
         """One macro step from t to t + h."""
         raise NotImplementedError
 
+    def _step_with_texts(self, t: float, h: float) -> None:
+        assert self.texts is not None
+        self.texts.hand_over()
+        self._step(t, h)
+
+    def counters(self) -> dict[str, Any]:
+        """For run.json; algorithms add their own."""
+        counters: dict[str, Any] = {
+            "steps": self.steps,
+            "initial_sweeps": max((group.sweeps + group.secants for group in self.settled), default=0),
+            "initial_residual": max((group.residual for group in self.settled), default=0.0),
+        }
+        if self._loops:
+            counters["algebraic_loops"] = {solver.loop.text: solver.counters() for solver in self._loops}
+        return counters
+
     def save(self, reuse: Saved | None = None) -> Saved:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
         return Saved(units, self.signals[:] if isinstance(self.signals, list) else self.signals.copy(),
-                     [copy(node.history) for node in self.nodes], [(node.reached, node.fresh) for node in self.nodes], self.steps)
+                     [copy(node.history) for node in self.nodes], [(node.reached, node.fresh) for node in self.nodes], self.steps,
+                     [loop.jacobian for loop in self._loops])
 
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
         self.signals[:] = saved.signals
         self.steps = saved.steps
-        for node, state, history, ends in zip(self.nodes, saved.units, saved.histories, saved.ends, strict=True):
+        for node, state, past, ends in zip(self.nodes, saved.units, saved.histories, saved.ends, strict=True):
             node.unit.restore(state)
-            node.history.take(history)
+            node.history.take(past)
             node.reached, node.fresh = ends
+        for loop, jacobian in zip(self._loops, saved.jacobians, strict=True):
+            loop.jacobian = jacobian
 
     def _finish(self, t: float, h: float) -> None:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
-        signals, updated = self.signals, False
-        for node in self._passes:
+        updated = self._follow(t + h)
+        for node in self.nodes:
+            if node.sources:
+                node.history.push(node.inputs() if node.fresh is None or updated else node.fresh, h)
+        self.steps += 1
+        self._check_finite(t + h)
+
+    def follow(self, t: float) -> None:
+        """Let the outputs follow inputs that were changed at an instant, between two steps."""
+        for node in self.nodes:
+            node.fresh = None
+        self._follow(t)
+
+    def _follow_once(self, t: float) -> bool:
+        """Update the units whose outputs depend on inputs that have moved; tells whether there were any."""
+        return self._update(self._passes, False)
+
+    def _follow_with_loops(self, t: float) -> bool:
+        """The same, and solve the algebraic loops, each where it stands among them."""
+        updated = False
+        for part in self._plan:
+            if isinstance(part, LoopSolver):
+                part.solve(t)
+                updated = True
+            else:
+                updated = self._update(part, updated)
+        return updated
+
+    def _update(self, nodes: Sequence[Node], updated: bool) -> bool:
+        signals = self.signals
+        for node in nodes:
             if node.fresh is None or updated:
                 values = node.inputs()
                 if not node.stands(values):
                     node.unit.update(values)
                     signals[node.place] = node.unit.get()
                     updated = True
-        for node in self.nodes:
-            if node.sources:
-                node.history.push(node.inputs() if node.fresh is None or updated else node.fresh, h)
-        self.steps += 1
-        self._check_finite(t + h)
+        return updated
 
     def _check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""

@@ -2,9 +2,13 @@
 
 Samples may be unevenly spaced. With fewer samples than the degree needs, the degree is lower: after a start from rest
 that costs nothing; otherwise the held first step leaves an error of second order in the macro step, whatever the degree.
+
+What changes at instants only is held at its present value (`PartlyHeld`). Inputs from units with a rate of their own: rates.py.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from ..units.interface import Row
 from .rows import Lists, Rows
@@ -65,3 +69,24 @@ class History:
         """
         halves = self.rows.chord(slopes, older, h + older_h)
         return self.rows.shifted(slopes, halves, behind), halves
+
+
+class PartlyHeld(History):
+    """A history of inputs some of which change at instants only: they keep their present value over the whole step."""
+
+    def __init__(self, degree: int, rows: Rows, held: Sequence[int], n: int):
+        """`held`: positions of those inputs among all n."""
+        super().__init__(degree if len(held) < n else 0, rows)
+        self.held, self._zeros = tuple(held), [0.0] * len(held)
+
+    def ahead(self) -> Terms:
+        return self._hold(*super().ahead())
+
+    def towards(self, fresh: Row, h: float) -> Terms:
+        return self._hold(*super().towards(fresh, h))
+
+    def _hold(self, values: Row, slopes: Row | None, halves: Row | None) -> Terms:
+        rows, held = self.rows, self.held
+        return (rows.put(values, held, rows.picked(self.present, held)),
+                slopes if slopes is None else rows.put(slopes, held, self._zeros),
+                halves if halves is None else rows.put(halves, held, self._zeros))

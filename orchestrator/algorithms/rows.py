@@ -42,6 +42,24 @@ class Lists:
         return [s + behind * c for s, c in zip(slopes, halves)]  # noqa: B905 - slow
 
     @staticmethod
+    def zeros(n: int) -> Row:
+        """A row of n zeros."""
+        return [0.0] * n
+
+    @staticmethod
+    def picked(row: Row, at: Sequence[int]) -> Row:
+        """The numbers at some positions."""
+        return [row[k] for k in at]
+
+    @staticmethod
+    def put(row: Row, at: Sequence[int], values: Row) -> Row:
+        """A copy of a row, with these values at some positions."""
+        row = row[:]
+        for k, value in zip(at, values, strict=True):
+            row[k] = value
+        return row
+
+    @staticmethod
     def joined(first: Row | None, second: Row | None, late: int, n: int) -> Row | None:
         """The first `late` numbers of one row and the rest of another; zeros for a row that is None."""
         if first is None and second is None:
@@ -74,6 +92,23 @@ class Arrays:
     def shifted(slopes: Row, halves: Row, behind: float) -> Row:
         """As in `Lists`."""
         return slopes + behind * halves
+
+    @staticmethod
+    def zeros(n: int) -> Row:
+        """As in `Lists`."""
+        return np.zeros(n)
+
+    @staticmethod
+    def picked(row: Row, at: Sequence[int]) -> Row:
+        """As in `Lists`."""
+        return row[list(at)]
+
+    @staticmethod
+    def put(row: Row, at: Sequence[int], values: Row) -> Row:
+        """As in `Lists`."""
+        row = row.copy()
+        row[list(at)] = values
+        return row
 
     @staticmethod
     def joined(first: Row | None, second: Row | None, late: int, n: int) -> Row | None:

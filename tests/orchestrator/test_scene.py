@@ -159,13 +159,6 @@ def test_a_star_connects_all_of_the_same_name():
     assert [(k.source[1], k.target[1]) for k in links] == [(f"profile[{i}]", f"profile[{i}]") for i in (1, 2, 3)]
 
 
-def test_algebraic_loops_are_refused_and_named():
-    loop = {**GOOD, "units": {"p": PROBE, "q": PROBE}, "connections": ["p.profile[1] -> q.length", "q.profile[3] -> p.length"]}
-    with pytest.raises(BadInput, match=r"algebraic loop: .*p\.profile\[1\] -> q\.profile\[3\]"):
-        read_scene(loop)
-    read_scene({**loop, "connections": loop["connections"][:1]})  # without the way back there is no loop
-
-
 @pytest.mark.parametrize("option", [{"extrapolation": 1}, {"feedthrough": "fresh"}])
 def test_options_without_connections_are_refused(option):
     with pytest.raises(BadInput, match=f"master.{next(iter(option))}"):

@@ -1,0 +1,138 @@
+"""Consistent initial values: groups of units that feed one another, each behind those that feed it.
+
+A group of one unit has its inputs and is initialized once. In a larger one the units are initialized one after the other until
+their outputs stop changing. Where these sweeps do not settle, a quasi-Newton method goes on from their best result: it takes
+the outputs that the group feeds itself with as unknowns, and learns from all its earlier answers (Anderson's method with full
+memory; for a linear group of n unknowns n + 1 of its steps are enough, whatever the gains).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from components.core.errors import StepFailed
+
+if TYPE_CHECKING:
+    from .master import Master, Node
+
+SWEEPS = 30
+SECANTS = 30
+CONVERGED = 1e-12  # relative change of an output from one sweep to the next
+STANDING = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
+ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
+RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
+NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it is rounding
+
+
+@dataclass(frozen=True)
+class Settled:
+    """How a group came to its initial values; `residual`: relative change in the last sweep."""
+
+    units: tuple[str, ...]
+    sweeps: int
+    secants: int
+    residual: float
+
+
+class Group:
+    """Units that feed one another, before the first step."""
+
+    def __init__(self, master: Master, nodes: Sequence[Node], t: float):
+        self._master, self._nodes, self._t = master, list(nodes), t
+        self._names = tuple(node.unit.name for node in nodes)
+        outputs = master.coupling.interfaces
+        self._ends = [end for end in master.positions if end[0] in self._names]
+        self._cells = [master.cells[end] for end in self._ends]
+        self._least = ABOUT_ZERO * np.array([outputs[u].outputs[n].nominal for u, n in self._ends])
+        inner = {k for node in nodes for k in node.sources}
+        self._inner = [k for k, cell in enumerate(self._cells) if cell in inner]
+
+    def settle(self) -> Settled:
+        """Bring the units to initial values that fit together; raises `StepFailed` with what is left where it cannot be."""
+        if len(self._nodes) == 1:
+            self._sweep()
+            self._check()
+            return Settled(self._names, 1, 0, 0.0)
+        best, least, last = self._values(), np.inf, np.inf
+        for sweep in range(1, SWEEPS + 1):
+            before = self._values()
+            self._sweep()
+            residual = self._residual(before)
+            if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
+                return Settled(self._names, sweep, 0, residual)
+            if residual < least:
+                best, least = self._values(), residual
+            last = residual
+            if residual == np.inf:
+                break
+        return self._by_secants(best, sweep)
+
+    def _by_secants(self, x: np.ndarray, sweeps: int) -> Settled:
+        answers: list[np.ndarray] = []
+        misses: list[np.ndarray] = []
+        last = np.inf
+        for k in range(1, SECANTS + 1):
+            self._set(x)
+            self._sweep()
+            answer = self._values()
+            residual = self._residual(x)
+            if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
+                return Settled(self._names, sweeps, k, residual)
+            if residual == np.inf:
+                break
+            last = residual
+            answers.append(answer)
+            misses.append((answer - x)[self._inner] / np.maximum(np.abs(answer), self._least)[self._inner])
+            x = answer + _foretold(answers, misses)
+        self._master.settled.append(Settled(self._names, sweeps, k, residual))
+        self._check()
+        raise self._not_settled(residual, sweeps, k)
+
+    def _not_settled(self, residual: float, sweeps: int, secants: int) -> StepFailed:
+        unit, name = self._ends[int(np.argmax(self._changes))]
+        among = ", ".join(self._names)
+        return StepFailed(unit, self._t, f"the initial values of {among} did not settle in {sweeps} sweeps and {secants} "
+                          f"quasi-Newton steps; {name} still changes by {residual:.2g} of its value",
+                          "Give parameters closer to a common equilibrium")
+
+    def _sweep(self) -> None:
+        signals, texts = self._master.signals, self._master.texts
+        for node in self._nodes:
+            if texts is not None:
+                texts.give(node.unit.name)
+            node.unit.initialize(self._t, node.inputs())
+            signals[node.place] = node.unit.get()
+            if texts is not None:
+                texts.take(node.unit.name)
+
+    def _values(self) -> np.ndarray:
+        """Outputs of the group, (n,)."""
+        signals = self._master.signals
+        return np.array([signals[k] for k in self._cells])
+
+    def _set(self, values: np.ndarray) -> None:
+        for k, value in zip(self._cells, values.tolist(), strict=True):
+            self._master.signals[k] = value
+
+    def _residual(self, before: np.ndarray) -> float:
+        """Largest change in the last sweep; infinite where an output has run away."""
+        values = self._values()
+        bound = RUNAWAY / ABOUT_ZERO * self._least
+        self._changes = np.abs(values - before) / np.maximum(np.maximum(np.abs(values), np.abs(before)), self._least)
+        return float(max(self._changes, default=0.0)) if (np.abs(values) < bound).all() else np.inf
+
+    def _check(self) -> None:
+        self._master._check_finite(self._t)
+
+
+def _foretold(answers: list[np.ndarray], misses: list[np.ndarray]) -> np.ndarray:
+    """What to add to the last answer, (n,), so that the misses of all answers, weighted like this, vanish as far as they can."""
+    if len(answers) < 2:
+        return np.zeros_like(answers[-1])
+    differences = np.array(misses[:-1]).T - misses[-1][:, None]
+    weights = np.linalg.lstsq(differences, -misses[-1], rcond=NEW)[0]
+    return (np.array(answers[:-1]).T - answers[-1][:, None]) @ weights
