@@ -1,0 +1,69 @@
+"""How long a macro step may be: a mass that gets the force of a spring and damper through a master, in closed form.
+
+The mass is moved exactly by a force whose course over a step is the polynomial of degree p through its samples at the last
+p + 1 instants; the force follows from the motion within the instant (fresh), or is one step old (stale). With
+w = k H²/m, z = d H/m and the mean b(λ) and the mean weighted by the time left g(λ) of that polynomial, the motion goes like
+λⁿ with
+
+    (λ - 1)² + (λ - 1) (b z + g w) + b w = 0.
+
+Held and fresh, that is λ² + (w/2 + z - 2) λ + 1 + w/2 - z: stable for H < min(2 d/k, 2 m/d), never without damping.
+Gauss-Seidel has the same limit as Jacobi where outputs are fresh: a force that has no state of its own comes out the same,
+whether it or the motion is extrapolated.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+# integrals of the Lagrange polynomials through s = 0, -1, -2 over 0..1, plain and weighted by 1 - s; newest sample first
+MEANS = (
+    ((Fraction(1),), (Fraction(1, 2),)),
+    ((Fraction(3, 2), Fraction(-1, 2)), (Fraction(2, 3), Fraction(-1, 6))),
+    ((Fraction(23, 12), Fraction(-4, 3), Fraction(5, 12)), (Fraction(19, 24), Fraction(-5, 12), Fraction(1, 8))),
+)
+SHORTEST, LONGEST = 3e-3, 1e2  # of the shortest time of the contact itself, between which a limit is looked for
+GRID = 600
+UNITY = 1.0 + 1e-12  # a root beyond it grows
+
+
+def radius(w: float, z: float, degree: int, delay: int = 0) -> float:
+    """Largest |λ|: what remains of a motion after one step. `delay`: 1 where the force is one step old, else 0."""
+    b, g = (np.array([float(x) for x in terms]) for terms in MEANS[degree])
+    polynomial = np.zeros(degree + delay + 3)
+    polynomial[:3] = 1.0, -2.0, 1.0
+    linear = b * z + g * w
+    n = len(b)
+    polynomial[1 + delay : 1 + delay + n] += linear
+    polynomial[2 + delay : 2 + delay + n] += b * w - linear
+    return float(np.abs(np.roots(polynomial)).max())
+
+
+def longest_step(omega2: float, damping: float, degree: int, delay: int = 0) -> float:
+    """The longest stable macro step, s; 0 where none is stable that could be used, infinity where none is unstable.
+
+    omega2: stiffness over mass, 1/s². damping: damper over mass, 1/s. Where there is no closed form for the limit itself, steps
+    are tried upwards, and the first that lets a motion grow is the limit; longer ones may be stable again.
+    """
+    if omega2 <= 0.0 and damping <= 0.0:
+        return np.inf
+    if degree == 0 and delay == 0:
+        return min(2.0 * damping / omega2 if omega2 > 0.0 else np.inf, 2.0 / damping if damping > 0.0 else np.inf)
+    scale = 1.0 / max(np.sqrt(max(omega2, 0.0)), damping)
+
+    def grows(h: float) -> bool:
+        return radius(omega2 * h * h, damping * h, degree, delay) > UNITY
+
+    steps = scale * np.geomspace(SHORTEST, LONGEST, GRID)
+    unstable = next((i for i, h in enumerate(steps) if grows(h)), None)
+    if unstable is None:
+        return np.inf
+    if unstable == 0:
+        return 0.0
+    low, high = steps[unstable - 1], steps[unstable]
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if grows(middle) else (middle, high)
+    return float(low)

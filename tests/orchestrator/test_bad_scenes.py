@@ -1,0 +1,106 @@
+"""Random bad scenes: whatever is written in the place of whatever setting, there is one message and never a traceback."""
+
+import copy
+import re
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from components.core.errors import BadInput
+from orchestrator.scene import read_scene
+from tests.support import two_masses
+
+FULL = {
+    "title": "two masses", **two_masses("gauss-seidel", 1e-2, 1),
+    "connections": ["b.force -> a.force", "a.x_out -> b.position",
+                    {"source": "a.v_out", "target": "b.velocity", "factor": 1.0, "offset": 0.0, "convert_units": True}],
+    "record": {"signals": ["a.x_out", "b.force"], "interval": 0.1, "snapshots": ["p.profile"], "snapshot_interval": 0.5},
+    "faults": [{"signal": "a.x_out", "kind": "offset", "value": 0.1, "begin": 0.2, "end": 0.4},
+               {"signal": "b.velocity", "kind": "freeze", "begin": 0.5}, {"unit": "b", "kind": "lost", "begin": 0.9}],
+    "sweep": {"a": {"k": {"from": 5.0, "to": 10.0, "points": 2}}, "b.k": [900.0, 1000.0]},
+    "analysis": {"transient": 0.1, "section": {"signal": "a.x_out", "angle": "a.v_out", "turns": 2}},
+}
+FULL["units"] = {**FULL["units"], "p": {"component": "tests.support:Probe", "parameters": {"length": 2.0}}}
+FULL["master"] = {**FULL["master"], "smoothing": True, "order": ["b", "a", "p"], "bonds": ["a.v_out * b.force"]}
+ITERATED = {**FULL, "units": two_masses()["units"], "record": {}, "master": {
+    "algorithm": "iterative", "step": 1e-2,
+    "iteration": {"method": "newton", "tolerance": 1e-9, "max_iterations": 5, "not_converged": "warn"}}}
+CONTROLLED = {**two_masses(), "master": {
+    "algorithm": "jacobi", "step": 1e-2, "events": ["a.x_out"], "bonds": ["a.v_out * b.force"], "energy_correction": True,
+    "control": {"method": "milne", "relative": 1e-3, "absolute": 1e-3, "min_step": 1e-4, "max_step": 0.1}}}
+MACHINE = {
+    "stop_time": 1.0, "master": {"step": 1e-2},
+    "units": {"p": {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"], "every": 1,
+                    "isolation": "none", "parameters": {"speed": 50.0}},
+              "sub.f": {"fmu": "no/such.fmu", "interface": "co-simulation", "solver": "CVode", "tolerance": 1e-6}},
+    "connections": ["sub.f.height -> p.wire_height"], "analysis": {"system": "railway", "window": [0.1, 0.9]},
+}
+BASES = [FULL, ITERATED, CONTROLLED, MACHINE]
+WORDS = [
+    "", " ", ".", "a", "a.", ".a", "..", "->", " -> ", "a -> b", "a.* -> b.*", "*.* -> *.*", "b.force -> a.force",
+    "a.x_out -> a.force", "a.x_out -> b.position -> a.force", "a.v_out * b.force", "a.v_out*", "* * *", "a.x_out * a.x_out",
+    "sub.f", "[", "p.profile[", "p.profile[9]", "p.profile", "a\nb", "\\", "%s {}", "\0", "jacobi", "newton", "lost",
+    "override", "none", "nan", "../..", "/", ":", "os:path", "tests.support:", ":Mass", "tests.support:Linear",
+    "tests.support:math", "..:x", "components", "x" * 300,
+]
+SCALARS = st.one_of(
+    st.none(), st.booleans(), st.sampled_from([0, -1, 1, 2, 10**400, 0.0, -0.0, 1e-300, 5e-324, 1e300, 0.1, 3.0]), st.integers(),
+    st.floats(), st.sampled_from(WORDS), st.text(max_size=8))
+JUNK = st.recursive(SCALARS, lambda inner: st.one_of(
+    st.lists(inner, max_size=3), st.dictionaries(st.one_of(st.sampled_from(WORDS), st.text(max_size=5)), inner, max_size=3)),
+    max_leaves=4)
+
+
+def places(data, path=()):
+    """Paths of all tables, lists and values."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        yield (*path, key)
+        if isinstance(value, dict | list):
+            yield from places(value, (*path, key))
+
+
+@st.composite
+def scenes(draw):
+    """A scene that was good, with up to three settings replaced, removed, moved elsewhere, or added."""
+    data = copy.deepcopy(draw(st.sampled_from(BASES)))
+    for _ in range(draw(st.integers(1, 3))):
+        paths = list(places(data))
+        if not paths:
+            break
+        *path, last = draw(st.sampled_from(paths))
+        table = data
+        for key in path:
+            table = table[key]
+        action = draw(st.sampled_from(["replace", "remove", "add", "move"]))
+        if action == "remove":
+            del table[last]
+            continue
+        value = draw(JUNK)
+        if action == "move":
+            source = draw(st.sampled_from(paths))
+            value = data
+            for key in source:
+                value = value[key]
+            value = copy.deepcopy(value)
+        if action == "add" and isinstance(table, dict):
+            last = draw(st.one_of(st.sampled_from([*WORDS, *map(str, paths[0])]), st.text(max_size=5)))
+        table[last] = value
+    return data
+
+
+def check(message: str) -> None:
+    assert message.isprintable(), message
+    assert not re.search(r"pydantic|Input should|Value error|Traceback|object at 0x|type=|input_value", message), message
+
+
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(scenes())
+def test_a_scene_is_read_or_refused_with_one_message(data):
+    try:
+        read_scene(data, "bad")
+    except BadInput as error:
+        message = str(error)
+    else:
+        return
+    check(message)
+    assert message.startswith("bad")
