@@ -59,6 +59,16 @@ class BaseExcitation(Effect):
     velocity = input_(0.0, "m/s", "vertical velocity of the base")
 
 
+class OuterContact(Effect):
+    """The force on the head comes from outside, where head and wire are integrated together; off, the head has a spring.
+
+    The own contact spring then only serves the equilibrium at the start.
+    """
+
+    excludes = ("contact_loss",)
+    force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
+
+
 class Pantograph(OdeComponent):
     """Pantograph with head, frame and contact spring; heights are positive upwards, 0 is the unloaded wire at a dropper.
 
@@ -81,6 +91,7 @@ class Pantograph(OdeComponent):
     bump_stops = BumpStops
     frame_friction = FrameFriction
     base_excitation = BaseExcitation
+    outer_contact = OuterContact
 
     speed = parameter(69.444444444444443, "m/s", "speed of the train", low=0.0, high=200.0)
     start_position = parameter(30.0, "m", "position of the contact point at time 0")
@@ -100,7 +111,7 @@ class Pantograph(OdeComponent):
                              nominal=1e-5)
 
     contact_force = output("N", "force on the wire, positive upwards", nominal=100.0,
-                           feedthrough=("wire_height", "wire_compliance"))
+                           feedthrough=("wire_height", "wire_compliance", "outer_contact.force"))
     contact_position = output("m", "position of the contact point along the track", nominal=100.0)
     head_height = output("m", "height of the head", nominal=0.05)
     head_velocity = output("m/s", "vertical velocity of the head", nominal=0.1)
@@ -136,7 +147,7 @@ class Pantograph(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Equilibrium on the wire at its present height (x: z1, z1', z2, z2' and, with `lower_frame`, z3, z3')."""
-        p, _, lower, aero, _, _, base = self.settled
+        p, _, lower, aero, _, _, base, _ = self.settled
         base_stiffness = p.frame_stiffness if lower is None else lower.stiffness
         base_height = self.u[0, base.u] if base is not None else 0.0
         lift = p.static_force + (aero.coefficient * p.speed**2 if aero is not None else 0.0)
@@ -150,11 +161,13 @@ class Pantograph(OdeComponent):
         return np.array(x if lower is None else [*x, wire + force * lowest, 0.0])
 
     def energy(self) -> float:
-        """Kinetic energy plus that of all springs, J; the static force is not counted."""
-        p, loss, lower, _, stops, _, base = self.settled
+        """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
+        p, loss, lower, _, stops, _, base, outer = self.settled
         x = self.x
-        force = contact_force(x[0], self.u[0, WIRE_HEIGHT], self.u[0, WIRE_COMPLIANCE], p, loss)
-        springs = force**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]) + p.head_stiffness * (x[2] - x[0]) ** 2
+        springs = p.head_stiffness * (x[2] - x[0]) ** 2
+        if outer is None:
+            force = contact_force(x, self.u[0], p, loss, outer)
+            springs += force**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
         base_height = self.u[0, base.u] if base is not None else 0.0
         motion = p.head_mass * x[1] ** 2 + p.frame_mass * x[3] ** 2
         if lower is None:
@@ -168,7 +181,7 @@ class Pantograph(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue| with every spring engaged, s."""
-        p, _, lower, _, stops, friction, _ = self._settled()
+        p, _, lower, _, stops, friction, *_ = self._settled()
         head = p.head_stiffness + (stops.stiffness if stops is not None else 0.0)
         k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
         m = [p.head_mass, p.frame_mass]
@@ -190,16 +203,18 @@ FORCE, POSITION, HEAD, HEAD_VELOCITY, FRAME = Pantograph.output_indices(
 
 
 @kernel
-def contact_force(head, wire, compliance, p, loss):
-    """Force of the contact spring and the wire's own local compliance in series, N."""
-    force = (head - wire) / (1.0 / p.contact_stiffness + compliance)
+def contact_force(x, u, p, loss, outer):
+    """Force of the contact spring and the wire's own local compliance in series, or what comes from outside, N."""
+    if outer is not None:
+        return -u[outer.u]
+    force = (x[0] - u[WIRE_HEIGHT]) / (1.0 / p.contact_stiffness + u[WIRE_COMPLIANCE])
     if loss is not None:
         force = max(force, 0.0)
     return force
 
 
 @kernel
-def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, base):
+def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, base, outer):
     """dx/dt of x = (z1, z1', z2, z2'[, z3, z3'])."""
     head = p.head_stiffness * (x[2] - x[0]) + p.head_damping * (x[3] - x[1])
     if stops is not None:
@@ -214,7 +229,7 @@ def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, b
         base_velocity += u[base.u + 1]
 
     dx[0], dx[2] = x[1], x[3]
-    dx[1] = (head - contact_force(x[0], u[WIRE_HEIGHT], u[WIRE_COMPLIANCE], p, loss)) / p.head_mass
+    dx[1] = (head - contact_force(x, u, p, loss, outer)) / p.head_mass
     if lower is not None:
         frame = p.frame_stiffness * (x[4] - x[2]) + p.frame_damping * (x[5] - x[3])
         dx[4] = x[5]
@@ -227,9 +242,9 @@ def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, b
 
 
 @kernel
-def pantograph_outputs(t, x, u, y, p, loss, lower, aero, stops, friction, base):
+def pantograph_outputs(t, x, u, y, p, loss, lower, aero, stops, friction, base, outer):
     """Contact force, position of the contact point, heights and velocity."""
-    y[FORCE] = contact_force(x[0], u[WIRE_HEIGHT], u[WIRE_COMPLIANCE], p, loss)
+    y[FORCE] = contact_force(x, u, p, loss, outer)
     y[POSITION] = p.start_position + p.speed * t
     y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
 

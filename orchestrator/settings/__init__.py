@@ -1,10 +1,11 @@
 """What a scene may say, as frozen, typed models: each fault of a single setting is found here. One file a table."""
 
+from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
 from .scene import ConnectionSettings, RecordSettings, SceneSettings
 from .units import UnitSettings
 
-__all__ = ["ConnectionSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings", "Model", "Number",
-           "RecordSettings", "SceneSettings", "UnitSettings"]
+__all__ = ["ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings", "Model",
+           "Number", "RecordSettings", "SceneSettings", "UnitSettings"]

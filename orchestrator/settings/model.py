@@ -11,6 +11,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 Truth = Annotated[bool, Field(strict=True)]
 Whole = Annotated[int, Field(gt=-(2**64), lt=2**64)]  # what the widest types of an FMU hold
+UNIT_NAME = r"^[A-Za-z]\w*(\.[A-Za-z]\w*)*$"  # "subsystem.unit" for the units of an included scene
 Value = bool | Whole | float | str
 
 

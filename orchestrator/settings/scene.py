@@ -11,14 +11,14 @@ from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from components.core.errors import BadInput
 
+from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings
-from .model import Model, Number, Seconds, Truth
+from .model import UNIT_NAME, Model, Number, Seconds, Truth
 from .units import UnitSettings
 
 RANGE = ("from", "to", "points")
 MOST_POINTS = 1_000_000  # of one range; each is a run
-UNIT_NAME = r"^[A-Za-z]\w*(\.[A-Za-z]\w*)*$"  # "subsystem.unit" for the units of an included scene
 
 
 class ConnectionSettings(Model):
@@ -62,6 +62,7 @@ class SceneSettings(Model):
     units: dict[Annotated[str, Field(pattern=UNIT_NAME)], UnitSettings] = Field(min_length=1)
     master: MasterSettings
     record: RecordSettings = RecordSettings()
+    contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     sweep: dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]] = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")

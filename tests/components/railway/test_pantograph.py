@@ -104,13 +104,13 @@ def test_energy_balance_at_random_states():
     pantograph = Pantograph(["contact_loss", "lower_frame", "bump_stops"], {"bump_stops.travel": 0.005})
     pantograph.initialize(0.0)
     rng = np.random.default_rng(3)
-    p, loss, lower, aero, stops, friction, base = pantograph.settled
+    p, loss, lower, aero, stops, friction, base, outer = pantograph.settled
     from components.railway.pantograph import pantograph_derivatives
 
     for _ in range(50):
         x = rng.normal(scale=[0.05, 0.5] * 3)
         dx = np.zeros(6)
-        pantograph_derivatives(0.0, x, pantograph.u[0], dx, p, loss, lower, aero, stops, friction, base)
+        pantograph_derivatives(0.0, x, pantograph.u[0], dx, p, loss, lower, aero, stops, friction, base, outer)
         gradient, step = np.zeros(6), 1e-6
         for k in range(6):
             sides = []
@@ -130,6 +130,26 @@ def test_contact_springs_in_series():
     pantograph.initialize(0.0)
     approach = pantograph["head_height"]
     assert pantograph["contact_force"] == pytest.approx(approach / (1.0 / 50e3 + 1e-5), rel=ROUNDING)
+
+
+def test_outer_contact_gives_the_motion_of_the_inner_one():
+    """Fed with the force of its own spring at the end of each short step, held: the difference falls with the step."""
+    def distance(h):
+        own, fed = Pantograph(), Pantograph(["outer_contact"])
+        for pantograph in (own, fed):
+            pantograph.initialize(0.0)
+            pantograph.x[0] += 1e-4
+        for i in range(round(0.05 / h)):
+            force = 50e3 * fed.x[0]
+            fed.set("outer_contact.force", -force)
+            fed.refresh()
+            assert fed["contact_force"] == force
+            own.step(i * h, h)
+            fed.step(i * h, h)
+        return abs(own["head_height"] - fed["head_height"])
+
+    distances = [distance(h) for h in (4e-4, 2e-4, 1e-4)]
+    assert abs(np.polyfit(np.log([4.0, 2.0, 1.0]), np.log(distances), 1)[0] - 1.0) < 0.15
 
 
 def test_lift_grows_with_the_square_of_the_speed():

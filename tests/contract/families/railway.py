@@ -17,7 +17,7 @@ FACTS = {
             "frame_friction.level": ({}, 1e-3),
             "base_excitation.height": ({}, 1e-4),
         },
-        structural=frozenset({"contact_loss", "lower_frame"}),
+        structural=frozenset({"contact_loss", "lower_frame", "outer_contact"}),
         form=frozenset({"bump_stops.travel", "frame_friction.width", "base_excitation.velocity"}),
     ),
     "LumpedCatenary": Facts(
