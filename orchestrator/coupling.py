@@ -13,7 +13,7 @@ from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
 from .faults import targets
-from .graph import Endpoint, Link, Loop, groups, jumps, passes
+from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
 from .settings import ConnectionSettings, SceneSettings
 from .units import Interface, describe
 from .units.interface import Signal
@@ -206,6 +206,8 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
             _check_loop(loop, coupling)
     if master.smoothing:
         _check_smoothing(scene, coupling)
+    if master.algorithm == "iterative":
+        _check_iterative(scene, coupling)
     for name in coupling.rates:
         _check_rate(name, scene)
     for name, interface in coupling.interfaces.items():
@@ -225,6 +227,21 @@ def _check_loop(loop: Loop, coupling: Coupling) -> None:
         if unit in coupling.rates:
             raise BadInput(f"units.{unit}.every", f"{coupling.rates[unit]} in an algebraic loop of {loop.text}",
                            "1, for all units of such a loop", remedy)
+
+
+def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
+    """Only circles of units with values that change inside a step are iterated, and their units must be able to repeat one."""
+    interfaces, where = coupling.interfaces, "master.algorithm"
+    circles = [group for group in groups(interfaces, smooth(interfaces, coupling.links)) if len(group) > 1]
+    if not circles:
+        raise BadInput(where, "'iterative'", "units that feed one another in a circle; here nothing has to be repeated",
+                       'Take "gauss-seidel", which gives the same in one pass.')
+    for name in (name for group in circles for name in group):
+        if not interfaces[name].saves_state:
+            raise BadInput(where, "'iterative'", f"units that save their state, so that a step can be repeated; {name} cannot",
+                           'Take "jacobi" or "gauss-seidel".')
+    if scene.master.feedthrough == "stale":
+        raise BadInput("master.feedthrough", "'stale'", "'fresh' with iterative, where outputs fit the inputs of their instant")
 
 
 def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:

@@ -31,6 +31,12 @@ def jumps(signal: Signal) -> bool:
     return signal.discrete or signal.kind != "real"
 
 
+def smooth(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> list[Link]:
+    """The links whose values change inside a step: neither end jumps."""
+    return [link for link in links if not jumps(interfaces[link.source[0]].outputs[link.source[1]])
+            and not jumps(interfaces[link.target[0]].inputs[link.target[1]])]
+
+
 def groups(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> tuple[tuple[str, ...], ...]:
     """Strongly connected groups of units, each in the order of the scene; a group stands behind all that feed it."""
     names = list(interfaces)

@@ -13,9 +13,10 @@ from typing import Any
 
 from components.core.errors import StepFailed
 
-from .algorithms import ALGORITHMS, Master
+from .algorithms import Master, master_of
 from .clock import Clock
 from .coupling import Coupling, settle
+from .faults import Faults, Mortal, edges
 from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
@@ -35,7 +36,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
     begin = perf_counter()
     coupling, record, settings = settle(scene), scene.record, scene.master
     intervals = [record.interval or settings.step, record.snapshot_interval or settings.step]
-    clock = Clock.dividing(settings.step, scene.stop_time, *intervals)
+    clock = Clock.dividing(settings.step, scene.stop_time, *intervals, *edges(scene.faults))
     stride, end = clock.ticks(settings.step), clock.ticks(scene.stop_time)
     every, snapshot_every = (clock.ticks(i) for i in intervals)
     with ExitStack() as stack:
@@ -43,11 +44,10 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         for name, unit in scene.units.items():
             units[name] = open_unit(name, unit, in_process=in_process)
             stack.callback(units[name].close)
+        mortals = {fault.unit: Mortal(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
+        units |= mortals
         watched = coupling.signals if every == stride else ()
-        master = ALGORITHMS[settings.algorithm](
-            units, coupling, watched, degree=settings.extrapolation, feedthrough=settings.feedthrough, order=settings.order,
-            smoothing=settings.smoothing, end=scene.stop_time,
-        )
+        master = master_of(scene, units, coupling, watched)
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         ends = tuple(master.positions) if watched else coupling.signals
         signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end)
@@ -59,9 +59,11 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, stack.enter_context(Interrupt())]
         if progress:
             observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
-        loop = Stepping(master, clock, stride, end)
+        faults = Faults(scene.faults, coupling, master, mortals, clock)
+        loop = Stepping(master, clock, stride, end, faults.stops())
         started, outcome, message = perf_counter(), "failed", ""
         try:
+            faults.before_start()
             master.initialize(0.0)
             started = perf_counter()
             loop.run(observers)
@@ -73,7 +75,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative
-        info |= {"input_misses": missed, "warnings": [*dict.fromkeys(str(w.message) for w in heard), *_warnings(missed)]}
+        said = dict.fromkeys(str(w.message) for w in heard)
+        info |= {"input_misses": missed, "warnings": [*said, *master.warnings(), *_warnings(missed)]}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},

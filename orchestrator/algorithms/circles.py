@@ -18,7 +18,7 @@ TRIED = 6  # units of a circle all orders of which are tried; of a larger one ev
 
 def best_cut(names: Sequence[str], links: Iterable[Link]) -> tuple[str, ...]:
     """The units of a circle in the order, nearest to the given one, that leaves the fewest signals to be guessed."""
-    inner = [link for link in links if link.source[0] in names and link.target[0] in names]
+    inner = [link for link in links if {link.source[0], link.target[0]} <= set(names)]
     turned = [(*names[k:], *names[:k]) for k in range(len(names))]
     orders = permutations(names) if len(names) <= TRIED else turned
 
@@ -31,7 +31,8 @@ def best_cut(names: Sequence[str], links: Iterable[Link]) -> tuple[str, ...]:
 class Chain:
     """Units in an order such that most are fed by earlier ones; `cut`: places of the signals that feed backwards.
 
-    Units on one level feed none of each other, and step at the same time where they run in processes of their own.
+    Signals that only jump between steps are held inside one, and need no guess. Units on one level feed none of each other,
+    and step at the same time where they run in processes of their own.
     """
 
     def __init__(self, nodes: Sequence[Node], signals: Row, positions: Mapping[Endpoint, int],
@@ -47,11 +48,12 @@ class Chain:
         guessed: dict[int, tuple[Node, int] | None] = {}
         for node, depth in zip(nodes, depths, strict=True):
             for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
-                if k in owner and depths[owner[k]] >= depth and (guessed.get(k) is None):
+                if k in owner and depths[owner[k]] >= depth and j not in node.held and guessed.get(k) is None:
                     guessed[k] = (node, j) if link.factor else None
         self.cut = list(guessed)
         self._readers = list(guessed.values())
         self._least = np.array([interfaces[u].outputs[n].nominal for u, n in (self._ends[k] for k in self.cut)])
+        # units that answer with what they held over the step; what they hand on belongs to its end
         self._behind = [node for node in nodes if not node.follows and _answers_at_once(node, interfaces[node.unit.name])]
         self._states: list[Any] = [None] * len(nodes)
 
@@ -100,13 +102,16 @@ class Chain:
         for level in self._levels:
             for node in level:
                 if node.sources:
-                    node.lead(node.inputs(), h)
+                    values = node.inputs()
+                    if node.follows:
+                        node.lead(values, h)
+                    else:
+                        node.drive(node.history.towards(values, h), h)
                 node.unit.step(t, h)
             for node in level:
                 signals[node.place] = node.unit.get()
-                # a unit that held the mean of its inputs answers with that; what it hands on belongs to their end
                 if node in self._behind:
-                    node.unit.update(node.fresh)
+                    node.unit.update(node.inputs())
                     signals[node.place] = node.unit.get()
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint
+from ..graph import groups, smooth
 from ..settings import IterationSettings
 from ..units import Unit
 from .acceleration import METHODS, Acceleration, Memory
@@ -47,10 +48,12 @@ class Iterative(Master):
         super().__init__(units, coupling, watched, **settings)
         self.iteration = iteration or IterationSettings()
         nodes = {node.unit.name: node for node in self.nodes}
+        self._follow = self._follow_once  # what a loop within an instant needs is solved with the rest of its circle
+        links = smooth(coupling.interfaces, coupling.links)
         runs: list[list[str]] = [[]]  # every circle, and between two of them all units in none
-        for group in coupling.groups:
+        for group in groups(coupling.interfaces, links):
             if len(group) > 1:
-                runs += [[*best_cut(group, coupling.links)], []]
+                runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
         self._chains: list[tuple[Chain, Acceleration]] = [
@@ -67,11 +70,7 @@ class Iterative(Master):
                 self._iterate(chain, method, t, h)
             else:
                 chain.sweep(t, h)
-        for node in self.nodes:
-            if node.sources:
-                node.history.push(node.inputs(), h)
-        self.steps += 1
-        self._check_finite(t + h)
+        self._finish(t, h)
 
     def _iterate(self, chain: Chain, method: Acceleration, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""
@@ -107,6 +106,19 @@ class Iterative(Master):
                              "Reduce the macro step, or take another master.iteration.method")
         self.unsettled += 1
         self.worst = max(self.worst, missed)
+
+    def counters(self) -> dict[str, Any]:
+        more = {"iterations": self.iterations, "restores": self.restores}
+        if self.iteration.not_converged == "warn":
+            more |= {"unsettled_steps": self.unsettled, "worst_miss": self.worst}
+        return super().counters() | more
+
+    def warnings(self) -> list[str]:
+        if not self.unsettled:
+            return []
+        return [f"{self.unsettled} of {self.steps} steps did not settle in {self.iteration.max_iterations} iterations; the "
+                f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
+                "master.iteration.method"]
 
     def save(self, reuse: Saved | None = None) -> SavedIterative:
         saved = super().save(reuse)

@@ -263,6 +263,10 @@ class Master:
             counters["algebraic_loops"] = {solver.loop.text: solver.counters() for solver in self._loops}
         return counters
 
+    def warnings(self) -> list[str]:
+        """What a user should know of the steps made so far."""
+        return []
+
     def save(self, reuse: Saved | None = None) -> Saved:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]

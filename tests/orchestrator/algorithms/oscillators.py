@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from components.core.variables import input_, output, parameter
-from orchestrator.algorithms import ALGORITHMS, Master
+from orchestrator.algorithms import Master, master_of
 from orchestrator.coupling import settle
 from orchestrator.scene import read_scene
 from orchestrator.settings import IterationSettings
@@ -95,11 +95,10 @@ TIGHT = IterationSettings(method="newton", tolerance=1e-12)
 def open_master(scene: dict, watched=STATES, iteration: IterationSettings | None = None) -> Master:
     """The master of a scene with its units in this process, initialized."""
     checked = read_scene(scene)
+    if iteration is not None and checked.master.algorithm == "iterative":
+        checked = read_scene({**scene, "master": {**scene["master"], "iteration": iteration.model_dump()}})
     units = {name: open_unit(name, settings, in_process=True) for name, settings in checked.units.items()}
-    given = checked.master
-    more = {"iteration": iteration or given.iteration} if given.algorithm == "iterative" else {}
-    master = ALGORITHMS[given.algorithm](
-        units, settle(checked), watched, degree=given.extrapolation, feedthrough=given.feedthrough, order=given.order, **more)
+    master = master_of(checked, units, settle(checked), watched)
     master.initialize(0.0)
     return master
 
