@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fmpy import read_model_description
-from fmpy.model_description import ModelDescription, ModelVariable
+from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange, ModelVariable
 from lxml import etree
 
 from components.core.errors import BadInput, nearest
@@ -58,12 +58,42 @@ class Description:
     path: str
     model: ModelDescription
     scalars: Mapping[str, Scalar]
-    directional: bool  # the co-simulation interface gives directional derivatives
+    derives: bool  # the co-simulation interface gives directional derivatives
+    exchange: bool = False  # the interface for model exchange is used, not the one for co-simulation
+
+    @property
+    def interface(self) -> CoSimulation | ModelExchange:
+        """What the file says of the interface that is used."""
+        return self.model.modelExchange if self.exchange else self.model.coSimulation
+
+    @property
+    def directional(self) -> bool:
+        """Whether it gives directional derivatives."""
+        return self.interface.providesDirectionalDerivative if self.exchange else self.derives
+
+    @property
+    def interpolates(self) -> bool:
+        """Whether it takes derivatives of inputs with the functions of FMI 2."""
+        return not (self.exchange or self.fmi3) and self.model.coSimulation.canInterpolateInputs
 
     @property
     def fmi3(self) -> bool:
         """Whether it is of FMI 3."""
         return self.model.fmiMajorVersion == 3
+
+    def chosen(self, settings: UnitSettings, where: str) -> Description:
+        """With the interface that a scene's entry asks for; `BadInput` where the file has none such, or for needless options."""
+        wanted, model = settings.interface, self.model
+        exchange = model.coSimulation is None if wanted is None else wanted == "model-exchange"
+        if (model.modelExchange if exchange else model.coSimulation) is None:
+            only = "co-simulation" if exchange else "model exchange"
+            raise BadInput(f"{where}.interface", repr(wanted), "an interface of the FMU", f"It is for {only} only.")
+        if exchange and self.fmi3:
+            raise BadInput(f"{where}.fmu", "an FMU of FMI 3.0 for model exchange", "one for co-simulation, or of FMI 2.0")
+        if settings.solver is not None and not exchange:
+            raise BadInput(f"{where}.solver", repr(settings.solver), "none; an FMU for co-simulation has its own",
+                           'Remove it, or write interface = "model-exchange".')
+        return replace(self, exchange=exchange)
 
     def sized(self, values: Mapping[str, Any], where: str) -> Description:
         """With the sizes of arrays that these values of structural parameters give."""
@@ -77,7 +107,7 @@ class Description:
 
 
 def read(path: str, where: str) -> Description:
-    """The description of an FMU for co-simulation; `BadInput` for what is none."""
+    """The description of an FMU; `BadInput` for what is none."""
     if not Path(path).is_file():
         raise BadInput(where, repr(path), "an FMU file")
     return _read(path, Path(path).stat().st_mtime_ns, where)
@@ -93,11 +123,10 @@ def _read(path: str, _changed: int, where: str) -> Description:
         raise BadInput(where, repr(path), "an FMU", f"{error}.") from None
     if not found.fmiVersion.startswith(("2.0", "3.0")):
         raise BadInput(where, f"{path} (FMI {found.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
-    if found.coSimulation is None:
-        only = "model exchange" if found.modelExchange else "scheduled execution"
-        raise BadInput(where, f"{path}, for {only} only", "an FMU for co-simulation")
-    interface = root.find("CoSimulation")
-    flags = [interface.get("providesDirectionalDerivative" + plural) for plural in ("", "s")]  # FMPy knows that of FMI 2
+    if found.coSimulation is None and found.modelExchange is None:
+        raise BadInput(where, f"{path}, for scheduled execution only", "an FMU for co-simulation or model exchange")
+    flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
+             for plural in ("", "s")]  # FMPy knows that of FMI 2
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
     return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags))
 
@@ -136,8 +165,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     from .values import settled
 
     where = f"units.{name}"
-    found = read(settings.fmu, f"{where}.fmu").sized(settings.parameters, where)
-    cosimulation = found.model.coSimulation
+    found = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
     known = [n.removeprefix("effects.") for n in found.scalars if n.startswith("effects.")]
     for effect in settings.effects:
         if effect not in known:
@@ -149,7 +177,6 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     direct = {u.variable.name: u.dependencies for u in found.model.outputs}
     inputs = {n: _signal(s, ()) for n, s in there.items() if s.variable.causality == "input" and not is_companion(n, there)}
     real = [n for n, s in inputs.items() if s.kind == "real"]
-    companions = has_companions(found.scalars, real)
     return Interface(
         title=found.model.description or found.model.modelName,
         inputs=inputs,
@@ -157,14 +184,23 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
                  for n, s in there.items() if s.variable.causality == "output"},
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
-        input_degree=2 if cosimulation.canInterpolateInputs or companions else 0,
-        variable_step=cosimulation.canHandleVariableCommunicationStepSize,
-        saves_state=cosimulation.canGetAndSetFMUstate,
-        packs_state=cosimulation.canGetAndSetFMUstate and cosimulation.canSerializeFMUstate,
-        gives_jacobian=found.directional,
-        fixed_step=cosimulation.fixedInternalStepSize or 0.0,
-        may_return_early=cosimulation.hasEventMode or cosimulation.mightReturnEarlyFromDoStep,
+        **_capabilities(found, real),
     )
+
+
+def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
+    """What the FMU can beyond a step, as fields of `Interface`; `inputs`: the real ones."""
+    interface: Any = found.interface
+    saves = interface.canGetAndSetFMUstate
+    shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate, "gives_jacobian": found.directional}
+    if found.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
+        return shared | {"may_return_early": True}
+    return shared | {
+        "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) else 0,
+        "variable_step": interface.canHandleVariableCommunicationStepSize,
+        "fixed_step": interface.fixedInternalStepSize or 0.0,
+        "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,
+    }
 
 
 def _signal(s: Scalar, feedthrough: tuple[str, ...] | None) -> Signal:

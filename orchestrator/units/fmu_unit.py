@@ -82,7 +82,7 @@ class FmuUnit:
             raise
 
     def _interface(self) -> Any:
-        return self.description.model.coSimulation
+        return self.description.interface
 
     def _identifier(self) -> str:
         return f"{self.description.path}:{self._interface().modelIdentifier}"
@@ -153,8 +153,7 @@ class FmuUnit:
         held = [k for k, s in enumerate(scalars) if s.discrete]
         levels = [k for k, s in enumerate(scalars) if not s.discrete and s.variable.type == "Float32"]
         moving = [k for k in range(len(inputs)) if k not in {*held, *levels}]
-        interpolates = not self._fmi3 and self._interface().canInterpolateInputs
-        self._reals = Reals([inputs[k] for k in moving], interpolates, *self._common()) if moving else None
+        self._reals = Reals([inputs[k] for k in moving], self.description.interpolates, *self._common()) if moving else None
         self._levels, self._held = (Others(self.name, [inputs[k] for k in part], *self._common()) for part in (levels, held))
         self._rows = moving, levels, held
         if not inputs:
