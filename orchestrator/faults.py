@@ -8,69 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from components.core.errors import BadInput, nearest
-
-from .graph import Endpoint, Link
-from .settings import FaultSettings, SceneSettings
-from .units import Interface, Unit
+from .algorithms import Master
+from .algorithms.rates import Slow
+from .clock import Clock
+from .coupling import Coupling
+from .settings import FaultSettings
+from .stepping import Action
+from .units import Unit
 from .units.interface import Row
-
-if TYPE_CHECKING:
-    from .algorithms import Master
-    from .clock import Clock
-    from .coupling import Coupling
-    from .stepping import Action
-
-
-def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: SceneSettings, interfaces: Mapping[str, Interface],
-            links: Iterable[Link]) -> tuple[Endpoint, ...]:
-    """The inputs that a fault changes; raises `BadInput` for one that would change nothing, or cannot be.
-
-    `where`: the fault as messages name it. `end`: its signal, None for a lost unit.
-    """
-    if fault.begin >= scene.stop_time:
-        raise BadInput(f"{where}.begin", f"{fault.begin:g} s", f"a time before the end of the run, {scene.stop_time:g} s")
-    for key, time in (("begin", fault.begin), ("end", fault.end)):
-        rest = (time or 0.0) / scene.master.step % 1.0
-        if min(rest, 1.0 - rest) > 1e-9:
-            for name, interface in interfaces.items():
-                if not interface.variable_step:
-                    raise BadInput(f"{where}.{key}", f"{time:g} s", f"a multiple of master.step, {scene.master.step:g} s; "
-                                   f"{name} cannot make a step shorter")
-    if end is None:
-        if fault.unit not in interfaces:
-            raise BadInput(f"{where}.unit", repr(fault.unit), "a unit of the scene", nearest(fault.unit, interfaces))
-        return ()
-    unit, name = end
-    found = tuple(link for link in links if end in (link.source, link.target))
-    if not found:
-        interface = interfaces[unit]
-        if name in interface.inputs or name in interface.outputs:
-            raise BadInput(f"{where}.signal", f"{fault.signal!r}, which nothing is connected to", "a connected signal",
-                           "A value for such an input stands in its unit's parameters." if name in interface.inputs else "")
-        raise BadInput(f"{where}.signal", repr(fault.signal), f"an output or input of {unit}",
-                       nearest(name, [*interface.outputs, *interface.inputs]))
-    for link in found:
-        _check_kind(fault, where, link, interfaces)
-    return tuple(link.target for link in found)
-
-
-def _check_kind(fault: FaultSettings, where: str, link: Link, interfaces: Mapping[str, Interface]) -> None:
-    signal = interfaces[link.target[0]].inputs[link.target[1]]
-    name, value = ".".join(link.target), fault.value
-    if signal.is_text:
-        raise BadInput(f"{where}.signal", f"{fault.signal!r}, a text", "a number")
-    if fault.kind == "offset" and signal.kind in ("boolean", "enumeration"):
-        raise BadInput(f"{where}.kind", f"'offset' of {name}", f"override, freeze or drop for a signal of kind {signal.kind}")
-    if value is not None and signal.kind != "real":
-        if not value.is_integer():
-            raise BadInput(f"{where}.value", f"{value:g}", f"a whole number for {name}")
-        if signal.kind == "boolean" and value not in (0.0, 1.0):
-            raise BadInput(f"{where}.value", f"{value:g}", f"0 or 1 for {name}")
-    if fault.kind == "offset" and value == 0.0:
-        raise BadInput(f"{where}.value", "0", "another offset; this one has no effect")
 
 
 class Mortal:
@@ -103,6 +50,11 @@ class Mortal:
             self._unit.update(values)
 
 
+def edges(faults: Iterable[FaultSettings]) -> list[float]:
+    """Times at which faults begin or end, s, but 0."""
+    return [t for fault in faults for t in (fault.begin, fault.end) if t]
+
+
 class Faults:
     """The faults of a scene on the way to the inputs of a master's units; `mortals`: the units that will be lost, by name."""
 
@@ -123,13 +75,13 @@ class Faults:
 
     def stops(self) -> dict[int, list[Action]]:
         """Ticks where faults begin or end, each with one action for all of them."""
-        edges: dict[int, tuple[list[int], list[int]]] = {}
+        found: dict[int, tuple[list[int], list[int]]] = {}
         for i, fault in enumerate(self.faults):
             if i not in self._from_start:
-                edges.setdefault(self._clock.ticks(fault.begin), ([], []))[0].append(i)
+                found.setdefault(self._clock.ticks(fault.begin), ([], []))[0].append(i)
             if fault.end is not None:
-                edges.setdefault(self._clock.ticks(fault.end), ([], []))[1].append(i)
-        return {tick: [partial(self._edge, *edge)] for tick, edge in edges.items()}
+                found.setdefault(self._clock.ticks(fault.end), ([], []))[1].append(i)
+        return {tick: [partial(self._edge, self._clock.seconds(tick), *edge)] for tick, edge in found.items()}
 
     def state(self) -> dict[str, Any]:
         """What acts now, as plain data for a checkpoint."""
@@ -147,6 +99,9 @@ class Faults:
         fault = self.faults[i]
         if fault.kind == "lost":
             self._mortals[fault.unit].lost = True
+            unit = next(node.unit for node in self._master.nodes if node.unit.name == fault.unit)
+            if isinstance(unit, Slow):
+                unit.hold()
         elif fault.kind == "freeze":
             self._values[i] = [float(node.inputs()[k]) for node, k in self._places[i]]
         elif fault.kind == "drop":
@@ -154,7 +109,7 @@ class Faults:
         else:
             self._values[i] = [fault.value if fault.kind == "override" else None] * len(self._places[i])
 
-    def _edge(self, begins: list[int], ends: list[int]) -> None:
+    def _edge(self, t: float, begins: list[int], ends: list[int]) -> None:
         """Some faults end and others begin, and what follows within the instant follows."""
         fed = [node for node in self._master.nodes if node.sources]
         before = [list(node.inputs()) for node in fed]
@@ -163,10 +118,12 @@ class Faults:
         for i in begins:
             self._begin(i)
         self._alter()
-        self._master.follow(self._clock.seconds(0))
-        touched = {id(node) for i in (*begins, *ends) for node, _ in self._places[i]}
+        self._master.follow(t)
+        lost = {self.faults[i].unit for i in begins}
+        changed = {id(node) for i in (*begins, *ends) for node, _ in self._places[i]}
+        changed |= {id(node) for node in fed for link in node.links if link.source[0] in lost}
         for node, values in zip(fed, before, strict=True):
-            if id(node) in touched or list(node.inputs()) != values:
+            if id(node) in changed or list(node.inputs()) != values:
                 node.restart()
                 node.reached = node.fresh = None  # where its inputs were led to is no guess of where they have jumped
 

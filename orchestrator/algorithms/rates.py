@@ -165,6 +165,11 @@ class Slow:
         """The inputs have jumped: what was before tells nothing of the steps to come."""
         self._own.count = 0
 
+    def hold(self) -> None:
+        """The unit is lost: the others go by what it has given last, no more by a guess."""
+        self._past.restart(self._given)
+        self._signals[self._estimates] = self._given
+
     def save(self, reuse: Any = None) -> Any:
         kept = {name: value for name, value in vars(self).items() if name.startswith("_") and name != "_signals"}
         return self.unit.save(reuse and reuse[0]), kept | {"_own": copy(self._own), "_past": copy(self._past)}
