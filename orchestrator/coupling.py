@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
-from .faults import targets
+from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
 from .settings import ConnectionSettings, SceneSettings
 from .units import Interface, describe
