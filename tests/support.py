@@ -62,6 +62,7 @@ class Mass(Linear):
     m = parameter(1.0, "kg", "mass", low=1e-9)
     k = parameter(0.0, "N/m", "spring to the ground")
     c = parameter(0.0, "N.s/m", "damper to the ground")
+    x0 = parameter(0.0, "m", "position at the start")
     v0 = parameter(1.0, "m/s", "velocity at the start")
     force = input_(0.0, "N", "force")
     x_out = output("m", "position")
@@ -70,7 +71,7 @@ class Mass(Linear):
     def matrices(self):
         p = self.parameters
         A = np.array([[0.0, 1.0], [-p["k"] / p["m"], -p["c"] / p["m"]]])
-        return A, np.array([[0.0], [1.0 / p["m"]]]), np.eye(2), np.zeros((2, 1)), [0.0, p["v0"]]
+        return A, np.array([[0.0], [1.0 / p["m"]]]), np.eye(2), np.zeros((2, 1)), [p["x0"], p["v0"]]
 
 
 class SpringDamper(Linear):
@@ -95,6 +96,7 @@ class Oscillator(Linear):
     c = parameter(0.01, "N.s/m", "damper to the ground")
     kc = parameter(100.0, "N/m", "coupling spring")
     cc = parameter(0.01, "N.s/m", "coupling damper")
+    x0 = parameter(0.0, "m", "position at the start")
     v0 = parameter(-100.0, "m/s", "velocity at the start")
     position = input_(0.0, "m", "position of the coupling's end")
     velocity = input_(0.0, "m/s", "velocity of the coupling's end")
@@ -107,7 +109,7 @@ class Oscillator(Linear):
         m, k, c = p["m"], p["k"] + p["kc"], p["c"] + p["cc"]
         A, B = np.array([[0.0, 1.0], [-k / m, -c / m]]), np.array([[0.0, 0.0], [p["kc"] / m, p["cc"] / m]])
         C, D = np.array([[p["kc"], p["cc"]], [1.0, 0.0], [0.0, 1.0]]), np.array([[-p["kc"], -p["cc"]], [0.0, 0.0], [0.0, 0.0]])
-        return A, B, C, D, [0.0, p["v0"]]
+        return A, B, C, D, [p["x0"], p["v0"]]
 
 
 class Probe(Linear):

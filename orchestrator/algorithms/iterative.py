@@ -108,7 +108,7 @@ class Iterative(Master):
         self.worst = max(self.worst, missed)
 
     def counters(self) -> dict[str, Any]:
-        more = {"iterations": self.iterations, "restores": self.restores}
+        more: dict[str, float] = {"iterations": self.iterations, "restores": self.restores}
         if self.iteration.not_converged == "warn":
             more |= {"unsettled_steps": self.unsettled, "worst_miss": self.worst}
         return super().counters() | more

@@ -24,6 +24,51 @@ from tests.support import Linear
 HERE = "tests.orchestrator.algorithms.oscillators"
 
 
+class Feedthrough(Linear):
+    """x' = a x + b u, y = c x + d u."""
+
+    a = parameter(-0.9, "1/s", "decay")
+    b = parameter(0.5, "1/s", "gain of the input")
+    c = parameter(3.0, "1", "gain of the state in the output")
+    d = parameter(1.0, "1", "gain of the input in the output")
+    u_in = input_(0.0, "1", "input")
+    y_out = output("1", "output", feedthrough=("u_in",))
+    x_out = output("1", "state")
+
+    def matrices(self):
+        p = self.parameters
+        return np.array([[p["a"]]]), np.array([[p["b"]]]), np.array([[p["c"]], [1.0]]), np.array([[p["d"]], [0.0]]), [1.0]
+
+
+class Accelerated(Linear):
+    """A mass on a spring that gets a force, with its acceleration; displaced by 1 m at the start."""
+
+    m = parameter(0.45, "kg", "mass")
+    k = parameter(0.5, "N/m", "spring to the ground")
+    force = input_(0.0, "N", "force")
+    x_out = output("m", "position")
+    a_out = output("m/s2", "acceleration", feedthrough=("force",))
+
+    def matrices(self):
+        A = np.array([[0.0, 1.0], [-self.parameters["k"] / self.parameters["m"], 0.0]])
+        B = np.array([[0.0], [1.0 / self.parameters["m"]]])
+        return A, B, np.vstack(([1.0, 0.0], A[1])), np.vstack(([0.0], B[1])), [1.0, 0.0]
+
+
+class Carried(Linear):
+    """A mass on a spring that goes where it is taken: the force on what takes it along."""
+
+    m = parameter(0.55, "kg", "mass")
+    k = parameter(0.5, "N/m", "spring to the ground")
+    position = input_(0.0, "m", "position")
+    acceleration = input_(0.0, "m/s2", "acceleration")
+    force = output("N", "force on the other part", feedthrough=("position", "acceleration"))
+
+    def matrices(self):
+        p = self.parameters
+        return np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array([[-p["k"], -p["m"]]]), np.zeros(0)
+
+
 class Between(Linear):
     """Spring and damper between two ends, without a state: the force on the first end."""
 
@@ -68,8 +113,8 @@ class TwoMasses:
     def scene(self, split: str, step: float, stop: float = 1.0, **master) -> dict:
         """Scene data of a split."""
         mass = {"component": "tests.support:Mass"}
-        first = {**mass, "parameters": {"m": self.m1, "k": self.k1, "c": self.c1, "v0": self.start[1]}}
-        second = {**mass, "parameters": {"m": self.m2, "k": self.k2, "c": self.c2, "v0": self.start[3]}}
+        first = {**mass, "parameters": {"m": self.m1, "k": self.k1, "c": self.c1, "x0": self.start[0], "v0": self.start[1]}}
+        second = {**mass, "parameters": {"m": self.m2, "k": self.k2, "c": self.c2, "x0": self.start[2], "v0": self.start[3]}}
         coupling = {"kc": self.kc, "cc": self.cc}
         owner = {"component": "tests.support:Oscillator"}
         units = {
