@@ -25,6 +25,7 @@ CONVERGED = 1e-12  # relative change of an output from one sweep to the next
 STANDING = 1e-9  # and what is left of it where stiff units answer the rounding of one another: it no longer falls then
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 RUNAWAY = 1e12  # times the nominal value: no answer of a model any more, even where a nominal value was left at 1
+RETURNED = 1e-7  # change of a miss relative to the change of an answer; below it a circle gives back what it gets
 NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it is rounding
 
 
@@ -64,11 +65,12 @@ class Group:
             residual = self._residual(before)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
                 return Settled(self._names, sweep, 0, residual)
-            if residual < least:
-                best, least = self._values(), residual
-            last = residual
             if residual == np.inf:
                 break
+            miss = float((np.abs(self._values() - before) / self._least).max())
+            if miss < least:
+                best, least = self._values(), miss
+            last = residual
         return self._by_secants(best, sweep)
 
     def _by_secants(self, x: np.ndarray, sweeps: int) -> Settled:
@@ -86,17 +88,17 @@ class Group:
                 break
             last = residual
             answers.append(answer)
-            misses.append((answer - x)[self._inner] / np.maximum(np.abs(answer), self._least)[self._inner])
-            x = answer + _foretold(answers, misses)
+            misses.append((answer - x)[self._inner])
+            x = answer + _foretold(answers, misses, np.maximum(np.abs(answer), self._least)[self._inner])
         self._master.settled.append(Settled(self._names, sweeps, k, residual))
         self._check()
-        raise self._not_settled(residual, sweeps, k)
+        raise self._not_settled(residual, sweeps, k, _parallel(answers, misses))
 
-    def _not_settled(self, residual: float, sweeps: int, secants: int) -> StepFailed:
+    def _not_settled(self, residual: float, sweeps: int, secants: int, parallel: bool) -> StepFailed:
         unit, name = self._ends[int(np.argmax(self._changes))]
-        among = ", ".join(self._names)
-        return StepFailed(unit, self._t, f"the initial values of {among} did not settle in {sweeps} sweeps and {secants} "
-                          f"quasi-Newton steps; {name} still changes by {residual:.2g} of its value",
+        returned = ", and what goes round comes back as it went: they have no common equilibrium, or many" if parallel else ""
+        return StepFailed(unit, self._t, f"the initial values of {', '.join(self._names)} did not settle in {sweeps} sweeps and "
+                          f"{secants} quasi-Newton steps; {name} still changes by {residual:.2g} of its value{returned}",
                           "Give parameters closer to a common equilibrium")
 
     def _sweep(self) -> None:
@@ -129,10 +131,17 @@ class Group:
         self._master._check_finite(self._t)
 
 
-def _foretold(answers: list[np.ndarray], misses: list[np.ndarray]) -> np.ndarray:
+def _foretold(answers: list[np.ndarray], misses: list[np.ndarray], sizes: np.ndarray) -> np.ndarray:
     """What to add to the last answer, (n,), so that the misses of all answers, weighted like this, vanish as far as they can."""
     if len(answers) < 2:
         return np.zeros_like(answers[-1])
     differences = np.array(misses[:-1]).T - misses[-1][:, None]
-    weights = np.linalg.lstsq(differences, -misses[-1], rcond=NEW)[0]
+    weights = np.linalg.lstsq(differences / sizes[:, None], -misses[-1] / sizes, rcond=NEW)[0]
     return (np.array(answers[:-1]).T - answers[-1][:, None]) @ weights
+
+
+def _parallel(answers: list[np.ndarray], misses: list[np.ndarray]) -> bool:
+    """Whether answers differ although their misses do not."""
+    if len(answers) < 2:
+        return False
+    return bool(np.abs(misses[1] - misses[0]).max() < RETURNED * np.abs(answers[1] - answers[0]).max())

@@ -102,12 +102,13 @@ def test_progress_shows_only_on_a_terminal(monkeypatch):
 
 
 def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
-    """Each pantograph stands on the other's head: every sweep lifts both by the compression of a contact spring."""
-    scene = {**PROBE, "units": {"p": {"component": "Pantograph"}, "q": {"component": "Pantograph"}},
-             "connections": ["p.head_height -> q.wire_height", "q.head_height -> p.wire_height"]}
-    result = run(read_scene(scene), in_process=True)
+    """Each probe gives what it gets, and one way adds 1 mm: x = x + 1 mm has no solution."""
+    back = {"source": "q.profile[1]", "target": "p.length", "offset": 1.0}
+    result = run(read_scene({**PROBE, "units": {"p": PROBE["units"]["p"], "q": PROBE["units"]["p"]},
+                             "connections": ["p.profile[1] -> q.length", back]}))
     assert result.outcome == "failed"
     assert "did not settle in 30 sweeps" in result.message
+    assert "no common equilibrium" in result.message
     assert result.info["counters"]["master"]["initial_residual"] > 1e-3
     assert result.time.size == 0
 
