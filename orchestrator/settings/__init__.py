@@ -5,7 +5,7 @@ from .faults import FaultSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
 from .scene import ConnectionSettings, RecordSettings, SceneSettings
-from .units import UnitSettings
+from .units import SubsystemSettings, UnitSettings
 
-__all__ = ["ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings", "Model",
-           "Number", "RecordSettings", "SceneSettings", "UnitSettings"]
+__all__ = ["ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings",
+           "Model", "Number", "RecordSettings", "SceneSettings", "SubsystemSettings", "UnitSettings"]

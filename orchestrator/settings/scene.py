@@ -15,7 +15,7 @@ from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Seconds, Truth
-from .units import UnitSettings
+from .units import OrSubsystem, UnitSettings
 
 RANGE = ("from", "to", "points")
 MOST_POINTS = 1_000_000  # of one range; each is a run
@@ -59,7 +59,7 @@ class SceneSettings(Model):
     stop_time: Seconds = Field(description="s; every run starts at 0")
     connections: tuple[str | ConnectionSettings, ...] = Field(
         default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor')
-    units: dict[Annotated[str, Field(pattern=UNIT_NAME)], UnitSettings] = Field(min_length=1)
+    units: dict[Annotated[str, Field(pattern=UNIT_NAME)], Annotated[UnitSettings, OrSubsystem()]] = Field(min_length=1)
     master: MasterSettings
     record: RecordSettings = RecordSettings()
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
@@ -68,11 +68,17 @@ class SceneSettings(Model):
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
     analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
     _name: str = PrivateAttr("scene")
+    _remarks: tuple[str, ...] = PrivateAttr(())
 
     @property
     def name(self) -> str:
         """Stem of the file the scene came from."""
         return self._name
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the scene's file said in vain: parameters that fit nothing, a step that had to be chosen ..."""
+        return self._remarks
 
     @property
     def arrows(self) -> tuple[str, ...]:

@@ -51,6 +51,28 @@ class UnitSettings(Model):
         return self
 
 
+class SubsystemSettings(Model):
+    """An entry of `units` that stands for the units and connections of another scene, as "entry.unit".
+
+    What belongs to that scene's own runs is not taken over: stop time, master, records, faults, sweep, analysis.
+    """
+
+    scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd or .ssp file, relative to this one")
+    parameters: dict[str, Value] = Field(default={}, description="unit.parameter of the scene, in the place of its own values")
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _flat(cls, parameters: Any) -> Any:
+        return dict(_flattened(parameters)) if isinstance(parameters, Mapping) else parameters
+
+
+class OrSubsystem:
+    """For the JSON schema of a scene file: subsystems stand where units may; they are replaced before a scene is checked."""
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"anyOf": [handler(schema), SubsystemSettings.model_json_schema()]}
+
+
 def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Nested tables and lists as the full names of variables: "effect.name", "name[1]"."""
     for key, value in table.items():
