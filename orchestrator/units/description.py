@@ -21,6 +21,7 @@ from lxml import etree
 from components.core.errors import BadInput, nearest
 
 from .interface import Interface, Kind, Signal
+from .solvers import METHODS
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -93,6 +94,8 @@ class Description:
         if settings.solver is not None and not exchange:
             raise BadInput(f"{where}.solver", repr(settings.solver), "none; an FMU for co-simulation has its own",
                            'Remove it, or write interface = "model-exchange".')
+        if settings.solver is not None and settings.solver not in METHODS:
+            raise BadInput(f"{where}.solver", repr(settings.solver), "a method of integration", nearest(settings.solver, METHODS))
         return replace(self, exchange=exchange)
 
     def sized(self, values: Mapping[str, Any], where: str) -> Description:
@@ -175,7 +178,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     named = dict.fromkeys(settings.effects, "named in the scene")
     there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
     direct = {u.variable.name: u.dependencies for u in found.model.outputs}
-    inputs = {n: _signal(s, ()) for n, s in there.items() if s.variable.causality == "input" and not is_companion(n, there)}
+    inputs = {n: _signal(s, ()) for n, s in there.items() if s.variable.causality == "input" and not is_companion(n, found.scalars)}
     real = [n for n, s in inputs.items() if s.kind == "real"]
     return Interface(
         title=found.model.description or found.model.modelName,

@@ -8,7 +8,7 @@ change at instants only are handed over in event mode, and only when they have c
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf, ulp
 from typing import Any
 
@@ -35,7 +35,8 @@ class Fmi3CoSimulation(FmuUnit):
         interface, model = self._interface(), self.description.model
         self._events = interface.hasEventMode
         self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
-        self._last_held: list[Any] | None = None  # what was handed over in event mode
+        self._last_held: list[Any] = []  # what was handed over in event mode
+        self._last_texts: list[str] = []
         fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
                         modelIdentifier=interface.modelIdentifier)
         fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
@@ -75,21 +76,29 @@ class Fmi3CoSimulation(FmuUnit):
         self._answers = (flags, flags + 1, flags + 2, ctypes.addressof(self._reached))
 
     def _hold(self, values: list[Any]) -> None:
-        if not (self._events and self._started):
-            super()._hold(values)
-        elif values != self._last_held:
-            self._check(self._enter_event_mode(self._instance))
-            super()._hold(values)
-            self._settle_events()
-        self._last_held = values
+        if values != self._last_held:
+            self._at_event(super()._hold, values)
+            self._last_held = values
 
     def set_texts(self, values: Sequence[str]) -> None:
-        if not (self._events and self._started):
-            super().set_texts(values)
-            return
-        self._check(self._enter_event_mode(self._instance))
-        super().set_texts(values)
-        self._settle_events()
+        if list(values) != self._last_texts:
+            self._at_event(super().set_texts, values)
+            self._last_texts = list(values)
+
+    def _at_event(self, write: Callable[[Any], None], values: Any) -> None:
+        """Inputs that change at instants are handed over in event mode, if the FMU has it and runs."""
+        event = self._events and self._started
+        if event:
+            self._check(self._enter_event_mode(self._instance))
+        write(values)
+        if event:
+            self._settle_events()
+
+    def _beside(self) -> Any:
+        return self.next_event, self._last_held, self._last_texts
+
+    def _take(self, beside: Any) -> None:
+        self.next_event, self._last_held, self._last_texts = beside
 
     def _settle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
@@ -114,7 +123,7 @@ class Fmi3CoSimulation(FmuUnit):
         if self.next_event <= t + h:
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
         else:
-            status = self._do_step(self._instance, t, h, not self._states, *self._answers)
+            status = self._do_step(self._instance, t, h, self._states.none, *self._answers)
             if status > WARNING or self._word.value:
                 self._step_by_events(t, h, self._answered(status, t, t + h))
 
@@ -126,7 +135,7 @@ class Fmi3CoSimulation(FmuUnit):
         """One call of the FMU: (time reached, whether there is an event)."""
         if h <= 0.0:
             return t, True
-        return self._answered(self._do_step(self._instance, t, h, not self._states, *self._answers), t, t + h)
+        return self._answered(self._do_step(self._instance, t, h, self._states.none, *self._answers), t, t + h)
 
     def _answered(self, status: int, t: float, end: float) -> tuple[float, bool]:
         event, ends, early, _ = self._word.value.to_bytes(4, "little")

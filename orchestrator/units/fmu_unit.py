@@ -259,11 +259,18 @@ class FmuUnit:
     # States and derivatives
 
     def save(self, reuse: State | None = None) -> State:
-        return self._states.save(self.next_event, reuse)
+        return self._states.save(self._beside(), reuse)
 
     def restore(self, state: State) -> None:
         self._states.restore(state)
-        self.next_event = state.next_event
+        self._take(state.beside)
+
+    def _beside(self) -> Any:
+        """What belongs to a state beside the FMU's own: numbers and texts."""
+        return self.next_event
+
+    def _take(self, beside: Any) -> None:
+        self.next_event = beside
 
     def release(self, state: State) -> None:
         self._states.release(state)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -51,6 +51,7 @@ class Interface:
     gives_jacobian: bool = False  # `jacobian` is offered
     fixed_step: float = 0.0  # s, that every communication step must be a multiple of; 0: free
     may_return_early: bool = False  # events inside a step are told by `event`
+    refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 
 class Unit(Protocol):

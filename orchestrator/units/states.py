@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import struct
 from collections.abc import Callable
 from typing import Any
@@ -17,11 +18,12 @@ NAMES = {False: ("GetFMUstate", "SetFMUstate", "FreeFMUstate", "SerializedFMUsta
 
 
 class State:
-    """A state of the FMU, in its own memory, and the event it had announced (s)."""
+    """A state of the FMU, in its own memory, and what the unit knows beside it: plain numbers and texts."""
 
-    def __init__(self, next_event: float):
-        self.handle, self.next_event = ctypes.c_void_p(), next_event
+    def __init__(self) -> None:
+        self.handle = ctypes.c_void_p()
         self.place = ctypes.addressof(self.handle)
+        self.beside: Any = None
 
 
 class States:
@@ -34,19 +36,17 @@ class States:
         self._get, self._set, self._free, self._size, self._serialize, self._deserialize = (
             functions(name, *t) for name, t in zip(NAMES[fmi3], types, strict=True))
         self._kept: dict[int, State] = {}
-
-    def __len__(self) -> int:
-        return len(self._kept)
+        self.none = True  # no state that could be restored is kept: what DoStep wants to know in every step
 
     def _check(self, status: int) -> None:
         if status > WARNING:
             self._failed(status)
 
-    def save(self, next_event: float, reuse: State | None) -> State:
+    def save(self, beside: Any, reuse: State | None) -> State:
         """The present state, in the memory of an older one if it may be overwritten."""
-        state = reuse or State(next_event)
-        state.next_event = next_event
-        self._kept[state.place] = state
+        state = reuse or State()
+        state.beside = beside
+        self._kept[state.place], self.none = state, False
         self._check(self._get(self._instance, state.place))
         return state
 
@@ -57,22 +57,25 @@ class States:
     def release(self, state: State) -> None:
         """Give its memory back."""
         del self._kept[state.place]
+        self.none = not self._kept
         self._check(self._free(self._instance, state.place))
 
     def pack(self, state: State) -> bytes:
-        """The FMU's own bytes behind the announced event."""
+        """The FMU's own bytes behind the length of what the unit knows and that."""
         size = ctypes.c_size_t()
         self._check(self._size(self._instance, state.handle, ctypes.addressof(size)))
         buffer = (ctypes.c_char * size.value)()
         self._check(self._serialize(self._instance, state.handle, ctypes.addressof(buffer), size.value))
-        return struct.pack("<d", state.next_event) + buffer.raw
+        beside = json.dumps(state.beside).encode()
+        return struct.pack("<I", len(beside)) + beside + buffer.raw
 
     def unpack(self, packed: bytes) -> State:
         """The state of `pack`, in the FMU's memory."""
-        state = State(*struct.unpack("<d", packed[:8]))
-        buffer = (ctypes.c_char * (len(packed) - 8)).from_buffer_copy(packed, 8)
-        self._check(self._deserialize(self._instance, ctypes.addressof(buffer), len(packed) - 8, state.place))
-        self._kept[state.place] = state
+        state, start = State(), 4 + struct.unpack("<I", packed[:4])[0]
+        state.beside = json.loads(packed[4:start])
+        buffer = (ctypes.c_char * (len(packed) - start)).from_buffer_copy(packed, start)
+        self._check(self._deserialize(self._instance, ctypes.addressof(buffer), len(buffer), state.place))
+        self._kept[state.place], self.none = state, False
         return state
 
     def close(self) -> None:

@@ -127,7 +127,7 @@ def _settled(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], o
         return value
     if kind == "real" and not (isfinite(value) and (variable.type != "Float32" or abs(value) <= FLOAT32)):
         raise BadInput(where, f"{name} = {value!r}", "a finite number")
-    if kind == "enumeration" and (items := _items(scalar)) and value not in items.values():
+    if kind == "enumeration" and (items := members(scalar)) and value not in items.values():
         raise BadInput(where, f"{name} = {value!r}", f"one of {', '.join(f'{n} ({v})' for n, v in items.items())}")
     low, high = (_bound(scalar, end) for end in ("min", "max"))
     if not low <= value <= high:
@@ -146,14 +146,14 @@ def _bound(scalar: Scalar, end: str) -> float:
     return lowest if end == "min" else highest
 
 
-def _items(scalar: Scalar) -> dict[str, int]:
+def members(scalar: Scalar) -> dict[str, int]:
     """Members of an enumeration by name."""
     declared = scalar.variable.declaredType
     return {item.name: int(item.value) for item in declared.items} if declared else {}
 
 
 def _member(where: str, scalar: Scalar, name: str) -> int:
-    items = _items(scalar)
+    items = members(scalar)
     if name not in items:
         raise BadInput(where, f"{scalar.name} = {name!r}", "a member of the enumeration", nearest(name, items))
     return items[name]
