@@ -27,9 +27,18 @@ class Clock:
                                             a.denominator * b.denominator), map(_written, durations))
         return cls(tick.numerator, tick.denominator)
 
+    def finer(self, parts: int) -> Clock:
+        """A clock whose ticks are the given part of these."""
+        return Clock(self.numerator, self.denominator * parts)
+
     def ticks(self, duration: float) -> int:
-        """Ticks in one of the durations the clock was made for."""
+        """Whole ticks in a duration (s); exact for those the clock was made for."""
         return int(_written(duration) * self.denominator / self.numerator)
+
+    def not_before(self, t: float) -> int:
+        """The first tick that is not before a time (s)."""
+        tick = int(Fraction(t) * self.denominator / self.numerator)
+        return tick if self.seconds(tick) >= t else tick + 1
 
     def seconds(self, ticks: int) -> float:
         """Time of a tick, correctly rounded: Python divides integers exactly before it rounds."""

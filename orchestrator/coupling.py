@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
+from .bonds import Bond, bond
+from .demands import check_stepping
 from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
 from .settings import ConnectionSettings, SceneSettings
@@ -33,6 +35,8 @@ class Coupling:
     groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
     rates: Mapping[str, int]  # units that step with every n-th macro step only -> n
     faults: tuple[tuple[Endpoint, ...], ...]  # inputs that each fault of the scene changes
+    events: tuple[Endpoint, ...]  # outputs whose changes of sign are located
+    bonds: tuple[Bond, ...]  # pairs of connections that carry power
 
     def order(self, wished: tuple[str, ...] = ()) -> tuple[str, ...]:
         """The units as Gauss-Seidel steps them: as the scene wishes, or else each group behind those that feed it."""
@@ -55,6 +59,8 @@ def settle(scene: SceneSettings) -> Coupling:
             groups=groups(interfaces, found),
             rates={name: unit.every for name, unit in scene.units.items() if unit.every > 1},
             faults=tuple(_faults(scene, interfaces, found)),
+            events=tuple(_output(text, "master.events", interfaces) for text in scene.master.events),
+            bonds=tuple(_bond(text, interfaces, links) for text in scene.master.bonds),
         )
         _check_master(scene, coupling)
         return coupling
@@ -191,6 +197,22 @@ def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tu
         yield targets(fault, f"faults[{i}]", end, scene, interfaces, links)
 
 
+def _output(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
+    unit, name = end = _endpoint(text, where, interfaces)
+    if name not in interfaces[unit].outputs:
+        raise _no_variable(where, end, "output", interfaces)
+    if interfaces[unit].outputs[name].is_text:
+        raise BadInput(where, f"{text!r}, a text", "a number")
+    return end
+
+
+def _bond(text: str, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Bond:
+    where, parts = "master.bonds", [part.strip() for part in text.split("*")]
+    if len(parts) != 2:
+        raise BadInput(where, repr(text), '"unit.output * unit.output"')
+    return bond(text, (_output(parts[0], where, interfaces), _output(parts[1], where, interfaces)), interfaces, links)
+
+
 def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(scene.units):
@@ -210,6 +232,7 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
         _check_iterative(scene, coupling)
     for name in coupling.rates:
         _check_rate(name, scene)
+    check_stepping(scene.master, coupling.interfaces, coupling.links, coupling.bonds, coupling.rates)
     for name, interface in coupling.interfaces.items():
         whole = (scene.stop_time / (master.step * scene.units[name].every)) % 1.0
         if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:

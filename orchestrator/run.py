@@ -14,13 +14,13 @@ from typing import Any
 from components.core.errors import StepFailed
 
 from .algorithms import Master, master_of
-from .clock import Clock
+from .algorithms.energy import EnergyAccount, metered
 from .coupling import Coupling, settle
 from .faults import Faults, Mortal, edges
+from .guided import Guided, clock_for, stepping_of
 from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
-from .stepping import Stepping
 from .units import Unit, open_unit
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
@@ -35,19 +35,23 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
     """
     begin = perf_counter()
     coupling, record, settings = settle(scene), scene.record, scene.master
-    intervals = [record.interval or settings.step, record.snapshot_interval or settings.step]
-    clock = Clock.dividing(settings.step, scene.stop_time, *intervals, *edges(scene.faults))
-    stride, end = clock.ticks(settings.step), clock.ticks(scene.stop_time)
-    every, snapshot_every = (clock.ticks(i) for i in intervals)
+    intervals = [record.interval, record.snapshot_interval]
+    clock = clock_for(scene, coupling, *filter(None, intervals), *edges(scene.faults))
+    end = clock.ticks(scene.stop_time)
+    every, snapshot_every = (clock.ticks(i) if i else 1 for i in intervals)  # every macro step ends at a tick of its own
     with ExitStack() as stack:
         units = {}
         for name, unit in scene.units.items():
             units[name] = open_unit(name, unit, in_process=in_process)
             stack.callback(units[name].close)
         mortals = {fault.unit: Mortal(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
-        units |= mortals
-        watched = coupling.signals if every == stride else ()
-        master = master_of(scene, units, coupling, watched)
+        units.update(mortals)  # type: ignore[arg-type]  # what they do not change is the unit's own
+        meters = metered(units, coupling)
+        units |= meters
+        each = record.interval is None or (record.interval == settings.step and settings.control is None)
+        watched = coupling.signals if each else ()
+        master = master_of(scene, units, coupling, (*watched, *coupling.events))
+        account = EnergyAccount(master, coupling, meters, correction=settings.energy_correction) if meters else None
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         ends = tuple(master.positions) if watched else coupling.signals
         signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end)
@@ -60,11 +64,11 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         if progress:
             observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
         faults = Faults(scene.faults, coupling, master, mortals, clock)
-        loop = Stepping(master, clock, stride, end, faults.stops())
+        loop = stepping_of(scene, coupling, units, master, account, clock, faults.stops())
         started, outcome, message = perf_counter(), "failed", ""
         try:
             faults.before_start()
-            master.initialize(0.0)
+            (account or master).initialize(0.0)
             started = perf_counter()
             loop.run(observers)
             outcome = "done"
@@ -75,8 +79,10 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative
-        said = dict.fromkeys(str(w.message) for w in heard)
-        info |= {"input_misses": missed, "warnings": [*said, *master.warnings(), *_warnings(missed)]}
+        said = [*dict.fromkeys(str(w.message) for w in heard), *master.warnings(), *loop.warnings()]
+        info |= {"input_misses": missed, "warnings": [*said, *(account.warnings() if account else ()), *_warnings(missed)]}
+        info |= {"energy": account.report()} if account else {}
+        info["counters"] |= {"stepping": loop.report()} if isinstance(loop, Guided) else {}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},

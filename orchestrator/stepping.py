@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
 
-from .algorithms import Master
 from .clock import Clock
 
 Action = Callable[[], None]
+Stops = Mapping[int, Sequence[Action]]
 Observer = Callable[[int, float], None]  # is called with the tick and the time
+
+
+class Steppable(Protocol):
+    """What steps all units: a master, or one whose steps are audited."""
+
+    def step(self, t: float, h: float) -> None:
+        """One step of all units from t to t + h."""
+
+    def save(self, reuse: Any = None) -> Any:
+        """Everything a repeated step depends on."""
+
+    def restore(self, saved: Any) -> None:
+        """Take back what `save` gave."""
 
 
 class Stepping:
@@ -20,7 +34,7 @@ class Stepping:
     their history (`Node.restart`), so that the steps behind it extrapolate nothing of what was before.
     """
 
-    def __init__(self, master: Master, clock: Clock, stride: int, end: int, stops: Mapping[int, Sequence[Action]] | None = None):
+    def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None):
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})
         self.tick = 0
@@ -31,6 +45,10 @@ class Stepping:
         for stop in sorted({self.end, *self.stops}):
             if self.tick < stop <= self.end:
                 self._approach(stop, observers)
+
+    def warnings(self) -> list[str]:
+        """What a user should know of the steps made so far."""
+        return []
 
     def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
         """Step until the tick `stop` is reached, and arrive there."""
@@ -60,32 +78,20 @@ class Stepping:
 def lengths(tick: int, stop: int, stride: int, last: bool) -> Iterator[tuple[int, int]]:
     """Steps from a tick to a stop, as (ticks of a step, number of such steps).
 
-    Between stops steps end at multiples of the stride. What is left over before and after a stop that is no multiple gets no
-    step below half a stride of its own, but shares two equal ones with a whole stride: a chord over a step much shorter than
-    its neighbours extrapolates the rounding of its ends. Only the `last` stop, behind which nothing is extrapolated, ends with
-    what is left.
+    Steps end at multiples of the stride. What is left over before and after a stop that is no multiple gets no step below half
+    a stride of its own, but shares two equal ones with a whole stride: a chord over a step much shorter than its neighbours
+    extrapolates the rounding of its ends. Only the `last` stop, behind which nothing is extrapolated, is met by what is left.
+    Every step follows from tick and stop alone, so a run that is resumed on the way takes the same ones.
     """
-    if stop - tick < 2 * stride and not last:
-        yield from _shared(stop - tick, stride)
-        return
-    head = -tick % stride
-    if 0 < head < stride / 2:
-        head += stride
-    if head and head < stop - tick:
-        yield from _shared(head, stride)
-        tick += head
-    whole, rest = divmod(stop - tick, stride)
-    if whole and rest and (2 * rest < stride) and not last:
-        whole, rest = whole - 1, rest + stride
-    if whole:
-        yield stride, whole
-    yield from [(rest, 1)] if last and rest else _shared(rest, stride)
-
-
-def _shared(length: int, stride: int) -> Iterator[tuple[int, int]]:
-    """A length below two strides in one step, or in two that are equal to one tick."""
-    if length > stride:
-        yield length // 2, 1
-        yield length - length // 2, 1
-    elif length:
-        yield length, 1
+    while (distance := stop - tick) > 0:
+        head, count = stride - tick % stride, 1
+        if distance <= stride:
+            length = distance
+        elif 2 * distance < 3 * stride and not last:
+            length = distance // 2
+        elif head == stride:
+            length, count = stride, distance // stride if last else (2 * distance - 3 * stride) // (2 * stride) + 1
+        else:
+            length = head if 2 * head >= stride else (head + stride) // 2
+        yield length, count
+        tick += length * count

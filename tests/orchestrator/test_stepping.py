@@ -37,6 +37,9 @@ def test_steps_between_two_stops_fill_the_time_and_are_never_short(tick, distanc
     inner = found[:-1] if last else found
     if distance >= stride:  # two that share a length may differ by a tick
         assert all(2 * length >= stride - 1 for length in inner)
+    if len(found) > 1:  # from any place on the way the same steps follow
+        rest = [length for length, count in lengths(tick + found[0], stop, stride, last) for _ in range(count)]
+        assert rest == found[1:]
     ends = tick + np.cumsum(found)
     assert all(end % stride == 0 for end in ends[2:-2])  # two shared steps at either end
 
