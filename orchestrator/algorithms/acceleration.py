@@ -141,23 +141,28 @@ class QuasiNewton:
 class Newton:
     """Newton's method with the Jacobian of the response; a linear circle needs one correction.
 
-    The Jacobian comes from finite differences, n responses. It is kept, over the steps too, while each correction leaves
-    less than CONTRACTION of the residual.
+    The Jacobian comes from finite differences, n responses. It is kept, over the steps too, and corrected by what each guess
+    tells (Broyden 1965), as long as a guess leaves less than CONTRACTION of the residual.
     """
 
     def __init__(self) -> None:
-        self._jacobian: np.ndarray | None = None  # of the residual
-        self._before = np.inf
+        self._jacobian: np.ndarray | None = None  # of the residual, never changed in place
+        self._before: tuple[np.ndarray, np.ndarray, float] | None = None  # guess, residual, its length
 
     def begin(self, sizes: np.ndarray) -> None:
-        self._sizes, self._before = sizes, np.inf
+        self._sizes, self._before = sizes, None
 
     def following(self, guess: np.ndarray, residual: np.ndarray, respond: Respond) -> np.ndarray:
         length = float(np.linalg.norm(residual / self._sizes))
-        if self._jacobian is None or length > CONTRACTION * self._before:
-            self._jacobian = differences(guess, residual, respond, INCREMENT * self._sizes)
-        self._before = length
-        return guess - np.linalg.solve(self._jacobian, residual)
+        jacobian = self._jacobian
+        if jacobian is None or (self._before is not None and length > CONTRACTION * self._before[2]):
+            jacobian = differences(guess, residual, respond, INCREMENT * self._sizes)
+        elif self._before is not None:
+            step, change = guess - self._before[0], residual - self._before[1]
+            direction = step / self._sizes**2
+            jacobian = jacobian + np.outer(change - jacobian @ step, direction / (direction @ step))
+        self._jacobian, self._before = jacobian, (guess, residual, length)
+        return guess - np.linalg.solve(jacobian, residual)
 
     @property
     def memory(self) -> Memory:
