@@ -3,7 +3,7 @@
 A group of one unit has its inputs and is initialized once. In a larger one the units are initialized one after the other until
 their outputs stop changing. Where these sweeps do not settle, a quasi-Newton method goes on from their best result: it takes
 the outputs that the group feeds itself with as unknowns, and learns from all its earlier answers (Anderson's method with full
-memory; for a linear group of n unknowns n + 1 of its steps are enough, whatever the gains).
+memory; for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6).
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Group:
                 break
             miss = float((np.abs(self._values() - before) / self._least).max())
             if miss < least:
-                best, least = self._values(), miss
+                best, least = before, miss
             last = residual
         return self._by_secants(best, sweep)
 
@@ -84,7 +84,7 @@ class Group:
             residual = self._residual(x)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
                 return Settled(self._names, sweeps, k, residual)
-            if residual == np.inf:
+            if not np.isfinite(answer).all():
                 break
             last = residual
             answers.append(answer)
@@ -128,20 +128,21 @@ class Group:
         return float(max(self._changes, default=0.0)) if (np.abs(values) < bound).all() else np.inf
 
     def _check(self) -> None:
-        self._master._check_finite(self._t)
+        self._master.check_finite(self._t)
 
 
 def _foretold(answers: list[np.ndarray], misses: list[np.ndarray], sizes: np.ndarray) -> np.ndarray:
     """What to add to the last answer, (n,), so that the misses of all answers, weighted like this, vanish as far as they can."""
     if len(answers) < 2:
         return np.zeros_like(answers[-1])
-    differences = np.array(misses[:-1]).T - misses[-1][:, None]
-    weights = np.linalg.lstsq(differences / sizes[:, None], -misses[-1] / sizes, rcond=NEW)[0]
+    differences = (np.array(misses[:-1]).T - misses[-1][:, None]) / sizes[:, None]
+    lengths = np.maximum(np.sqrt((differences**2).sum(axis=0)), np.finfo(float).tiny)
+    weights = np.linalg.lstsq(differences / lengths, -misses[-1] / sizes, rcond=NEW)[0] / lengths
     return (np.array(answers[:-1]).T - answers[-1][:, None]) @ weights
 
 
 def _parallel(answers: list[np.ndarray], misses: list[np.ndarray]) -> bool:
-    """Whether answers differ although their misses do not."""
+    """Whether the last answers differ although their misses do not."""
     if len(answers) < 2:
         return False
-    return bool(np.abs(misses[1] - misses[0]).max() < RETURNED * np.abs(answers[1] - answers[0]).max())
+    return bool(np.abs(misses[-1] - misses[-2]).max() < RETURNED * np.abs(answers[-1] - answers[-2]).max())

@@ -24,6 +24,7 @@ CONTRACTION = 0.3  # what a Jacobian may leave of a residual before it is taken 
 LIMIT = 50  # corrections at one point
 HALVINGS = 12  # of a correction that makes the residual larger
 SINGULAR = 1e-7  # smallest over largest singular value of I - dG/dx in sizes of the outputs; below it no answer is certain
+ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 NUDGE = 2.0**-20  # of an output's size, for finite differences
 
 
@@ -53,11 +54,12 @@ class LoopSolver:
                 break
             if self.jacobian is None:
                 self.jacobian, fresh = self._derivatives(x, answer), True
-            tried, given, left = self._corrected(x, answer, residual, HALVINGS if fresh else 1, t)
-            standing = 0.5 * residual <= left <= STANDING
-            if left > CONTRACTION * residual and not standing:
+            tried, given, contraction = self._corrected(x, answer, residual, HALVINGS if fresh else 1, t)
+            left = self._residual(tried, given)
+            standing = left <= STANDING and contraction > 0.5
+            if contraction > CONTRACTION and not standing:
                 self.jacobian = None
-            if left < residual or standing:
+            if contraction < 1.0 or standing:
                 x, answer, residual = tried, given, left
             elif fresh:
                 raise self._failed(left, t)
@@ -73,22 +75,27 @@ class LoopSolver:
 
     def _corrected(self, x: np.ndarray, answer: np.ndarray, residual: float, halvings: int, t: float
                    ) -> tuple[np.ndarray, np.ndarray, float]:
-        """The next x, its answer and its residual; a correction that leads astray is shortened, to the last of `halvings`."""
-        sizes = np.maximum(np.abs(x), self._nominals)
+        """The next x, its answer and what share of the residual is left; a correction that leads astray is shortened.
+
+        `halvings`: how often it is tried at most.
+        """
+        sizes = self._sizes(x, answer)
         assert self.jacobian is not None
         scaled = np.eye(len(x)) - self.jacobian * (sizes / sizes[:, None])
         spread = np.linalg.svd(scaled, compute_uv=False) if np.isfinite(scaled).all() else np.zeros(1)
         if not spread[-1] > SINGULAR * spread[0]:
             raise StepFailed(", ".join(self.loop.units), t, f"the algebraic loop of {self.loop.text} has no single solution: "
                              f"its gain is 1 there (residual {residual:.2g})", "Change a gain, or give one of the units a state")
-        change = sizes * np.linalg.solve(scaled, (answer - x) / sizes)
+        missed = answer - x
+        change = sizes * np.linalg.solve(scaled, missed / sizes)
         for halving in range(halvings):
             tried = x + change * 0.5**halving
-            answer = self._answer(tried)
-            left = self._residual(tried, answer)
-            if left < residual or left <= STANDING:
+            given = self._answer(tried)
+            sizes = self._sizes(tried, given)
+            left = float(np.max(np.abs(given - tried) / sizes) / np.max(np.abs(missed) / sizes))
+            if left < 1.0:
                 break
-        return tried, answer, left
+        return tried, given, left if np.isfinite(left) else np.inf
 
     def _present(self) -> np.ndarray:
         return np.array([self._signals[k] for k in self._cells])
@@ -105,10 +112,14 @@ class LoopSolver:
             signals[node.place] = node.unit.get()
         return self._present()
 
+    def _sizes(self, x: np.ndarray, answer: np.ndarray) -> np.ndarray:
+        """What changes of the outputs are compared with, (n,)."""
+        return np.maximum(np.maximum(np.abs(x), np.abs(answer)), ABOUT_ZERO * self._nominals)
+
     def _residual(self, x: np.ndarray, answer: np.ndarray) -> float:
         """Largest change from x to its answer, relative to their size; infinite where it is no number."""
-        change = np.abs(answer - x) / np.maximum(np.maximum(np.abs(x), np.abs(answer)), 1e-3 * self._nominals)
-        return float(change.max()) if np.isfinite(change).all() else np.inf
+        worst = float(np.max(np.abs(answer - x) / self._sizes(x, answer)))
+        return worst if np.isfinite(worst) else np.inf
 
     def _derivatives(self, x: np.ndarray, answer: np.ndarray) -> np.ndarray:
         """dG/dx, (n, n)."""
