@@ -6,7 +6,7 @@ import ast
 import hashlib
 import os
 import zipfile
-from importlib.util import find_spec
+from importlib.metadata import distribution
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
@@ -19,7 +19,8 @@ from .description import documentation, model_description
 
 COMPONENTS = Path(components.__file__).parent
 HERE = Path(__file__).parent
-PYTHONFMU = Path(find_spec("pythonfmu").origin).parent  # type: ignore[union-attr, arg-type]
+# what is installed: a running FMU of another maker may have put a copy of its own, without binaries, in front of it
+PYTHONFMU = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 
 SCRIPT = '''

@@ -28,7 +28,7 @@ class GaussSeidel(Master):
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), **settings):
         super().__init__(units, coupling, watched, **settings)
         ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
-        self._late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
+        self.late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """Each group of the graph behind those that feed it."""
@@ -40,7 +40,7 @@ class GaussSeidel(Master):
 
     def step(self, t: float, h: float) -> None:
         signals = self.signals
-        for node, late in zip(self.nodes, self._late, strict=True):
+        for node, late in zip(self.nodes, self.late, strict=True):
             unit = node.unit
             if node.sources:
                 if late == 0 and node.follows:

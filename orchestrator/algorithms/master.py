@@ -142,7 +142,7 @@ class Master:
         signals: Row = np.zeros(whole) if wide else [0.0] * whole
         self.signals = signals
         self.sample = signals[:n].tolist if wide else (lambda: signals[:n]) if guessed else lambda: signals
-        sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read] + [0.0] * len(guessed)
+        self.weights = sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read] + [0.0] * len(guessed)
         inverse = np.array(sizes)
         self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
         self.steps = 0
@@ -154,8 +154,8 @@ class Master:
         make = SmoothNode if smoothing else Node
         nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
         self.nodes = [nodes[name] for name in order]
-        self._passes, self._loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
-        self._follow = self._follow_with_loops if self._loops else self._follow_once
+        self.passes, self.loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
+        self._follow = self._follow_with_loops if self.loops else self._follow_once
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
@@ -227,9 +227,9 @@ class Master:
         for node in self.nodes:
             node.unit.start()
             signals[node.place] = node.unit.get()
-        for loop in self._loops:
+        for loop in self.loops:
             loop.solve(t)
-        self._check_finite(t)
+        self.check_finite(t)
         for node in self.nodes:
             node.history.push(node.inputs(), 0.0)
 
@@ -259,8 +259,8 @@ class Master:
             "initial_sweeps": max((group.sweeps + group.secants for group in self.settled), default=0),
             "initial_residual": max((group.residual for group in self.settled), default=0.0),
         }
-        if self._loops:
-            counters["algebraic_loops"] = {solver.loop.text: solver.counters() for solver in self._loops}
+        if self.loops:
+            counters["algebraic_loops"] = {solver.loop.text: solver.counters() for solver in self.loops}
         return counters
 
     def warnings(self) -> list[str]:
@@ -272,7 +272,7 @@ class Master:
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
         return Saved(units, self.signals[:] if isinstance(self.signals, list) else self.signals.copy(),
                      [copy(node.history) for node in self.nodes], [(node.reached, node.fresh) for node in self.nodes], self.steps,
-                     [loop.jacobian for loop in self._loops])
+                     [loop.jacobian for loop in self.loops])
 
     def restore(self, saved: Saved) -> None:
         """Take back what `save` gave; it can be restored again."""
@@ -282,7 +282,7 @@ class Master:
             node.unit.restore(state)
             node.history.take(past)
             node.reached, node.fresh = ends
-        for loop, jacobian in zip(self._loops, saved.jacobians, strict=True):
+        for loop, jacobian in zip(self.loops, saved.jacobians, strict=True):
             loop.jacobian = jacobian
 
     def _finish(self, t: float, h: float) -> None:
@@ -292,7 +292,7 @@ class Master:
             if node.sources:
                 node.history.push(node.inputs() if node.fresh is None or updated else node.fresh, h)
         self.steps += 1
-        self._check_finite(t + h)
+        self.check_finite(t + h)
 
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
@@ -302,7 +302,7 @@ class Master:
 
     def _follow_once(self, t: float) -> bool:
         """Update the units whose outputs depend on inputs that have moved; tells whether there were any."""
-        return self._update(self._passes, False)
+        return self._update(self.passes, False)
 
     def _follow_with_loops(self, t: float) -> bool:
         """The same, and solve the algebraic loops, each where it stands among them."""
@@ -326,7 +326,7 @@ class Master:
                     updated = True
         return updated
 
-    def _check_finite(self, t: float) -> None:
+    def check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
         if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
             for (unit, name), value in zip(self.positions, self.sample(), strict=True):

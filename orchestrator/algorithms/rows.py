@@ -19,6 +19,11 @@ class Lists:
     """Rows that are lists."""
 
     @staticmethod
+    def of_array(values: np.ndarray) -> Row:
+        """A row of its own with these values, (n,)."""
+        return values.tolist()
+
+    @staticmethod
     def picker(table: Any, positions: Sequence[int]) -> Callable[[], Row]:
         """A function that gives the table's present values at the positions."""
         cells = table if isinstance(table, list) else memoryview(table)
@@ -69,6 +74,11 @@ class Lists:
 
 class Arrays:
     """Rows that are arrays."""
+
+    @staticmethod
+    def of_array(values: np.ndarray) -> Row:
+        """As in `Lists`."""
+        return values.copy()
 
     @staticmethod
     def picker(table: Any, positions: Sequence[int]) -> Callable[[], Row]:

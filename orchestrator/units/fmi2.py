@@ -18,6 +18,7 @@ from fmpy.logging import addLoggerProxy
 
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
+from .machine import Machine, machine
 
 DISCARD, PENDING = 2, 5
 STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
@@ -65,9 +66,28 @@ class Fmi2CoSimulation(Fmi2Unit):
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
 
+    def machine(self) -> Machine | None:
+        """For compiled steps; None where they need Python."""
+        interface = self._interface()
+        if interface.canRunAsynchronuously:
+            return None
+        return machine(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
+                       interface.canInterpolateInputs, self._scalars)
+
+    def keeps_states(self) -> bool:
+        """Whether a step may be repeated from an earlier state."""
+        return not self._states.none
+
+    def stepped(self, steps: int, t: float, status: int) -> None:
+        """Compiled code has taken steps of this unit; the call behind them, at t, gave this status."""
+        self._steps += steps
+        self._time = t
+        if status > WARNING:
+            self._not_done(status, t)
+
     def step(self, t: float, h: float) -> None:
         self._time = t
-        status = self._do_step(self._instance, t, h, not self._states)
+        status = self._do_step(self._instance, t, h, self._states.none)
         self._steps += 1
         if status > WARNING:
             self._not_done(status, t)

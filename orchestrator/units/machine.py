@@ -1,0 +1,38 @@
+"""What compiled code needs of an FMU of FMI 2.0 to call it without Python: addresses, as plain numbers."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .description import Scalar, has_companions
+from .values import blocks
+
+HELD, COMPANIONS, DERIVATIVES, MEAN = range(4)  # ways to give an FMU inputs that change over a step, see `inputs`
+FUNCTIONS = ("GetReal", "SetReal", "SetRealInputDerivatives", "DoStep")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Addresses: of `FUNCTIONS`, the instance, the references of inputs and outputs, the orders 1 ... 1, 2 ... 2 of inputs."""
+
+    calls: tuple[int, ...]
+    way: int
+    alive: tuple[Any, ...]  # the memory that addresses point to
+
+
+def machine(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
+            scalars: Mapping[str, Scalar]) -> Machine | None:
+    """The machine of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
+    companions = has_companions(scalars, inputs)
+    names = [*inputs, *(f"der({n})" for n in inputs), *(f"der({n},2)" for n in inputs)] if companions else inputs
+    found = [blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs)]
+    if any(len(part) > 1 or (part and not (part[0].type.suffix == "Real" and part[0].straight)) for part in found):
+        return None
+    orders = (ctypes.c_int * (2 * len(inputs)))(*[1] * len(inputs), *[2] * len(inputs))
+    references = [ctypes.addressof(part[0].references) if part else 0 for part in found]
+    calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS]
+    way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
+    return Machine((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (found, orders))
