@@ -1,0 +1,262 @@
+"""What a run will need, before it is made: how long its macro step may be, and how long it will take.
+
+Where two units feed one another without delay in between (one gets forces and moves, the other gives forces for that motion)
+the limit of the macro step is known in closed form once stiffness, damping and the masses behind the forces are. The units tell
+them when probed: the giver by small changes of its inputs at the start, the mover by short steps under slightly changed forces,
+which are then taken back. What answers with the square of the time is a mass. What answers in proportion to it is a damper,
+such as a long wire, or a velocity. Several forces and motions are taken apart into the modes of the pair.
+
+What damps a pair beside its contact is not seen: a step somewhat above the limit may do. How much damping the coupling takes
+away at the scene's step is therefore told as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from math import ceil, inf, log, pi, sqrt
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from components.core.errors import BadInput
+from components.core.measure import parse
+
+from .algorithms import master_of
+from .algorithms.master import Master
+from .coupling import Coupling, settle
+from .graph import Link
+from .scene import Scene
+from .stability import longest_step, radius
+from .units import Unit, open_unit
+from .units.interface import Row
+
+SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
+NUDGE = 1e-4  # of a value or its nominal value
+NOISE = 1e-6  # of the largest entry: what probing does not resolve
+TOLERABLE = 0.01  # of critical damping that a coupling may take away before it is warned of
+WARM, MOST, ENOUGH = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
+FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The mode of a pair of units that limits the macro step most, at the start of the run.
+
+    omega2: stiffness over mass, 1/s²; 0 for a damper alone. damping: damper over mass, 1/s. longest: stable macro steps, s, of
+    degrees 0, 1 and 2. left: share of critical damping that remains at the scene's step; below 0 the motion grows.
+    """
+
+    mover: str
+    giver: str
+    omega2: float
+    damping: float
+    longest: tuple[float, float, float]
+    left: float
+
+    @property
+    def frequency(self) -> float:
+        """Of the mass on the spring, Hz."""
+        return sqrt(self.omega2) / (2.0 * pi)
+
+    @property
+    def share(self) -> float:
+        """Of critical damping; infinite for a damper alone."""
+        return self.damping / (2.0 * sqrt(self.omega2)) if self.omega2 > 0.0 else inf
+
+
+@dataclass(frozen=True)
+class Advice:
+    """contacts: what the units told. unknown: why other pairs did not. steps: of the run. seconds: of real time for each."""
+
+    contacts: tuple[Contact, ...]
+    unknown: tuple[str, ...]
+    steps: int
+    seconds: float
+
+    def warnings(self, scene: Scene) -> list[str]:
+        """What is wrong with the scene's macro step."""
+        degree, step = scene.master.extrapolation, scene.master.step
+        return [f"a macro step of {step:g} s takes {_percent(c.share - c.left)} damping away from {c.mover} against {c.giver}, "
+                f"which is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another master.extrapolation"
+                for c in self.contacts if c.left < -TOLERABLE]
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} % of critical" if share < inf else "more than all"
+
+
+def advise(scene: Scene, *, in_process: bool = False) -> Advice:
+    """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
+    coupling = settle(scene)
+    with ExitStack() as stack:
+        units: dict[str, Unit] = {}
+        for name, settings in scene.units.items():
+            units[name] = open_unit(name, settings, in_process=in_process)
+            stack.callback(units[name].close)
+        master = master_of(scene, units, coupling)
+        master.initialize(0.0)
+        contacts, unknown = _contacts(scene, coupling, master, units)
+        return Advice(contacts, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
+
+
+def _timed(scene: Scene, master: Master) -> float:
+    """Median time of a macro step, s."""
+    h, times, spent = scene.master.step, [], 0.0
+    for k in range(min(WARM + MOST, int(scene.stop_time / h * (1.0 + 1e-12)))):
+        begin = perf_counter()
+        master.step(k * h, h)
+        times.append(perf_counter() - begin)
+        spent += times[-1] if k >= WARM else 0.0
+        if spent > ENOUGH:
+            break
+    return median(times[WARM:] or times)
+
+
+def _contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
+              ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
+    """What each pair of units tells, and why the others do not."""
+    found, unknown = [], []
+    if scene.master.algorithm not in ("jacobi", "gauss-seidel"):
+        return (), ()
+    pairs = dict.fromkeys((link.source[0], link.target[0]) for link in coupling.links)
+    for giver, mover in pairs:
+        back = [link for link in coupling.links if (link.source[0], link.target[0]) == (mover, giver)]
+        at_once = coupling.interfaces[giver].outputs
+        forces = [link for link in coupling.links if (link.source[0], link.target[0]) == (giver, mover)
+                  and {m.target[1] for m in back} & set(at_once[link.source[1]].feedthrough or ())]
+        if not any(_is_force(_unit(link, coupling)) for link in forces):
+            continue
+        if reason := _obstacle(scene, coupling, forces):
+            unknown.append(f"{mover} and {giver}: {reason}")
+            continue
+        probe = _Probe(scene, coupling, master, units)
+        gains = probe.gains(forces, back)
+        worst = None
+        for omega2, damping in _modes(*(-gains @ part for part in probe.answers(forces, back))):
+            contact = _contact(scene, mover, giver, omega2, damping)
+            if worst is None or contact.left < worst.left:
+                worst = contact
+        if worst is not None:
+            found.append(worst)
+        elif gains.any():
+            unknown.append(f"{mover} and {giver}: nothing holds {mover} back at the start")
+    return tuple(found), tuple(unknown)
+
+
+def _contact(scene: Scene, mover: str, giver: str, omega2: float, damping: float) -> Contact:
+    """A mode with its limits under the scene's algorithm."""
+    degree, h = scene.master.extrapolation, scene.master.step
+    delay = int(scene.master.feedthrough == "stale")
+    limits = [longest_step(omega2, damping, p, delay) for p in range(3)]
+    grown = radius(omega2 * h * h, damping * h, degree, delay)
+    left = -log(grown) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
+    return Contact(mover, giver, omega2, damping, (limits[0], limits[1], limits[2]), left)
+
+
+def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]:
+    """(stiffness over mass, damper over mass) of the modes of two matrices, (n, n) each, that something holds back.
+
+    Modes of the stiffness with the damping that each has of its own; of the damping where nothing is stiff.
+    """
+    stiff = np.abs(omega2).max() > NOISE * np.abs(damping).max() ** 2
+    values, vectors = np.linalg.eig(omega2 if stiff else damping)
+    if np.linalg.cond(vectors) > 1.0 / NOISE:
+        return []
+    held = values.real > NOISE * np.abs(values).max()
+    if not stiff:
+        return [(0.0, float(v)) for v in values.real[held]]
+    own = np.diag(np.linalg.solve(vectors, damping @ vectors)).real
+    return [(float(v), max(float(d), 0.0)) for v, d in zip(values.real[held], own[held], strict=True)]
+
+
+def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link]) -> str:
+    """Why a pair of units cannot be probed, or has no closed form; "" where it can."""
+    giver, mover = forces[0].source[0], forces[0].target[0]
+    for name in (giver, mover):
+        if not coupling.interfaces[name].saves_state:
+            return f"{name} cannot save its state"
+        if name in coupling.rates:
+            return f"{name} has a rate of its own"
+    for link in forces:
+        if not _is_force(_unit(link, coupling)):
+            return f"{mover} gets {link.target[1]} beside forces"
+    if scene.master.smoothing:
+        return "smoothed inputs have other limits"
+    if scene.master.feedthrough == "stale" and scene.master.algorithm != "jacobi":
+        return f"stale outputs with {scene.master.algorithm} have other limits"
+    return ""
+
+
+def _unit(link: Link, coupling: Coupling) -> str:
+    return coupling.interfaces[link.target[0]].inputs[link.target[1]].unit
+
+
+def _is_force(unit: str) -> bool:
+    """Whether a unit of measure is one of forces, or not declared."""
+    try:
+        return not unit or parse(unit).exponents[:7] in FORCES
+    except BadInput:  # a unit of measure that an FMU made up
+        return False
+
+
+class _Probe:
+    """Changes inputs a little, looks at what follows, and takes it back."""
+
+    def __init__(self, scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]):
+        self._coupling, self._master, self._units = coupling, master, units
+        self._nodes = {node.unit.name: node for node in master.nodes}
+        self._step = scene.master.step
+
+    def gains(self, forces: Sequence[Link], motions: Sequence[Link]) -> np.ndarray:
+        """Derivatives of force inputs with respect to motion outputs, through both connections, (forces, motions)."""
+        unit = self._units[forces[0].source[0]]
+        columns = [self._changes(link, unit.update, forces) * link.factor for link in motions]
+        return np.array([force.factor for force in forces])[:, None] * np.array(columns).T
+
+    def answers(self, forces: Sequence[Link], motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
+        """Second and first time derivatives of motion outputs per unit of force, (motions, forces) each.
+
+        An output has one of both: that which its answers to steps of one and of two lengths show.
+        """
+        interface = self._coupling.interfaces[forces[0].target[0]]
+        for share in SPANS:
+            h = interface.fixed_step or (share * self._step if interface.variable_step else self._step)
+            once, twice = (np.array([self._changes(force, self._stepping(force, span), motions) for force in forces]).T
+                           for span in (h, 2.0 * h))
+            if once.any():
+                break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            powers = np.round(np.log2(twice / once))
+        return np.where(powers == 2.0, 2.0 * once / h**2, 0.0), np.where(powers == 1.0, once / h, 0.0)
+
+    def _stepping(self, force: Link, h: float) -> Callable[[Row], None]:
+        unit = self._units[force.target[0]]
+
+        def advance(values: Row) -> None:
+            unit.drive(values, None, None, h)
+            unit.step(0.0, h)
+
+        return advance
+
+    def _changes(self, link: Link, act: Callable[[Row], None], outputs: Sequence[Link]) -> np.ndarray:
+        """Derivatives of the outputs that feed some links with respect to the input of one, (n,), after `act` with its values."""
+        name, input_ = link.target
+        node, unit = self._nodes[name], self._units[name]
+        k = node.links.index(link)
+        places = [self._master.positions[output.source] - node.place.start for output in outputs]
+        value = float(node.inputs()[k])
+        nudge = NUDGE * max(abs(value), self._coupling.interfaces[name].inputs[input_].nominal)
+        found = []
+        for moved in (value - nudge, value + nudge):
+            values = node.inputs()
+            values[k] = moved
+            state = unit.save()
+            act(values)
+            given = unit.get()
+            found.append(np.array([given[place] for place in places]))
+            unit.restore(state)
+            unit.release(state)
+        return (found[1] - found[0]) / ((value + nudge) - (value - nudge))
