@@ -16,8 +16,12 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     """The running FMU of a scene's entry; a component of the catalogue is built first if the cache has no FMU of it."""
     where = f"units.{name}"
     if settings.fmu:
-        found = read(settings.fmu, f"{where}.fmu").sized(settings.parameters, where)
+        found = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects} | settled(found, settings.parameters, where)
+        if found.exchange:
+            from .model_exchange import Fmi2ModelExchange
+
+            return Fmi2ModelExchange(name, found, given, settings.tolerance, settings.solver or "CVode")
         return _class(found)(name, found, given, settings.tolerance)
     from fmus.build import built
 

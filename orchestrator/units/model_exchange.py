@@ -1,0 +1,267 @@
+"""An FMU of FMI 2.0 for model exchange as a unit: it gives equations and events, the integrator is ours.
+
+Inputs follow their polynomials wherever the integrator looks. It begins anew with every macro step, because the inputs
+jump there, and so the FMU's own state is all that a repeated step depends on. An event is one of time, announced by the
+FMU, one of state, where an event indicator changes between positive and not positive, or one of a completed step; all of
+them are dealt with inside the macro step.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite, ulp
+from typing import Any
+
+import numpy as np
+from fmpy.fmi2 import FMU2Model, fmi2EventInfo
+
+from components.core.errors import StepFailed
+
+from .description import Description
+from .fmi2 import DISCARD, Fmi2Unit
+from .inputs import WARNING
+from .interface import Row
+from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
+from .states import State
+from .values import signature
+
+TOLERANCE = 1e-6  # relative, where neither the scene nor the FMU gives one
+ITERATIONS = 100  # of the discrete states at an event
+EVENTS = 10_000  # in one step
+REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
+
+
+class Fmi2ModelExchange(Fmi2Unit):
+    """An FMU of FMI 2.0 for model exchange, with an integrator."""
+
+    fmpy_class = FMU2Model
+
+    def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None, method: str):
+        experiment = description.model.defaultExperiment
+        suggested = float(experiment.tolerance or 0.0) if experiment is not None else 0.0
+        self.kind = f"FMU for model exchange with {method}"
+        self._method, self._relative = method, tolerance or suggested or TOLERANCE
+        self._n, self._nz = len(description.model.derivatives), int(description.model.numberOfEventIndicators or 0)
+        self._solver: Solver | None = None
+        self._worst = DONE  # worst status of an equation since the last look
+        self._counts = dict.fromkeys(("solver_steps", "derivative_calls", "events"), 0)
+        super().__init__(name, description, values, self._relative)
+
+    # Calls of the library
+
+    def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        super().wire(inputs, outputs)
+        self._instance = self._fmu.component
+        self._polynomial: tuple[np.ndarray, ...] | None = None  # values, slopes, halves of the moving inputs over this step
+        self._origin = 0.0  # and when they begin
+        self._last_held: list[Any] | None = None
+        if self._reals is not None:
+            block = self._reals.block
+            self._target = np.ctypeslib.as_array(block.buffer)
+            self._moving_at = np.array(block.at[: len(self._rows[0])])
+            self._set_moving = self._function("SetReal", *signature(False))
+            self._moving_arguments = (self._instance, *block.first(len(self._rows[0])))
+        if inputs:
+            self.drive = self._drive
+        self._set_time = self._function("SetTime", REAL)
+        self._set_states = self._function("SetContinuousStates", POINTER, SIZE)
+        self._get_states = self._function("GetContinuousStates", POINTER, SIZE)
+        self._get_derivatives = self._function("GetDerivatives", POINTER, SIZE)
+        self._get_indicators = self._function("GetEventIndicators", POINTER, SIZE)
+        self._tell_completed = self._function("CompletedIntegratorStep", ctypes.c_int, POINTER, POINTER)
+        self._needs_completed = not self._interface().completedIntegratorStepNotNeeded
+        self._flags = (ctypes.c_int * 2)()  # event mode wanted, end of the simulation wanted
+        flags = ctypes.addressof(self._flags)
+        self._flag_places = (flags, flags + ctypes.sizeof(ctypes.c_int))
+        self._info = fmi2EventInfo()
+        self._x, self._z, self._signs = np.zeros(self._n), np.zeros(self._nz), np.zeros(self._nz, dtype=bool)
+
+    def _move_inputs(self, t: float) -> int:
+        """The continuous inputs where their polynomials are at t."""
+        if self._polynomial is None:
+            return DONE
+        s = t - self._origin
+        values, slopes, halves = self._polynomial
+        self._target[self._moving_at] = values + s * (slopes + s * halves)
+        return self._set_moving(*self._moving_arguments)
+
+    def _at(self, t: float, x: int) -> int:
+        """The FMU stands at t with the states at an address; the worst status of the calls."""
+        status = self._set_time(self._instance, t)
+        if self._n:
+            status = max(status, self._set_states(self._instance, x, self._n))
+        return max(status, self._move_inputs(t))
+
+    def _answer(self, status: int) -> int:
+        """A status of FMI as the integrator wants it; one that is bad is kept for the message."""
+        if status <= WARNING:
+            return DONE
+        self._worst = max(self._worst, status)
+        return AGAIN if status == DISCARD else FAILED
+
+    def _f(self, t: float, x: int, dx: int) -> int:
+        self._counts["derivative_calls"] += 1
+        status = max(self._at(t, x), self._get_derivatives(self._instance, dx, self._n))
+        if status > WARNING:
+            return self._answer(status)
+        return DONE if isfinite(sum((REAL * self._n).from_address(dx))) else AGAIN
+
+    def _g(self, t: float, x: int, z: int) -> int:
+        return self._answer(max(self._at(t, x), self._get_indicators(self._instance, z, self._nz)))
+
+    # Events
+
+    def start(self) -> None:
+        super().start()
+        self._solver = make_solver(self._method, self._n, self._nz, self._f, self._g, self._relative)
+        self._settle(nominals=True)
+
+    def _event(self, t: float) -> None:
+        """In event mode: find the discrete states, and go on in continuous time."""
+        self._time = t
+        self._counts["events"] += 1
+        self._call("EnterEventMode")
+        self._settle()
+
+    def _settle(self, nominals: bool = False) -> None:
+        info = self._info
+        for _ in range(ITERATIONS):
+            self._call("NewDiscreteStates", ctypes.pointer(info))
+            if info.terminateSimulation:
+                self._asked_to_end(self._time)
+            nominals = nominals or bool(info.nominalsOfContinuousStatesChanged)
+            if not info.newDiscreteStatesNeeded:
+                break
+        else:
+            reason = f"discrete states that do not settle in {ITERATIONS} iterations"
+            raise StepFailed(self.name, self._time, reason + self._said())
+        self.next_event = info.nextEventTime if info.nextEventTimeDefined else inf
+        self._call("EnterContinuousTimeMode")
+        assert self._solver is not None
+        if nominals and self._n:
+            sizes = np.zeros(self._n)
+            self._call("GetNominalsOfContinuousStates", POINTER(sizes.ctypes.data), SIZE(self._n))
+            self._solver.tolerate(self._relative * np.abs(sizes))
+        self._signs = self._present_signs()
+
+    def _present_signs(self) -> np.ndarray:
+        if self._nz:
+            self._check(self._get_indicators(self._instance, self._z.ctypes.data, self._nz))
+        return self._z > 0.0
+
+    def _restart(self, t: float) -> None:
+        """The integrator begins anew with the FMU's states."""
+        assert self._solver is not None
+        if self._n:
+            self._check(self._get_states(self._instance, self._x.ctypes.data, self._n))
+        self._solver.restart(t, self._x)
+
+    # Inputs
+
+    def _drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        moving, _, held = self._rows
+        if held:
+            self._hold([values[k] for k in held])
+        if moving:
+            none = np.zeros(len(moving))
+            rows = [none if row is None else np.asarray(row, dtype=float)[moving] for row in (values, slopes, halves)]
+            self._polynomial = tuple(rows)
+
+    def _hold(self, values: list[Any]) -> None:
+        """Inputs that change at instants only; after the initialization they do it in event mode, and only where they change."""
+        if not self._started:
+            super()._hold(values)
+        elif values != self._last_held:
+            self._call("EnterEventMode")
+            super()._hold(values)
+            self._settle()
+        self._last_held = values
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        if self._started:
+            self._call("EnterEventMode")
+        super().set_texts(values)
+        if self._started:
+            self._settle()
+
+    # The step
+
+    def step(self, t: float, h: float) -> None:
+        self._time, self.event, self._origin = t, None, t
+        self._steps += 1
+        try:
+            self._integrate(t, t + h)
+        except SolverFailed as error:
+            if self._worst > DISCARD:
+                self._failed(self._worst)
+            self._healthy = False
+            raise StepFailed(self.name, self._time, f"{self._method} cannot go on: {error}{self._said()}",
+                             "A smaller macro step or another solver may help") from None
+        finally:
+            self._polynomial = None  # the FMU keeps the inputs of the end
+
+    def _integrate(self, t: float, end: float) -> None:
+        near, now = 4.0 * ulp(end), t
+        self._check(max(self._set_time(self._instance, t), self._move_inputs(t)))
+        if (self._present_signs() != self._signs).any():  # the inputs have jumped over a threshold
+            self._event(t)
+        self._restart(t)
+        for _ in range(EVENTS):
+            goal = self.next_event if self.next_event <= end + near else end
+            now, event = self._until_event(now, goal)
+            if event:
+                if self.event is None and now - t > near:
+                    self.event = now
+                self._event(now)
+            if end - now <= near and self.next_event > now:
+                return
+            self._restart(now)
+        raise StepFailed(self.name, now, f"more than {EVENTS} events in one step{self._said()}")
+
+    def _until_event(self, now: float, goal: float) -> tuple[float, bool]:
+        """Integrate to the goal or to an event before it: (time reached, whether there is an event)."""
+        solver = self._solver
+        assert solver is not None
+        while True:
+            crossed = False
+            if goal - now > 4.0 * ulp(goal):
+                now, crossed = solver.advance(goal)
+                self._counts["solver_steps"] += 1
+            else:
+                now = max(goal, now)
+            self._time = now
+            self._check(self._at(now, solver.address))
+            wanted, signs = self._completed(now), self._present_signs()
+            if wanted or crossed or now >= self.next_event or (signs != self._signs).any():
+                return now, True
+            if now >= goal:
+                return now, False
+
+    def _completed(self, now: float) -> bool:
+        """Tell the FMU of a completed step; whether it wants event mode."""
+        if not self._needs_completed:
+            return False
+        self._check(self._tell_completed(self._instance, self._states.none, *self._flag_places))
+        wanted, ends = self._flags
+        if ends:
+            self._asked_to_end(now)
+        return bool(wanted)
+
+    # The rest
+
+    def restore(self, state: State) -> None:
+        super().restore(state)
+        self._polynomial, self._signs = None, self._present_signs()
+        self._last_held = [None] * len(self._rows[2])
+        for block in self._held.blocks:
+            for row, value in zip(block.rows, self._read(block), strict=True):
+                self._last_held[row] = value
+
+    def work(self) -> dict[str, int]:
+        return {"steps": self._steps, **self._counts}
+
+    def close(self) -> None:
+        super().close()
+        if self._solver is not None:
+            self._solver.close()
