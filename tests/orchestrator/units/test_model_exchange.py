@@ -76,10 +76,10 @@ def test_a_ball_bounces_when_it_should(solver, step):
     result = run(read_scene(scene(step=step, stop=2.0, solver=solver, tolerance=relative)))
     assert result.outcome == "done", result.message
     counted = result.info["counters"]["units"]["f"]
-    exact, bounces = zip(*map(height, result.time), strict=True)
-    ticks = np.abs(result.time / step - np.rint(result.time / step)) < 1e-9  # and not the instants of the bounces themselves
-    assert ticks.sum() == round(2.0 / step) + 1
-    assert result["f.bounces"][ticks].tolist() == np.array(bounces)[ticks].tolist()
+    exact = [height(t)[0] for t in result.time]
+    before, after = ([height(t + s)[1] for t in result.time] for s in (-1e-6, 1e-6))
+    assert max(before) == 4
+    assert all(b <= n <= a for b, n, a in zip(before, result["f.bounces"], after, strict=True))
     assert np.abs(result["f.h"] - exact).max() < 4 * counted["solver_steps"] * SPREAD * relative
 
 
