@@ -74,11 +74,20 @@ class OrSubsystem:
 
 
 def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested tables and lists as the full names of variables: "effect.name", "name[1]"."""
+    """Nested tables and lists as the full names of variables: "effect.name", "name[1]", "name[1,2]"."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flattened(value, f"{prefix}{key}.")
         elif isinstance(value, list | tuple):
-            yield from ((f"{prefix}{key}[{i}]", v) for i, v in enumerate(value, 1))
+            yield from ((f"{prefix}{key}[{','.join(place)}]", v) for place, v in _elements(value))
         else:
             yield prefix + key, value
+
+
+def _elements(values: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Elements of nested lists, each with its indices from 1."""
+    for i, value in enumerate(values, 1):
+        if isinstance(value, list | tuple):
+            yield from _elements(value, (*place, str(i)))
+        else:
+            yield (*place, str(i)), value

@@ -60,6 +60,7 @@ class Description:
     model: ModelDescription
     scalars: Mapping[str, Scalar]
     derives: bool  # the co-simulation interface gives directional derivatives
+    texts: Mapping[str | None, Sequence[str]]  # start values of texts, which FMPy does not read of arrays
     exchange: bool = False  # the interface for model exchange is used, not the one for co-simulation
 
     @property
@@ -106,7 +107,7 @@ class Description:
         for name, size in sizes.items():
             if not isinstance(size, int) or isinstance(size, bool) or size < 0:
                 raise BadInput(f"{where}.parameters", f"{name} = {size!r}", "a whole number of elements")
-        return replace(self, scalars=_scalars(self.model, sizes, {}))
+        return replace(self, scalars=_scalars(self.model, sizes, self.texts))
 
 
 def read(path: str, where: str) -> Description:
@@ -128,14 +129,18 @@ def _read(path: str, _changed: int, where: str) -> Description:
         raise BadInput(where, f"{path} (FMI {found.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
     if found.coSimulation is None and found.modelExchange is None:
         raise BadInput(where, f"{path}, for scheduled execution only", "an FMU for co-simulation or model exchange")
+    for v in found.modelVariables:
+        if v.type == "Clock" and v.causality == "input" and v.intervalVariability != "triggered":
+            raise BadInput(where, f"{path} with the clock {v.name!r}, which its importer has to tick",
+                           "an FMU without such clocks; it would stand still")
     flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
              for plural in ("", "s")]  # FMPy knows that of FMI 2
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags))
+    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags), texts)
 
 
 def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:
-    """Scalars by name; `sizes`: changed structural parameters; `texts`: start values of array of texts."""
+    """Scalars by name; `sizes`: changed structural parameters; `texts`: start values of arrays of texts."""
     found: dict[str, Scalar] = {}
     for v in model.modelVariables:
         if v.type in NEITHER:
@@ -178,7 +183,8 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     named = dict.fromkeys(settings.effects, "named in the scene")
     there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
     direct = {u.variable.name: u.dependencies for u in found.model.outputs}
-    inputs = {n: _signal(s, ()) for n, s in there.items() if s.variable.causality == "input" and not is_companion(n, found.scalars)}
+    inputs = {n: _signal(s, ()) for n, s in there.items()
+              if s.variable.causality == "input" and not is_companion(n, found.scalars)}
     real = [n for n, s in inputs.items() if s.kind == "real"]
     return Interface(
         title=found.model.description or found.model.modelName,
@@ -187,6 +193,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
                  for n, s in there.items() if s.variable.causality == "output"},
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
+        refused={v.name: v.type for v in found.model.modelVariables if v.type in NEITHER},
         **_capabilities(found, real),
     )
 

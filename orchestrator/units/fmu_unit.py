@@ -24,7 +24,7 @@ from .description import Description
 from .inputs import WARNING, Others, Reals, means
 from .interface import WIDE, Row
 from .states import State, States
-from .values import Block, blocks, decoded, signature
+from .values import EXACT, Block, blocks, decoded, signature
 
 if TYPE_CHECKING:
     from components.core.component import Component
@@ -211,7 +211,7 @@ class FmuUnit:
         if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
             return self._straight_reader(*calls[0], found[0], arrays)
         order = np.argsort([row for b in found for row in b.rows]).tolist()
-        failed = self._failed
+        failed, exact = self._failed, self._exact
 
         def read() -> Row:
             values: list[float] = []
@@ -219,11 +219,21 @@ class FmuUnit:
                 status = call(*arguments)
                 if status > WARNING:
                     failed(status)
-                values += map(float, decoded(block))
+                part = decoded(block)
+                if block.type.high > EXACT:
+                    exact(names, block, part)
+                values += map(float, part)
             values = [values[k] for k in order]
             return np.array(values) if arrays else values
 
         return read
+
+    def _exact(self, names: Sequence[str], block: Block, values: Sequence[int]) -> None:
+        """Whole numbers of 64 bits travel as floats, which may not change them."""
+        for row, value in zip(block.rows, values, strict=True):
+            if abs(value) > EXACT:
+                raise StepFailed(self.name, self._time, f"output {names[row]} is {value}, beyond the whole numbers up to 2^53 "
+                                                        "that can be handed over exactly")
 
     def _straight_reader(self, call: Callable[..., int], arguments: tuple[Any, ...], block: Block,
                          arrays: bool) -> Callable[[], Row]:

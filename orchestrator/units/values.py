@@ -131,7 +131,8 @@ def _settled(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], o
         raise BadInput(where, f"{name} = {value!r}", f"one of {', '.join(f'{n} ({v})' for n, v in items.items())}")
     low, high = (_bound(scalar, end) for end in ("min", "max"))
     if not low <= value <= high:
-        raise BadInput(where, f"{name} = {value!r}", f"a value in [{low:.9g}, {high:.9g}]")
+        span = ", ".join(f"{bound:.9g}" if isinstance(bound, float) else str(bound) for bound in (low, high))
+        raise BadInput(where, f"{name} = {value!r}", f"a value in [{span}]")
     return value
 
 

@@ -17,6 +17,10 @@ from typing import NamedTuple
 import fmpy
 import pytest
 
+from components.core.errors import StepFailed
+from orchestrator.settings import UnitSettings
+from orchestrator.units import describe, open_unit
+
 SOURCES = Path(__file__).with_name("native")
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 FMI2_TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String", "Enumeration": "Enumeration"}
@@ -173,3 +177,20 @@ def native_fmu(model: str, fmi: int, flags: str = "", change: tuple[str, str] = 
         file.write(_library(model, fmi), f"binaries/{platform}/{model}.so")
         file.writestr("resources/y.txt", "a")
     return str(path)
+
+
+def started(model: str, fmi: int, flags: str = "", inputs: tuple[str, ...] = (), outputs: tuple[str, ...] | None = None,
+            **parameters):
+    """A unit of a native FMU, initialized at the start values of its inputs; by default all outputs but texts are read."""
+    settings = UnitSettings(fmu=native_fmu(model, fmi, flags), parameters=parameters)
+    interface = describe("f", settings)
+    numbers = tuple(n for n, s in interface.outputs.items() if not s.is_text)
+    unit = open_unit("f", settings, in_process=False)
+    unit.wire(inputs, numbers if outputs is None else outputs)
+    try:
+        unit.initialize(0.0, [interface.inputs[n].start for n in inputs])
+        unit.start()
+    except StepFailed:
+        unit.close()
+        raise
+    return unit
