@@ -208,7 +208,7 @@ def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
     return shared | {
         "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) else 0,
         "variable_step": interface.canHandleVariableCommunicationStepSize,
-        "fixed_step": interface.fixedInternalStepSize or 0.0,
+        "fixed_step": float(interface.fixedInternalStepSize or 0.0),
         "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,
     }
 

@@ -28,7 +28,10 @@ fmi2Status fmi2SetDebugLogging(fmi2Component i, fmi2Boolean on, size_t n, const 
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
-    if (strcmp(token, "{native}") || type != fmi2CoSimulation) return NULL;
+    if (strcmp(token, "{native}") || type != fmi2CoSimulation) {
+        callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "wrong instantiation token");
+        return NULL;
+    }
     Unit *unit = calloc(1, sizeof *unit);
     *unit = (Unit){.now = {.mode = INSTANTIATED}, .callbacks = callbacks, .given_up = -INFINITY};
     begin(&unit->now.data, resources);
@@ -99,7 +102,7 @@ fmi2Status fmi2DoStep(fmi2Component instance, fmi2Real t, fmi2Real h, fmi2Boolea
     ALLOWED(STEP)
     double *clock = clock_of(&unit->now.data), end = t + h;
     Outcome outcome = {0};
-    if (fabs(t - *clock) > 1e-12 * fmax(1.0, t)) return complain(unit, "not the present communication point");
+    if (fabs(t - *clock) > 1e-15 * fmax(1.0, t)) return complain(unit, "not the present communication point");
     if (!(h > 0.0)) return complain(unit, "a step must have a length");
     if (forget) unit->given_up = t;
 #ifdef MOODY

@@ -150,7 +150,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3B
     ALLOWED(STEP)
     double *clock = clock_of(&unit->now.data), end = t + h;
     *event_needed = *ends = *early = false;
-    if (fabs(t - *clock) > 1e-12 * fmax(1.0, t)) return complain(unit, "not the present communication point");
+    if (fabs(t - *clock) > 1e-15 * fmax(1.0, t)) return complain(unit, "not the present communication point");
     if (!(h > 0.0)) return complain(unit, "a step must have a length");
     if (forget) unit->given_up = t;
 #ifdef MOODY

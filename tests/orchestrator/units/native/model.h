@@ -44,19 +44,24 @@ static const Slot *slot(unsigned reference, enum Type type) {
     return NULL;
 }
 
+static const Slot *real(unsigned reference) {
+    const Slot *s = slot(reference, FLOAT64);
+    return s ? s : slot(reference, FLOAT32);
+}
+
 static size_t count(const Data *d, const Slot *s) { return s->count ? s->count(d) : 1; }
 
 /* The derivatives of all elements of some variables along a direction. */
 static bool along(const Data *d, const unsigned *unknowns, size_t nu, const unsigned *knowns, size_t nk, const double *seed,
                   double *result) {
     for (size_t u = 0; u < nu; u++) {
-        const Slot *y = slot(unknowns[u], FLOAT64);
+        const Slot *y = real(unknowns[u]);
         if (!y) return false;
         for (size_t i = 0; i < count(d, y); i++) {
             const double *direction = seed;
             double sum = 0.0, value;
             for (size_t k = 0; k < nk; k++) {
-                const Slot *x = slot(knowns[k], FLOAT64);
+                const Slot *x = real(knowns[k]);
                 if (!x) return false;
                 for (size_t j = 0; j < count(d, x); j++) {
                     if (!derivative(d, unknowns[u], i, knowns[k], j, &value)) return false;
