@@ -147,6 +147,18 @@ class Guided(Stepping):
         seconds = self.clock.seconds
         return self.counts | ({"shortest": seconds(self.shortest), "longest": seconds(self.longest)} if self.longest else {})
 
+    def state(self) -> dict[str, Any]:
+        control, crossings = self.control, self._crossings
+        return {"counts": self.counts, "range": [self.shortest, self.longest], "signs": crossings.signs if crossings else [],
+                "control": [control.length, control.wish, control.error] if control else []}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
+        if self._crossings is not None:
+            self._crossings.signs = list(state["signs"])
+        if self.control is not None:
+            self.control.length, self.control.wish, self.control.error = state["control"]
+
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
         beyond, control = self.counts["inaccurate"], self.control

@@ -36,6 +36,15 @@ class Recorder:
             self._times.append(t)
             self._values.fromlist(self._sample())
 
+    def state(self) -> dict[str, Any]:
+        """What was recorded so far, for a checkpoint."""
+        return {"due": self._due, "times": self.time, "values": self.values}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._due = state["due"]
+        self._times, self._values = array("d", state["times"].tolist()), array("d", state["values"].ravel().tolist())
+
     @property
     def time(self) -> np.ndarray:
         """Times of the rows, (n,) s."""
@@ -90,6 +99,14 @@ class Misses:
                 total += values
                 total2 += values**2
 
+    def state(self) -> dict[str, Any]:
+        """The sums so far, for a checkpoint."""
+        return {"calls": self._calls, "samples": self._samples, "sums": self._sums}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._calls, self._samples, self._sums = state["calls"], state["samples"], state["sums"]
+
     @property
     def relative(self) -> dict[str, float]:
         """Relative miss by "unit.input", for the inputs that vary at all."""
@@ -109,6 +126,8 @@ class Interrupt:
     A second Ctrl-C takes effect at once.
     """
 
+    taken = False  # whether it has ended the run between two steps
+
     def __enter__(self) -> Interrupt:
         self._wanted = False
         self._main = threading.current_thread() is threading.main_thread()  # only there handlers can be set
@@ -126,6 +145,7 @@ class Interrupt:
 
     def __call__(self, tick: int, t: float) -> None:
         if self._wanted:
+            self.taken = True
             raise KeyboardInterrupt
 
 
@@ -134,8 +154,9 @@ class Progress:
 
     REFRESH = 0.1  # s
 
-    def __init__(self, title: str, stop: float):
-        self._title, self._stop, self._next = title, stop, 0.0
+    def __init__(self, title: str, stop: float, start: float = 0.0):
+        """`start`: s, where a run that is resumed goes on."""
+        self._title, self._stop, self._start, self._next = title, stop, start, 0.0
         self._bar: Any = None
 
     def __enter__(self) -> Progress:
@@ -148,7 +169,7 @@ class Progress:
             self._bar = Bar(TextColumn("{task.description}"), BarColumn(),
                             TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
                             TimeRemainingColumn(), console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(self._title, total=self._stop, speed=0.0)
+            self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
             self._bar.start()
         return self
 
@@ -159,4 +180,4 @@ class Progress:
     def __call__(self, tick: int, t: float) -> None:
         if self._bar is not None and (now := perf_counter()) >= self._next:
             self._next = now + self.REFRESH
-            self._bar.update(self._task, completed=t, speed=t / (now - self._begin))
+            self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))

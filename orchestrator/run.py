@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
 from importlib.metadata import version
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -15,6 +16,7 @@ from components.core.errors import StepFailed
 
 from .algorithms import Master, master_of
 from .algorithms.energy import EnergyAccount, metered
+from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .coupling import Coupling, settle
 from .faults import Faults, Mortal, edges
 from .guided import Guided, clock_for, stepping_of
@@ -27,14 +29,21 @@ TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 
 
-def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Result:
+def run(scene: Scene, *, in_process: bool = False, progress: bool = False, checkpoint_every: float | None = None,
+        checkpoint_to: str | Path | None = None, resume: str | Path | None = None) -> Result:
     """Simulate a scene from 0 to its stop_time.
 
     Components run as FMUs, or in this process with `in_process`: the same results to the last bit, several times faster.
     A step that fails and Ctrl-C give a partial result with outcome "failed"; raises `BadInput` for what cannot start.
+
+    `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
+    multiple of it, and by Ctrl-C. `resume`: such a file, from which the run goes on. What it recorded before is in the result,
+    and every number is the same as without the interruption; counters of the units and `timing` begin anew.
     """
     begin = perf_counter()
     coupling, record, settings = settle(scene), scene.record, scene.master
+    check_wish(checkpoint_every, checkpoint_to, scene, coupling.interfaces)
+    past = read_checkpoint(Path(resume), scene) if resume is not None else None
     intervals = [record.interval, record.snapshot_interval]
     clock = clock_for(scene, coupling, *filter(None, intervals), *edges(scene.faults))
     end = clock.ticks(scene.stop_time)
@@ -60,15 +69,25 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
         misses = Misses(master.nodes)
         heard = stack.enter_context(warnings.catch_warnings(record=True))
         warnings.simplefilter("always", UserWarning)  # what components have to say, in FMUs too: they share this interpreter
-        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, stack.enter_context(Interrupt())]
-        if progress:
-            observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time)))
         faults = Faults(scene.faults, coupling, master, mortals, clock)
         loop = stepping_of(scene, coupling, units, master, account, clock, faults.stops())
+        parts: dict[str, Part] = {"signals": signals, "misses": misses, "faults": faults, "stepping": loop}
+        parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
+        interrupt, checkpoints = stack.enter_context(Interrupt()), None
+        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, interrupt]
+        if checkpoint_every is not None and checkpoint_to is not None:
+            checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, loop, parts)
+            observers.append(checkpoints)
+        if progress:
+            observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, past.t if past else 0.0)))
         started, outcome, message = perf_counter(), "failed", ""
         try:
             faults.before_start()
             (account or master).initialize(0.0)
+            if past is not None:
+                restore(past, master, loop, parts)
+            if checkpoints is not None:
+                checkpoints.resumed(clock.seconds(loop.tick))
             started = perf_counter()
             loop.run(observers)
             outcome = "done"
@@ -76,12 +95,16 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False) -> Re
             message = str(error)
         except KeyboardInterrupt:
             message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
+            if checkpoints is not None and interrupt.taken:
+                checkpoints.write()
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative
-        said = [*dict.fromkeys(str(w.message) for w in heard), *master.warnings(), *loop.warnings()]
+        said = [*scene.remarks, *dict.fromkeys(str(w.message) for w in heard), *master.warnings(), *loop.warnings()]
         info |= {"input_misses": missed, "warnings": [*said, *(account.warnings() if account else ()), *_warnings(missed)]}
         info |= {"energy": account.report()} if account else {}
+        info |= {"checkpoints": checkpoints.report()} if checkpoints else {}
+        info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": loop.report()} if isinstance(loop, Guided) else {}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(

@@ -40,8 +40,9 @@ class Stepping:
         self.tick = 0
 
     def run(self, observers: Sequence[Observer]) -> None:
-        """Step to the end; observers see every instant after all units have reached it."""
-        self._arrive(observers)
+        """Step to the end; observers see every instant after all units have reached it, a resumed run the new ones."""
+        if self.tick == 0:
+            self._arrive(observers)
         for stop in sorted({self.end, *self.stops}):
             if self.tick < stop <= self.end:
                 self._approach(stop, observers)
@@ -49,6 +50,13 @@ class Stepping:
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
         return []
+
+    def state(self) -> dict[str, Any]:
+        """What the next steps depend on beside tick and master, for a checkpoint."""
+        return {}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
 
     def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
         """Step until the tick `stop` is reached, and arrive there."""

@@ -72,6 +72,7 @@ class SavedAccount:
     integrals: np.ndarray
     created: np.ndarray
     exchanged: np.ndarray
+    elapsed: float
 
 
 class EnergyAccount:
@@ -99,7 +100,8 @@ class EnergyAccount:
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
-        self.last = self.created, self.exchanged  # J, in the last step
+        self.elapsed = 0.0  # s, of all steps so far
+        self.last = self.created, self.exchanged  # J, of the last step alone, without what it has returned of earlier ones
 
     def initialize(self, t: float) -> None:
         """As `Master.initialize`."""
@@ -119,10 +121,12 @@ class EnergyAccount:
         true = _through(self.times, self.samples, h * (POINTS - 1.0))
         given = np.stack([meter.given(k, h * POINTS, h) / factor for meter, k, factor in self._inputs], axis=1)
         into, out_of = self._watts * true[:, ::2] * given[:, 1::2], self._watts * given[:, ::2] * true[:, 1::2]
-        self.last = h * (WEIGHTS @ (into - out_of)), h * (WEIGHTS @ np.abs(into + out_of)) / 2.0
-        self.created = self.created + self.last[0]
-        self.exchanged = self.exchanged + self.last[1]
-        self.integrals = self.integrals + h * (WEIGHTS @ (given - true))
+        created, exchanged = h * (WEIGHTS @ (into - out_of)), h * (WEIGHTS @ np.abs(into + out_of)) / 2.0
+        self.created, self.exchanged, self.last = self.created + created, self.exchanged + exchanged, (created, exchanged)
+        if self._correction:
+            mean, returned = WEIGHTS @ true, self.integrals
+            self.last = created + self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2]), exchanged
+        self.integrals, self.elapsed = self.integrals + h * (WEIGHTS @ (given - true)), self.elapsed + h
         if self._correction:
             self._owe()
 
@@ -138,13 +142,13 @@ class EnergyAccount:
     def save(self, reuse: SavedAccount | None = None) -> SavedAccount:
         """As `Master.save`, with the account."""
         return SavedAccount(self.master.save(reuse.master if reuse else None), self.times, self.samples, self.integrals,
-                            self.created, self.exchanged)
+                            self.created, self.exchanged, self.elapsed)
 
     def restore(self, saved: SavedAccount) -> None:
         """As `Master.restore`, with the account."""
         self.master.restore(saved.master)
         self.times, self.samples, self.integrals = saved.times, saved.samples, saved.integrals
-        self.created, self.exchanged = saved.created, saved.exchanged
+        self.created, self.exchanged, self.elapsed = saved.created, saved.exchanged, saved.elapsed
         if self._correction:
             self._owe()
 

@@ -124,7 +124,8 @@ class Doubling:
 class Residual:
     """From the energy that a step has created at the bonds (ECCO); needs nothing of the units.
 
-    The mean power created over the step, against the power exchanged, as root mean square over the bonds.
+    The power created over the step, against the power exchanged in it or on average so far, whichever is larger: a motion that
+    turns back exchanges none. Root mean square over the bonds.
     """
 
     def __init__(self, account: EnergyAccount, settings: ControlSettings):
@@ -134,9 +135,11 @@ class Residual:
         self._h = h
 
     def measure(self, again: Callable[[], None]) -> tuple[float, int]:
-        created, exchanged = self._account.last
-        allowed = self._settings.absolute * self._account.nominal * self._h + self._settings.relative * exchanged
-        return float(np.sqrt(np.mean((created / allowed) ** 2))), self._account.order
+        account, settings, h = self._account, self._settings, self._h
+        created, exchanged = account.last
+        power = np.maximum(exchanged / h, account.exchanged / account.elapsed)
+        error = created / h / (settings.absolute * account.nominal + settings.relative * power)
+        return float(np.sqrt(np.mean(error**2))), account.order
 
 
 class Controller:

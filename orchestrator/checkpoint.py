@@ -1,0 +1,275 @@
+"""Checkpoints: files from which an interrupted run goes on, to the same bits as if it had not been interrupted.
+
+A file holds numbers and texts only: the states of the units as their own bytes, what the master extrapolates from, and all that
+was recorded so far. What kind of object they belong to is known from the scene, which must be the same, so that nothing in a
+file is ever executed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Protocol
+from zipfile import BadZipFile
+
+import numpy as np
+
+from components.core.errors import BadInput
+
+from .algorithms.energy import SavedAccount
+from .algorithms.master import Master, Saved
+from .algorithms.rates import Slow
+from .scene import Scene
+from .stepping import Stepping
+from .units import Interface, Unit
+
+FORMAT = "cosimo checkpoint 1"
+
+
+class Part(Protocol):
+    """What takes part in a run and has a state of its own, of numbers, texts, arrays and lists and mappings of them."""
+
+    def state(self) -> Any:
+        """Everything the rest of the run depends on."""
+
+    def take(self, state: Any) -> None:
+        """Go on from a `state`."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A file that was read, and fits the scene."""
+
+    tick: int
+    t: float
+    master: Any
+    units: list[bytes]
+    parts: Mapping[str, Any]
+
+
+def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfaces: Mapping[str, Interface]) -> None:
+    """Raises `BadInput` for checkpoints that cannot be written, or never would be."""
+    if (every is None) != (to is None):
+        raise BadInput("checkpoint_every" if to is None else "checkpoint_to", f"{every if to is None else repr(str(to))} alone",
+                       "both an interval and a file for checkpoints")
+    if every is None or to is None:
+        return
+    if not 0.0 < every < scene.stop_time:
+        raise BadInput("checkpoint_every", f"{every:g} s", f"a time within the run, which ends at {scene.stop_time:g} s")
+    folder = Path(to).resolve().parent
+    if Path(to).is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise BadInput("checkpoint_to", repr(str(to)), "a file in a directory that can be written")
+    unable = [name for name, interface in interfaces.items() if not (interface.saves_state and interface.packs_state)]
+    if unable:
+        raise BadInput("checkpoint_every", f"{every:g} s", f"units whose state can go to a file; {', '.join(unable)} cannot")
+
+
+class Checkpoints:
+    """Writes a checkpoint at the first macro step not before each multiple of `every` (s), over the one before.
+
+    It changes no step. A file appears as a whole or not at all. Where it cannot be written, the run warns once and goes on.
+    """
+
+    def __init__(self, path: Path, every: float, scene: Scene, master: Master, loop: Stepping, parts: Mapping[str, Part]):
+        self.path, self.every, self.written, self.last = path, every, 0, 0.0
+        self._scene, self._master, self._loop, self._parts = scene, master, loop, parts
+        self._header = {"format": FORMAT, "version": version("cosimo"), "name": scene.name, "digest": digest(scene),
+                        "kinds": _kinds(master)}
+        self._due, self._failed = every, False
+
+    def resumed(self, t: float) -> None:
+        """The run goes on from here."""
+        self._due = (t // self.every + 1.0) * self.every
+
+    def __call__(self, tick: int, t: float) -> None:
+        if t >= self._due and tick < self._loop.end:
+            self.resumed(t)
+            self.write()
+
+    def write(self) -> None:
+        """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
+        arrays: dict[str, np.ndarray] = {}
+        saved = self._loop.master.save()
+        t = self._loop.clock.seconds(self._loop.tick)
+        content = self._header | {
+            "tick": self._loop.tick, "t": t, "units": _packed(self._master, saved), "master": _without_units(saved),
+            "parts": {name: part.state() for name, part in self._parts.items()},
+        }
+        arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
+        for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
+            node.unit.release(state)
+        try:
+            handle, name = tempfile.mkstemp(dir=self.path.parent, prefix=self.path.name, suffix=".part")
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    np.savez(file, **arrays)  # type: ignore[arg-type]
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.replace(name, self.path)
+            except OSError:
+                os.unlink(name)
+                raise
+        except OSError as error:
+            if not self._failed:
+                warnings.warn(f"the checkpoint at t = {t:.9g} s could not be written to {self.path.name}: {error.strerror}",
+                              stacklevel=2)
+            self._failed = True
+            return
+        self.written, self.last = self.written + 1, t
+
+    def report(self) -> dict[str, Any]:
+        """For run.json."""
+        return {"every": self.every, "to": self.path.name, "written": self.written, "last": self.last}
+
+
+def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
+    """The checkpoint in a file; raises `BadInput` where it is none, or one of another scene, version or damaged."""
+    where, shown = "resume", repr(str(path))
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = dict(file)
+        content = _arrayed(json.loads(arrays["text"].tobytes()), arrays)
+        known = content["format"] == FORMAT
+    except OSError as error:
+        raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
+    except (BadZipFile, ValueError, KeyError, TypeError, EOFError):
+        known = False
+    if not known:
+        raise BadInput(where, shown, "a checkpoint that cosimo has written")
+    if content["version"] != version("cosimo"):
+        raise BadInput(where, f"{shown}, of cosimo {content['version']}", f"one of this version, {version('cosimo')}")
+    if content["digest"] != digest(scene):
+        raise BadInput(where, f"{shown}, of another scene or other settings ({content['name']})",
+                       f"a checkpoint of {scene.name} as it is now")
+    return Checkpoint(content["tick"], content["t"], content["master"], content["units"],
+                      {**content["parts"], "kinds": content["kinds"]})
+
+
+def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
+    """Put units, master and parts, just initialized, where they were; raises `BadInput` for units of another kind."""
+    kinds = _kinds(master)
+    for name, kind in checkpoint.parts["kinds"].items():
+        if kinds[name] != kind:
+            raise BadInput("resume", f"a checkpoint of a run with {name} as {kind!r}", f"the same kind, here {kinds[name]!r}",
+                           "Components run as FMUs or in process in both runs.")
+    fresh = loop.master.save()
+    saved = _filled(_without_units(fresh), checkpoint.master)
+    units = _of_master(saved).units
+    for node, state, packed in zip(master.nodes, _of_master(fresh).units, checkpoint.units, strict=True):
+        if isinstance(node.unit, Slow):
+            units.append((node.unit.unit.unpack(packed[0]), _filled(state[1], packed[1])))  # type: ignore[arg-type]
+        else:
+            units.append(node.unit.unpack(packed))
+    loop.master.restore(saved)
+    for name, part in parts.items():
+        part.take(checkpoint.parts[name])
+    loop.tick = checkpoint.tick
+
+
+def digest(scene: Scene) -> str:
+    """What the results of a scene depend on, as one number: its settings, and the files of its FMUs instead of their paths."""
+    data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep"})
+    for unit in data["units"].values():
+        if unit.get("fmu"):
+            unit["fmu"] = hashlib.sha256(Path(unit["fmu"]).read_bytes()).hexdigest()
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def _inner(unit: Unit | Slow) -> Unit:
+    return unit.unit if isinstance(unit, Slow) else unit
+
+
+def _kinds(master: Master) -> dict[str, str]:
+    return {node.unit.name: _inner(node.unit).kind for node in master.nodes}
+
+
+def _of_master(saved: Any) -> Saved:
+    return saved.master if isinstance(saved, SavedAccount) else saved
+
+
+def _without_units(saved: Any) -> Any:
+    """What a master saved, but for the states of its units."""
+    if isinstance(saved, SavedAccount):
+        return replace(saved, master=_without_units(saved.master))
+    return replace(saved, units=[])
+
+
+def _packed(master: Master, saved: Any) -> list[Any]:
+    return [[node.unit.unit.pack(state[0]), state[1]] if isinstance(node.unit, Slow) else node.unit.pack(state)
+            for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
+
+
+# -- objects as plain data: numbers and texts as they are, arrays and bytes beside the text, the rest as tagged mappings ---------
+def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, bytes | np.ndarray):
+        name = f"array{len(arrays)}"
+        arrays[name] = value if isinstance(value, np.ndarray) else np.frombuffer(value, dtype=np.uint8)
+        return {"bytes" if isinstance(value, bytes) else "array": name}
+    if isinstance(value, list):
+        return [_plain(item, arrays) for item in value]
+    if isinstance(value, tuple):
+        return {"tuple": [_plain(item, arrays) for item in value]}
+    if isinstance(value, Mapping):
+        return {"mapping": [[_plain(key, arrays), _plain(item, arrays)] for key, item in value.items()]}
+    if callable(value) or isinstance(value, type) or not hasattr(value, "__dict__"):
+        return {"kept": None}  # a function or a class: the one that is there
+    return {"object": {key: _plain(item, arrays) for key, item in vars(value).items()}}
+
+
+@dataclass(frozen=True)
+class _Object:
+    """The attributes of an object in a file."""
+
+    attributes: Mapping[str, Any]
+
+
+class _Kept:
+    """Stands for what is taken from the object that is filled."""
+
+
+def _arrayed(data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    """What `_plain` was given, with `_Object` in the place of objects."""
+    if isinstance(data, list):
+        return [_arrayed(item, arrays) for item in data]
+    if not isinstance(data, dict):
+        return data
+    ((kind, content),) = data.items()
+    if kind in ("array", "bytes"):
+        return arrays[content] if kind == "array" else arrays[content].tobytes()
+    if kind == "tuple":
+        return tuple(_arrayed(item, arrays) for item in content)
+    if kind == "mapping":
+        return {_arrayed(key, arrays): _arrayed(item, arrays) for key, item in content}
+    if kind == "object":
+        return _Object({key: _arrayed(item, arrays) for key, item in content.items()})
+    return _Kept()
+
+
+def _filled(template: Any, data: Any) -> Any:
+    """The data, with copies of the template's objects where it has attributes of such."""
+    if isinstance(data, _Kept):
+        return template
+    if isinstance(data, _Object):
+        found = copy(template)
+        for key, value in data.attributes.items():
+            setattr(found, key, _filled(getattr(template, key), value))
+        return found
+    if isinstance(data, list | tuple):
+        like = list(template) if isinstance(template, list | tuple) else []
+        return type(data)(_filled(like[k] if k < len(like) else None, item) for k, item in enumerate(data))
+    if isinstance(data, dict):
+        like = template if isinstance(template, Mapping) else {}
+        return {key: _filled(like.get(key), item) for key, item in data.items()}
+    return data
