@@ -8,6 +8,7 @@ import numpy as np
 
 from components.core.errors import StepFailed
 
+from ..units.component import ComponentUnit
 from ..units.fmi2 import Fmi2CoSimulation
 from ..units.machine import Machine
 from .compiled import Now, Plan, march
@@ -16,6 +17,7 @@ from .initial import RUNAWAY
 from .jacobi import Jacobi
 from .master import Master, Node
 from .polynomial import History
+from .straight import StraightStretch
 
 
 class Stretch:
@@ -49,9 +51,12 @@ class Stretch:
             inverse=np.array(master.weights),
             degree=int(master.degree), sequential=isinstance(master, GaussSeidel),
         )
-        self._now = Now(np.zeros(len(master.signals)), *(np.zeros(n) for _ in range(5)), np.zeros(3 * n),
-                        np.zeros(u, dtype=np.int64), np.zeros((u, 2)), np.zeros(u, dtype=np.bool_),
-                        np.zeros(u, dtype=np.int32))
+        link, unit = np.zeros(n), np.zeros(u)
+        self._now = Now(
+            signals=np.zeros(len(master.signals)), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
+            fresh=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
+            is_led=unit.astype(np.bool_), no_return=unit.astype(np.int32),
+        )
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     @property
@@ -97,18 +102,22 @@ class Stretch:
                 continue
             take = node.rows.of_array
             past, count = node.history, int(now.samples[k])
-            past.count, past.h1, past.h2 = count, *now.spacing[k].tolist()
+            past.count, (past.h1, past.h2) = count, now.spacing[k].tolist()
             past.present = take(now.present[at])
             past.before, past.earlier = take(now.before[at]), take(now.earlier[at])
             led = bool(now.is_led[k])
             node.reached, node.fresh = (None, take(now.fresh[at])) if led else (take(now.reached[at]), None)
 
 
-def stretch_of(master: Master) -> Stretch | None:
-    """Compiled stretches for a master; None where the scene needs what they do not have."""
+def stretch_of(master: Master) -> Stretch | StraightStretch | None:
+    """Stretches for a master; None where the scene needs what they do not have."""
+    nodes = master.nodes
     plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
-    if not plain or any(type(node) is not Node or type(node.history) is not History for node in master.nodes):
+    if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
         return None
-    units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
+    if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
+        narrow = isinstance(master.signals, list)
+        return StraightStretch(master, components) if narrow and len(components) == len(nodes) else None
+    units = [node.unit for node in nodes if isinstance(node.unit, Fmi2CoSimulation)]
     machines = [machine for unit in units if (machine := unit.machine()) is not None]
-    return Stretch(master, units, machines) if len(machines) == len(master.nodes) else None
+    return Stretch(master, units, machines) if len(machines) == len(nodes) else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -75,6 +76,16 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
+@dataclass(frozen=True)
+class Ports:
+    """Where a component's driven inputs and read outputs stand in its own arrays."""
+
+    inputs: list[memoryview]  # values, slopes and halves of all inputs
+    columns: list[int]  # of the driven inputs
+    outputs: memoryview
+    places: list[int]  # of the read outputs
+
+
 class ComponentUnit:
     """A component as a unit; inputs and outputs are views of the component's own arrays."""
 
@@ -98,6 +109,14 @@ class ComponentUnit:
         places = _stretch(self.component.output_positions(outputs))
         self.get = (lambda: y[places]) if len(outputs) > WIDE else self.reader(outputs)
         self.step = self.component.step
+        arrays: list[Any] = [*u, y]
+        views: list[Any] = [memoryview(a) for a in arrays]
+        columns, positions = self.component.input_positions(inputs), self.component.output_positions(outputs)
+        self._ports = Ports(views[:-1], columns.tolist(), views[-1], positions.tolist())
+
+    def ports(self) -> Ports:
+        """For code that reads and writes the component's arrays itself."""
+        return self._ports
 
     def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         raise NotImplementedError  # components have no texts among their inputs and outputs
