@@ -7,14 +7,18 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput
+from components.core.errors import BadInput, nearest
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 
@@ -26,6 +30,7 @@ Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory f
 
 Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(
     "Change a parameter, in its SI unit, or analysis.key; may be repeated."))]
+CHECKPOINT = "checkpoint"  # file in the output directory
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -56,8 +61,6 @@ def list_(
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a scene file, for editors.")] = False,
 ) -> None:
     """What there is. Example: cosimo list components"""
-    from components.core.errors import nearest
-
     if schema:
         from .scene import Scene
 
@@ -139,20 +142,48 @@ def run(
     in_process: InProcess = False,
     output: Output = None,
     values: Changes = None,
+    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
+        "Switch on effects beside those of the scene; may be repeated."))] = None,
+    algorithm: Annotated[str | None, typer.Option("--algorithm", help=(
+        "jacobi, gauss-seidel, iterative or interface-model"))] = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
     stop: Annotated[float | None, typer.Option("--stop", help="End of the run, s.")] = None,
-    algorithm: Annotated[str | None, typer.Option("--algorithm", help="jacobi or gauss-seidel")] = None,
+    record: Annotated[list[str] | None, typer.Option("--record", metavar="UNIT.OUTPUT[,...]", help=(
+        "Outputs to keep instead of those of the scene; may be repeated."))] = None,
+    checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
+        f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
+    resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help=(
+        "Do not run: show how the scene is settled, how long its macro step may be, and what a run costs."))] = False,
 ) -> None:
-    """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 -o out"""
+    """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
+
+    To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
+    scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
+    """
+    from .results import made
     from .run import run as run_scene
     from .scene import load_scene
 
-    given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm}
-    changes = {place: value for place, value in given.items() if value is not None} | dict(map(_change, values or []))
     loaded = load_scene(scene)
+    given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
+             "record.signals": _listed("--record", record) if record else None}
+    changes = {place: value for place, value in given.items() if value is not None}
+    changes |= _effects(loaded, effects or []) | dict(_change(loaded, text) for text in values or [])
     if changes:
         loaded = loaded.with_changes(changes)
-    result = run_scene(loaded, in_process=in_process, progress=True)
+    if dry_run:
+        for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume)):
+            if value is not None:
+                raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
+        _dry_run(loaded, in_process)
+        return
+    if checkpoint_every is not None and output is None:
+        raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
+    if output is not None:
+        made(output)  # now, not after a long run
+    result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
+                       checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
     if output is not None:
         from . import report
 
@@ -167,18 +198,69 @@ def run(
     ])
     timing = result.info["timing"]
     print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start")
-    for warning in result.info["warnings"]:
-        print(f"cosimo: warning: {warning}", file=sys.stderr)
+    _warn(result.info["warnings"])
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)
 
 
-def _change(text: str) -> tuple[str, Any]:
+def _warn(warnings: Sequence[str]) -> None:
+    for warning in warnings:
+        print(f"cosimo: warning: {warning}", file=sys.stderr)
+
+
+def _dry_run(scene: Scene, in_process: bool) -> None:
+    from components.core.errors import StepFailed
+
+    from .advice import advise
+    from .coupling import settle
+    from .dry_run import lines, tables
+
+    try:
+        advice = advise(scene, in_process=in_process)
+    except StepFailed as error:
+        print(f"cosimo: {error}", file=sys.stderr)
+        raise SystemExit(FAILED_RUN) from None
+    coupling = settle(scene)
+    for table in tables(scene, coupling, advice):
+        _print_table(*table)
+    for line in lines(scene, coupling, advice):
+        print(line)
+    _warn([*scene.remarks, *advice.warnings(scene)])
+
+
+def _listed(option: str, texts: Sequence[str]) -> list[str]:
+    """Names separated by commas, but for those inside the brackets of an element."""
+    names = [name.strip() for text in texts for name in re.split(r",(?![^\[]*\])", text)]
+    if not all(names):
+        raise BadInput(option, repr(",".join(texts)), "names separated by commas")
+    return names
+
+
+def _effects(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
+    """Changes of a scene that switch on effects, each given as "unit.effect"."""
+    from .coupling import settle
+
+    changes: dict[str, Any] = {}
+    for text in _listed("--effects", texts) if texts else []:
+        unit, effect = scene.split(text)
+        if not effect:
+            raise BadInput("--effects", repr(text), "unit.effect")
+        if unit not in scene.units:
+            raise BadInput("--effects", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
+        place = f"units.{unit}.effects"
+        on = changes.setdefault(place, list(scene.units[unit].effects))
+        if effect in on or settle(scene).interfaces[unit].effects.get(effect):
+            raise BadInput("--effects", repr(text), "an effect that is not on already")
+        on.append(effect)
+    return changes
+
+
+def _change(scene: Scene, text: str) -> tuple[str, Any]:
     """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
     name, equals, value = text.partition("=")
-    unit, dot, parameter = name.strip().partition(".")
-    if not equals or not dot or not value:
+    unit, parameter = scene.split(name.strip())
+    if not equals or not parameter or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
     place = f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}"
     for read in (int, float):
@@ -203,7 +285,7 @@ def sweep(
     from .sweep import sweep as run_sweep
 
     loaded = load_scene(scene)
-    changes = dict(map(_change, values or []))
+    changes: dict[str, Any] = dict(_change(loaded, text) for text in values or [])
     if over:
         changes["sweep"] = dict(map(_range_of, over))
     if changes:
@@ -226,6 +308,23 @@ def _range_of(text: str) -> tuple[str, Any]:
         return place.strip(), {"from": float(first), "to": float(last), "points": int(points)}
     except ValueError:
         raise BadInput("--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31.") from None
+
+
+@app.command()
+def ssp(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; default: the scene's name.")] = None,
+    values: Changes = None,
+) -> None:
+    """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp en50318-2002 -o en50318-2002.ssp"""
+    from .scene import load_scene
+    from .ssp.write import write
+
+    loaded = load_scene(scene)
+    if values:
+        loaded = loaded.with_changes(dict(_change(loaded, value) for value in values))
+    _warn(loaded.remarks)
+    print(f"wrote {write(loaded, output or Path(f'{loaded.name}.ssp'))}")
 
 
 @app.command()

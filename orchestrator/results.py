@@ -49,15 +49,26 @@ class Result:
 
     def save(self, directory: str | Path) -> Path:
         """Write result.csv (first column "time"; numbers keep every bit) and run.json into the directory, which is made."""
-        directory = Path(directory)
+        directory = made(directory)
         try:
-            directory.mkdir(parents=True, exist_ok=True)
             with open(directory / "result.csv", "w", encoding="utf-8") as file:
                 file.write(",".join(['"time"', *(f'"{name}"' for name in self.columns)]) + "\n")
                 for row in zip(self.time.tolist(), *(c.tolist() for c in self.columns.values()), strict=True):
                     file.write(",".join(map(repr, row)) + "\n")
             (directory / "run.json").write_text(json.dumps(self.info, indent=2) + "\n", encoding="utf-8")
         except OSError as error:
-            where = repr(str(directory))
-            raise BadInput("output directory", where, "a place that can be written", f"{error.strerror}.") from None
+            raise _not_written(directory, error) from None
         return directory
+
+
+def made(directory: str | Path) -> Path:
+    """The directory for results, made if it is missing; raises `BadInput` where it cannot be."""
+    try:
+        Path(directory).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _not_written(directory, error) from None
+    return Path(directory)
+
+
+def _not_written(directory: str | Path, error: OSError) -> BadInput:
+    return BadInput("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror}.")

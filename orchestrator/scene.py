@@ -49,8 +49,13 @@ class Scene(SceneSettings):
         first, _, rest = place.partition(".")
         if first != "units":
             return place.split(".", 2 if rest.startswith(("iteration.", "control.")) else 1)
-        unit = max((u for u in self.units if rest.startswith(u + ".")), key=len, default=rest.partition(".")[0])
-        return ["units", unit, *rest.removeprefix(unit + ".").split(".", 1)]
+        unit, within = self.split(rest)
+        return ["units", unit, *within.split(".", 1)]
+
+    def split(self, name: str) -> tuple[str, str]:
+        """("unit", "rest") of "unit.rest": the longest name of a unit, which may hold dots, or else what the first dot ends."""
+        unit = max((u for u in self.units if name.startswith(u + ".")), key=len, default=name.partition(".")[0])
+        return unit, name[len(unit) + 1 :]
 
 
 def load_scene(name_or_path: str | Path) -> Scene:

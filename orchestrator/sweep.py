@@ -77,8 +77,8 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
         point = dict(zip(scene.sweep, values, strict=True))
         places = {}
         for name, value in point.items():
-            unit, dot, parameter = name.partition(".")
-            if not dot:
+            unit, parameter = scene.split(name)
+            if not parameter:
                 raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
             places[f"units.{unit}.parameters.{parameter}"] = value
         made.append((point, scene.with_changes(places)))
@@ -117,7 +117,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
 
 def _unit(scene: Scene, name: str) -> str:
     """Unit of measure of a swept parameter; "" for one of an FMU."""
-    unit, _, parameter = name.partition(".")
+    unit, parameter = scene.split(name)
     component = scene.units[unit].component
     return find(component, unit).variables[parameter].unit if component else ""
 
