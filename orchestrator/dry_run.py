@@ -1,0 +1,77 @@
+"""What `cosimo run --dry-run` tells of a scene: how it is settled, how long its step may be, and what a run will cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf, isinf
+from typing import Any
+
+from .advice import Advice, Contact
+from .coupling import Coupling
+from .graph import Loop
+from .scene import Scene
+
+Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
+
+
+def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
+    """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
+    yield "units", ("unit", "what", "effects", "remarks"), [
+        (name, unit.component or unit.fmu, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
+         _remarks(name, scene))
+        for name, unit in scene.units.items()
+    ]
+    if links := (*coupling.links, *coupling.texts):
+        yield "connections", ("from", "to", "times", "plus"), [
+            (".".join(link.source), ".".join(link.target), _number(link.factor, 1.0), _number(link.offset, 0.0))
+            for link in links
+        ]
+    if scene.faults:
+        yield "faults", ("kind", "of", "from s", "to s", "inputs"), [
+            (fault.kind, fault.signal or fault.unit, fault.begin, "end" if fault.end is None else fault.end,
+             ", ".join(map(".".join, ends)))
+            for fault, ends in zip(scene.faults, coupling.faults, strict=True)
+        ]
+    if advice.contacts:
+        columns = ("pair", "Hz", "damping", "longest step s, held", "linear", "quadratic", "damping left at master.step")
+        yield "stability", columns, [_row(contact) for contact in advice.contacts]
+
+
+def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
+    """What is said in one line each."""
+    master = scene.master
+    circles = [", ".join(group) for group in coupling.groups if len(group) > 1]
+    yield f"units that feed one another: {'; '.join(circles) or 'none'}"
+    loops = [step.text for step in coupling.passes if isinstance(step, Loop)]
+    if loops:
+        yield f"algebraic loops: {'; '.join(loops)}"
+    if master.algorithm == "gauss-seidel":
+        yield f"order of stepping: {', '.join(coupling.order(master.order))}"
+    if coupling.undriven:
+        yield f"inputs at their start values: {', '.join(coupling.undriven)}"
+    yield f"recorded: {', '.join(map('.'.join, coupling.signals)) or 'nothing'}"
+    for reason in advice.unknown:
+        yield f"no limit of the macro step known for {reason}"
+    whole = advice.steps * advice.seconds
+    steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
+    yield f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s"
+
+
+def _remarks(name: str, scene: Scene) -> str:
+    unit = scene.units[name]
+    said = [f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
+            "in a process of its own" if unit.isolation == "process" else "", unit.interface or "", unit.solver or ""]
+    return ", ".join(filter(None, said))
+
+
+def _number(value: float, usual: float) -> str:
+    return "" if value == usual else f"{value:.6g}"
+
+
+def _row(contact: Contact) -> tuple[str, ...]:
+    return (f"{contact.mover} against {contact.giver}", f"{contact.frequency:.3g}" if contact.omega2 else "damper",
+            _share(contact.share), *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest), _share(contact.left))
+
+
+def _share(value: float) -> str:
+    return {inf: "enough", -inf: "less than none"}.get(value) or f"{100.0 * value:.3g} %"

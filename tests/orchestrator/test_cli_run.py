@@ -1,0 +1,144 @@
+"""Options of `cosimo run`, and what it shows without running."""
+
+import json
+
+import pytest
+
+from orchestrator.cli import main
+
+SCENE = """
+title = "a mass on a spring"
+stop_time = 2.0
+connections = ["spring.force -> mass.force", "mass.x_out -> spring.position", "mass.v_out -> spring.velocity",
+               "mass.x_out -> probe.length"]
+[units]
+mass = { component = "tests.support:Mass" }
+spring = { component = "tests.support:SpringDamper", parameters = { d = 2.0 } }
+probe = { component = "tests.support:Probe" }
+[master]
+algorithm = "jacobi"
+step = 1e-2
+[[faults]]
+kind = "freeze"
+signal = "probe.length"
+begin = 0.5
+"""
+PANTOGRAPH = """
+stop_time = 0.1
+[units.p]
+component = "Pantograph"
+effects = ["contact_loss"]
+[master]
+step = 1e-3
+"""
+
+
+def cosimo(*arguments) -> int:
+    with pytest.raises(SystemExit) as end:
+        main([str(a) for a in arguments])
+    return end.value.code or 0
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "spring.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def pantograph(tmp_path):
+    path = tmp_path / "pantograph.toml"
+    path.write_text(PANTOGRAPH)
+    return path
+
+
+def test_help_shows_examples(capsys):
+    assert cosimo("run", "--help") == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    options = "--set --effects --algorithm --step --stop --record --resume --checkpoint-every --dry-run"
+    assert [option for option in options.split() if option not in shown] == []
+    assert shown.count("cosimo run scene.toml") >= 3
+
+
+def test_record_and_algorithm_and_step(scene, tmp_path):
+    out = tmp_path / "out"
+    assert cosimo("run", scene, "--in-process", "-o", out, "--record", "mass.x_out,probe.profile[2]", "--record", "spring.force",
+                  "--algorithm", "gauss-seidel", "--step", "2e-2") == 0
+    info = json.loads((out / "run.json").read_text())
+    assert (info["settings"]["algorithm"], info["settings"]["step"]) == ("gauss-seidel", 0.02)
+    assert info["counters"]["master"]["steps"] == 100
+    header = (out / "result.csv").read_text().splitlines()[0]
+    assert header == '"time","mass.x_out","probe.profile[2]","spring.force"'
+
+
+def test_effects_are_switched_on_beside_those_of_the_scene(pantograph, tmp_path):
+    assert cosimo("run", pantograph, "--in-process", "-o", tmp_path / "out", "--effects", "p.bump_stops,p.lower_frame") == 0
+    on = json.loads((tmp_path / "out" / "run.json").read_text())["effects"]["p"]["on"]
+    assert set(on) == {"contact_loss", "bump_stops", "lower_frame"}
+
+
+@pytest.mark.parametrize(("option", "value", "named"), [
+    ("--effects", "p.bump_stop", "'bump_stops'"), ("--effects", "q.bump_stops", "unit 'q'"), ("--effects", "p", "unit.effect"),
+    ("--effects", "p.contact_loss", "not on already"), ("--effects", "p.bump_stops,p.bump_stops", "not on already"),
+    ("--effects", "p.bump_stops,", "separated by commas"),
+    ("--record", "p.contact_forc", "'contact_force'"), ("--record", "", "separated by commas"),
+    ("--checkpoint-every", "0.05", "an output directory"), ("--algorithm", "iterativ", "'iterative'"),
+])
+def test_bad_options(pantograph, option, value, named, capsys):
+    assert cosimo("run", pantograph, "--in-process", option, value) == 2
+    out, err = capsys.readouterr()
+    assert named in err
+    assert (out, err.count("\n")) == ("", 1)
+
+
+def test_dry_run_shows_the_settled_scene_and_its_limit(scene, capsys):
+    assert cosimo("run", scene, "--in-process", "--dry-run") == 0
+    out, err = capsys.readouterr()
+    # m to mm: 1000; ω = 10 rad/s: 1.59 Hz; held: 4 D/ω = 0.04 s
+    for shown in ("spring.force", "freeze", "1000", "mass, spring", "mass against spring", "1.59", "10 %", "0.04", "200 macro"):
+        assert shown in out
+    assert err == ""
+
+
+def test_dry_run_warns_of_a_step_that_is_too_long_and_the_run_shows_it(scene, capsys):
+    arguments = ("run", scene, "--in-process", "--step", "0.12", "--set", "spring.d=2.0")
+    assert cosimo(*arguments, "--dry-run") == 0
+    assert "is stable up to 0.0903 s" in capsys.readouterr().err  # 0.902731/ω for linear inputs and a tenth of critical damping
+
+
+@pytest.mark.parametrize("option", [("-o", "out"), ("--checkpoint-every", "1"), ("--resume", "file")])
+def test_options_without_effect_on_a_dry_run_are_refused(scene, option, capsys):
+    assert cosimo("run", scene, "--dry-run", *option) == 2
+    assert "no effect" in capsys.readouterr().err
+
+
+def test_dry_run_of_a_scene_that_cannot_start(tmp_path, capsys):
+    path = tmp_path / "failing.toml"
+    path.write_text('stop_time = 1.0\nmaster = { step = 0.1 }\n[units.p]\ncomponent = "tests.support:Probe"\n'
+                    "parameters = { fail_at = 0.15 }\n")
+    assert cosimo("run", path, "--dry-run") == 3
+    assert "p failed at t = 0.1 s" in capsys.readouterr().err
+
+
+def test_units_with_dots_in_their_names_are_changed(tmp_path):
+    path = tmp_path / "dotted.toml"
+    path.write_text('stop_time = 1.0\nmaster = { step = 0.1 }\n[units."sub.p"]\ncomponent = "tests.support:Probe"\n'
+                    "parameters = { length = 1.0 }\n")
+    assert cosimo("run", path, "-o", tmp_path / "out", "--set", "sub.p.length=3", "--record", "sub.p.profile[1]") == 0
+    assert (tmp_path / "out" / "result.csv").read_text().splitlines()[-1] == "1.0,3.0"
+
+
+def test_a_run_goes_on_from_its_checkpoint_to_the_same_bits(scene, tmp_path, capsys):
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    assert cosimo("run", scene, "--in-process", "-o", whole) == 0
+    assert cosimo("run", scene, "--in-process", "-o", part, "--checkpoint-every", "0.7") == 0
+    again = tmp_path / "again"
+    assert cosimo("run", scene, "--in-process", "-o", again, "--resume", part / "checkpoint") == 0
+    first = (whole / "result.csv").read_text()
+    assert first == (part / "result.csv").read_text() == (again / "result.csv").read_text()
+    capsys.readouterr()
+    assert cosimo("run", scene, "--in-process", "--step", "2e-2", "--resume", part / "checkpoint") == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert cosimo("run", scene, "--in-process", "--resume", tmp_path / "none") == 2
+    assert cosimo("run", scene, "--in-process", "--resume", scene) == 2
