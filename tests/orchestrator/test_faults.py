@@ -191,3 +191,30 @@ def test_faults_that_cannot_be_are_refused(fault, named):
     message = str(caught.value)
     assert message.startswith("bad: ")
     assert [part for part in named if part not in message] == [], message
+
+
+@pytest.mark.parametrize("method", ["milne", "doubling"])
+def test_steps_that_follow_their_error_end_at_the_edges(method):
+    """The exact equilibrium shift again, with steps of any length: the error is at most the sum of those allowed in each step."""
+    control = {"method": method, "relative": 1e-5, "absolute": 1e-5}
+    fault = {"signal": "m.x_out", "kind": "freeze", "begin": 0.512345, "end": 0.7}
+    result = ran(CLOSED, fault, master={**CLOSED["master"], "control": control})
+    assert {0.512345, 0.7} <= set(result.time.tolist())
+    b, t = 0.512345, result.time
+    inside = (t >= b) & (t <= 0.7)
+    x, v = result["m.x_out"][inside], result["m.v_out"][inside]
+    # inside, the spring is frozen and its damper still acts: v' = -(k x0 + d v)
+    x0, v0, dt = x[0], v[0], t[inside] - b
+    np.testing.assert_allclose(v, (v0 + 50.0 * x0) * np.exp(-2.0 * dt) - 50.0 * x0, atol=1e-5 * len(t))
+
+
+@pytest.mark.parametrize("at", [0.5, 0.6, 0.7, 0.9])
+def test_a_run_goes_on_from_a_checkpoint_at_an_edge_and_between_edges(at, tmp_path):
+    faults = [{"signal": "m.x_out", "kind": "freeze", "begin": 0.5, "end": 0.9},
+              {"signal": "m.v_out", "kind": "offset", "value": 0.1}, {"unit": "s", "kind": "lost", "begin": 0.6}]
+    scene = read_scene({**CLOSED, "stop_time": 1.0, "faults": faults})
+    whole = run(scene, checkpoint_every=at, checkpoint_to=tmp_path / "checkpoint")
+    resumed = run(scene, resume=tmp_path / "checkpoint")
+    assert (whole.outcome, resumed.outcome, resumed.info["resumed"]["at"]) == ("done", "done", at)
+    for name in whole.columns:
+        assert whole[name].tobytes() == resumed[name].tobytes(), name
