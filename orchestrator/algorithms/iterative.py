@@ -22,9 +22,10 @@ from .master import Master, Saved
 
 @dataclass
 class SavedIterative(Saved):
-    """With what the methods have learned of how the circles answer."""
+    """With what the methods have learned of how the circles answer, and what was missed in the steps that count."""
 
     memories: list[Memory]
+    missed: tuple[int, float]  # steps, the largest
 
 
 class Iterative(Master):
@@ -48,7 +49,7 @@ class Iterative(Master):
         super().__init__(units, coupling, watched, **settings)
         self.iteration = iteration or IterationSettings()
         nodes = {node.unit.name: node for node in self.nodes}
-        self._follow = self._follow_once  # what a loop within an instant needs is solved with the rest of its circle
+        self._follow = self._follow_once  # after a step, algebraic loops have been solved with the rest of their circles
         links = smooth(coupling.interfaces, coupling.links)
         runs: list[list[str]] = [[]]  # every circle, and between two of them all units in none
         for group in groups(coupling.interfaces, links):
@@ -71,6 +72,12 @@ class Iterative(Master):
             else:
                 chain.sweep(t, h)
         self._finish(t, h)
+
+    def follow(self, t: float) -> None:
+        """Between two steps nothing is repeated, and algebraic loops are solved on their own."""
+        for node in self.nodes:
+            node.fresh = None
+        self._follow_with_loops(t)
 
     def _iterate(self, chain: Chain, method: Acceleration, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""
@@ -122,10 +129,12 @@ class Iterative(Master):
 
     def save(self, reuse: Saved | None = None) -> SavedIterative:
         saved = super().save(reuse)
-        return SavedIterative(**vars(saved), memories=[method.memory for _, method in self._chains])
+        memories = [method.memory for _, method in self._chains]
+        return SavedIterative(**vars(saved), memories=memories, missed=(self.unsettled, self.worst))
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
         if isinstance(saved, SavedIterative):
+            self.unsettled, self.worst = saved.missed
             for (_, method), memory in zip(self._chains, saved.memories, strict=True):
                 method.memory = memory

@@ -172,6 +172,18 @@ def test_a_repeated_stretch_is_the_same_to_the_last_bit(method):
     assert ends[0] == ends[1]
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_resumed_run_is_the_same_to_the_last_bit(tmp_path, method):
+    iteration = {"method": method, "max_iterations": 3, "not_converged": "warn"}
+    scene = read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration))
+    whole = run(scene, checkpoint_every=0.4, checkpoint_to=tmp_path / "there")  # the last one is written at 0.8 s
+    rest = run(scene, resume=tmp_path / "there")
+    for name, column in whole.columns.items():
+        assert rest[name].tobytes() == column.tobytes()
+    for key in ("steps", *(("unsettled_steps", "worst_miss") if method == "aitken" else ())):
+        assert counters(rest)["master"][key] == counters(whole)["master"][key]
+
+
 def test_tolerance_is_kept_and_costs_iterations():
     """What a looser tolerance gets wrong stays near it."""
     errors, work = [], []
@@ -204,6 +216,21 @@ def test_signals_that_jump_are_held_and_need_no_guess(interface_of):
     for unit, name in STATES:
         column = smooth[f"{unit}.{name}"]
         np.testing.assert_allclose(held[f"{unit}.{name}"], column, rtol=0.0, atol=1e-6 * np.abs(column).max())
+
+
+def test_outputs_fit_where_a_fault_makes_a_signal_jump():
+    """An algebraic loop with 1 added to what one unit hands over: at every instant, those of the jumps too, both outputs fit."""
+    ring = {"component": "tests.orchestrator.algorithms.oscillators:Feedthrough"}
+    scene = {"stop_time": 1.0, "connections": ["one.y_out -> two.u_in", "two.y_out -> one.u_in"],
+             "units": {"one": ring, "two": {**ring, "parameters": {"a": -1.0, "b": 10.0, "c": -31.0, "d": -3.0}}},
+             "master": {"algorithm": "iterative", "step": 1e-2},
+             "faults": [{"signal": "two.y_out", "kind": "offset", "value": 1.0, "begin": 0.3, "end": 0.5}]}
+    result = run(read_scene(scene))
+    y1, y2, x1, x2 = (result[name] for name in ("one.y_out", "two.y_out", "one.x_out", "two.x_out"))
+    added = np.where((result.time >= 0.3) & (result.time < 0.5), 1.0, 0.0)
+    # the iteration's tolerance, times the gain of the loop
+    np.testing.assert_allclose(y1, 3.0 * x1 + y2 + added, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(y2, -31.0 * x2 - 3.0 * y1, rtol=0.0, atol=1e-6)
 
 
 # -- refused before the run --------------------------------------------------------------------------------------------
