@@ -1,12 +1,18 @@
 """Random bad scenes: whatever is written in the place of whatever setting, there is one message and never a traceback."""
 
+import contextlib
 import copy
+import io
+import json
 import re
+import warnings
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from components.core.errors import BadInput
+from orchestrator.cli import main
 from orchestrator.scene import read_scene
 from tests.support import two_masses
 
@@ -104,3 +110,48 @@ def test_a_scene_is_read_or_refused_with_one_message(data):
         return
     check(message)
     assert message.startswith("bad")
+
+
+def toml(value: object) -> str:
+    """A value in TOML; tables inline."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(str(k))} = {toml(v)}" for k, v in value.items() if v is not None) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(toml(v) for v in value if v is not None) + "]"
+    return json.dumps(value) if isinstance(value, str) else repr(value)
+
+
+def cosimo(*arguments: object) -> tuple[int, str]:
+    """(exit code, what was written to stderr)."""
+    with contextlib.redirect_stderr(io.StringIO()) as err, contextlib.redirect_stdout(io.StringIO()), \
+            warnings.catch_warnings(action="ignore"), pytest.raises(SystemExit) as end:
+        main([str(a) for a in arguments])
+    return end.value.code or 0, err.getvalue()
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@given(scenes())
+def test_the_command_line_has_an_exit_code_and_one_message_for_each(tmp_path, data):
+    """A scene that is still good is shown without being run, which takes up to fifty of its steps."""
+    path = tmp_path / "random.toml"
+    path.write_text("\n".join(f"{json.dumps(str(k))} = {toml(v)}" for k, v in data.items() if v is not None),
+                    encoding="utf-8", errors="surrogatepass")
+    code, err = cosimo("run", path, "--in-process", "--dry-run")
+    lines = err.splitlines()
+    assert code in (0, 2, 3), err
+    assert all(line.startswith("cosimo: ") for line in lines), err
+    assert len([line for line in lines if not line.startswith("cosimo: warning: ")]) == (code != 0), err
+    check(" ".join(lines))
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda s: s.encode("utf-8", "surrogatepass"))))
+def test_a_file_of_anything_is_refused_with_one_message(tmp_path, content):
+    path = tmp_path / "anything.toml"
+    path.write_bytes(content)
+    code, err = cosimo("run", path, "--dry-run")
+    assert code == 2
+    assert err.count("\n") == 1
+    check(err.strip())
