@@ -37,8 +37,8 @@ class Iterative(Master):
     unknown. An algebraic loop inside a circle is solved with the rest.
 
     Order of accuracy: degree + 1, as without iteration. Stability: force-force coupling is stable for any step with held
-    and for w H < √12 with linear inputs (w² = contact stiffness / reduced mass), and no better than other algorithms with
-    quadratic ones. With motion on one side, held inputs fail for stiff contacts, and without damping quadratic ones grow slowly.
+    and for w H < √12 with linear inputs (w² = contact stiffness / reduced mass), and limited about as without iteration with
+    quadratic ones. With motion on a side, held inputs fail for stiff contacts; undamped, quadratic ones always grow slowly.
     Convergence: the plain fixed point leaves H² k/(6 m) + H d/(2 m) of an error (linear inputs, contact k, d on the reduced
     mass m) and needs it below 1; quasi-Newton and Newton have no such limit, and relaxation none for one signal at the cut.
     Needs of a unit in a circle: to save and restore its state; polynomial inputs up to the degree, or it gets the mean.
