@@ -6,7 +6,7 @@ FMPy reads the file. Arrays of FMI 3 become their elements, "name[1]" or "name[1
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -61,6 +61,7 @@ class Description:
     scalars: Mapping[str, Scalar]
     derives: bool  # the co-simulation interface gives directional derivatives
     texts: Mapping[str | None, Sequence[str]]  # start values of texts, which FMPy does not read of arrays
+    requested: Set[str] = frozenset()  # inputs that the FMU asks for inside a step, by the intermediate update of FMI 3
     exchange: bool = False  # the interface for model exchange is used, not the one for co-simulation
 
     @property
@@ -136,7 +137,17 @@ def _read(path: str, _changed: int, where: str) -> Description:
     flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
              for plural in ("", "s")]  # FMPy knows that of FMI 2
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags), texts)
+    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags), texts,
+                       _requested(found, root))
+
+
+def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
+    """Continuous inputs of 64 bits, no arrays, that may be given inside a step; FMPy does not read the attribute."""
+    if model.coSimulation is None or not model.coSimulation.providesIntermediateUpdate:
+        return frozenset()
+    return frozenset(v.get("name") for v in root.iterfind("ModelVariables/Float64") if is_true(v.get("intermediateUpdate"))
+                     and v.get("causality") == "input" and v.get("variability") in (None, "continuous")
+                     and v.find("Dimension") is None)
 
 
 def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:
@@ -205,8 +216,9 @@ def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
     shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate, "gives_jacobian": found.directional}
     if found.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
         return shared | {"may_return_early": True}
+    follow = bool(inputs) and set(inputs) <= found.requested
     return shared | {
-        "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) else 0,
+        "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) or follow else 0,
         "variable_step": interface.canHandleVariableCommunicationStepSize,
         "fixed_step": float(interface.fixedInternalStepSize or 0.0),
         "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,

@@ -8,9 +8,9 @@ change at instants only are handed over in event mode, and only when they have c
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf, ulp
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from fmpy.fmi3 import FMU3Slave
@@ -18,7 +18,7 @@ from fmpy.fmi3 import FMU3Slave
 from components.core.errors import StepFailed
 
 from .fmu_unit import FmuUnit
-from .inputs import WARNING
+from .inputs import WARNING, Others, Reals, Requested
 
 DISCARD = 2
 ITERATIONS = 100  # of the discrete states at an event
@@ -35,13 +35,23 @@ class Fmi3CoSimulation(FmuUnit):
         interface, model = self._interface(), self.description.model
         self._events = interface.hasEventMode
         self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
-        self._last_held: list[Any] = []  # what was handed over in event mode
-        self._last_texts: list[str] = []
         fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
                         modelIdentifier=interface.modelIdentifier)
+        asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
         fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
+                        requiredIntermediateVariables=sorted(asked), intermediateUpdate=self._requested if asked else None,
                         logMessage=lambda _environment, _status, _category, text: self._noted(text))
         return fmu
+
+    def _requested(self, _environment: Any, t: float, wants_inputs: bool, _gives: bool, _finished: bool, _may_return: bool,
+                   early: Any, _when: Any) -> None:
+        """The FMU asks for its inputs inside a step."""
+        early[0] = False
+        if wants_inputs and isinstance(self._reals, Requested):
+            self._reals.move(t - self._origin)
+
+    def _make_reals(self, names: Sequence[str]) -> Reals:
+        return Requested(names, *self._common()) if set(names) <= self.description.requested else super()._make_reals(names)
 
     def _set_values(self, values: Any) -> None:
         """Structural parameters first, in a mode of their own: they fix the sizes of arrays."""
@@ -71,34 +81,21 @@ class Fmi3CoSimulation(FmuUnit):
         self._enter_event_mode, self._enter_step_mode = (self._function(n) for n in ("EnterEventMode", "EnterStepMode"))
         self._instance = self._fmu.component
         # event, termination, early return: three bytes that are looked at as one word
+        self._origin = 0.0  # s, the beginning of the step
+        if isinstance(self._reals, Requested):
+            self.step = self._step_with_requests  # type: ignore[method-assign]
         self._word, self._reached = ctypes.c_uint32(), DOUBLE()
         flags = ctypes.addressof(self._word)
         self._answers = (flags, flags + 1, flags + 2, ctypes.addressof(self._reached))
 
-    def _hold(self, values: list[Any]) -> None:
-        if values != self._last_held:
-            self._at_event(super()._hold, values)
-            self._last_held = values
-
-    def set_texts(self, values: Sequence[str]) -> None:
-        if list(values) != self._last_texts:
-            self._at_event(super().set_texts, values)
-            self._last_texts = list(values)
-
-    def _at_event(self, write: Callable[[Any], None], values: Any) -> None:
-        """Inputs that change at instants are handed over in event mode, if the FMU has it and runs."""
+    def _hand_over(self, inputs: Others, values: Sequence[Any]) -> None:
+        """In event mode, if the FMU has it and runs."""
         event = self._events and self._started
         if event:
             self._check(self._enter_event_mode(self._instance))
-        write(values)
+        super()._hand_over(inputs, values)
         if event:
             self._settle_events()
-
-    def _beside(self) -> Any:
-        return self.next_event, self._last_held, self._last_texts
-
-    def _take(self, beside: Any) -> None:
-        self.next_event, self._last_held, self._last_texts = beside
 
     def _settle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
@@ -126,6 +123,11 @@ class Fmi3CoSimulation(FmuUnit):
             status = self._do_step(self._instance, t, h, self._states.none, *self._answers)
             if status > WARNING or self._word.value:
                 self._step_by_events(t, h, self._answered(status, t, t + h))
+
+    def _step_with_requests(self, t: float, h: float) -> None:
+        self._origin = t
+        Fmi3CoSimulation.step(self, t, h)
+        cast(Requested, self._reals).stepped()
 
     def _stride(self, t: float, h: float) -> float:
         """The part of h up to the next event, if the FMU can be stepped to it."""

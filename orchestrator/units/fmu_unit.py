@@ -7,8 +7,8 @@ because FMPy builds new arrays in each call and then costs more than the FMU.
 from __future__ import annotations
 
 import ctypes
+import logging
 import os
-import shutil
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -16,11 +16,11 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from fmpy import extract
 
 from components.core.errors import BadInput, StepFailed
 
 from .description import Description
+from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
 from .interface import WIDE, Row
 from .states import State, States
@@ -29,6 +29,7 @@ from .values import EXACT, Block, blocks, decoded, signature
 if TYPE_CHECKING:
     from components.core.component import Component
 
+LOG = logging.getLogger("cosimo.units")  # a worker process keeps it for the message about its end
 FATAL = 4
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
 _once: set[str] = set()  # running FMUs that allow one instance in a process only
@@ -52,6 +53,8 @@ class FmuUnit:
         self._tolerance, self._fmi3 = tolerance, description.fmi3
         self._time, self._steps = 0.0, 0
         self._initializing = self._started = False
+        self._last_held: list[Any] | None = None  # values and texts that the FMU has
+        self._last_texts: list[str] | None = None
         self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
         self._scalars = description.scalars
         self._log: deque[str] = deque(maxlen=3)
@@ -59,7 +62,7 @@ class FmuUnit:
         if self._alone in _once:
             raise BadInput(f"units.{name}", f"a second instance of {description.path}",
                            "one; this FMU allows no more in a process", 'Write isolation = "process".')
-        here, self._folder = os.getcwd(), extract(description.path)
+        here, self._folder = os.getcwd(), take(description.path)
         try:
             self._fmu = self._instantiate()
             self._usable = self._healthy = True
@@ -107,7 +110,9 @@ class FmuUnit:
 
     def _noted(self, message: bytes | None) -> None:
         """A message of the FMU's log."""
-        self._log.append((message or b"").decode(errors="replace").strip())
+        text = (message or b"").decode(errors="replace").strip()
+        self._log.append(text)
+        LOG.info("%s: %s", self.name, text)
 
     def _function(self, name: str, *types: Any) -> Callable[..., int]:
         """A C function under this unit's own argument types: indexing the library gives a new object each time."""
@@ -153,7 +158,7 @@ class FmuUnit:
         held = [k for k, s in enumerate(scalars) if s.discrete]
         levels = [k for k, s in enumerate(scalars) if not s.discrete and s.variable.type == "Float32"]
         moving = [k for k in range(len(inputs)) if k not in {*held, *levels}]
-        self._reals = Reals([inputs[k] for k in moving], self.description.interpolates, *self._common()) if moving else None
+        self._reals = self._make_reals([inputs[k] for k in moving]) if moving else None
         self._levels, self._held = (Others(self.name, [inputs[k] for k in part], *self._common()) for part in (levels, held))
         self._rows = moving, levels, held
         if not inputs:
@@ -163,6 +168,9 @@ class FmuUnit:
         else:
             self.drive, self.update = self._drive_mixed, self._update_mixed
         self.get = self.reader(outputs, len(outputs) > WIDE)
+
+    def _make_reals(self, names: Sequence[str]) -> Reals:
+        return Reals(names, self.description.interpolates, *self._common())
 
     def _common(self) -> tuple[Any, ...]:
         return self._scalars, self._fmi3, self._fmu.component, self._function, self._failed
@@ -180,15 +188,23 @@ class FmuUnit:
         self._drive_mixed(values, None, None, 0.0)
 
     def _hold(self, values: list[Any]) -> None:
-        """Inputs that change at instants only."""
-        self._held.write(values, self._time)
+        """Inputs that change at instants only: the FMU gets them when they do."""
+        if values != self._last_held:
+            self._hand_over(self._held, values)
+            self._last_held = values
+
+    def _hand_over(self, inputs: Others, values: Sequence[Any]) -> None:
+        """Inputs that have changed at this instant."""
+        inputs.write(values, self._time)
 
     def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._texts = Others(self.name, inputs, *self._common())
         self._text_outputs = blocks([self._scalars[n] for n in outputs], self._fmi3)
 
     def set_texts(self, values: Sequence[str]) -> None:
-        self._texts.write(values, self._time)
+        if list(values) != self._last_texts:
+            self._hand_over(self._texts, values)
+            self._last_texts = list(values)
 
     def get_texts(self) -> list[str]:
         return [text for block in self._text_outputs for text in self._read(block)]
@@ -206,38 +222,42 @@ class FmuUnit:
         if not names:
             return list
         found = blocks([self._scalars[n] for n in names], self._fmi3)
-        calls = [(self._function("Get" + b.type.suffix, *signature(self._fmi3)), (self._fmu.component, *b.arguments))
+        calls = [(self._function("Get" + b.type.suffix, *signature(self._fmi3)), (self._fmu.component, *b.arguments), b.buffer)
                  for b in found]
         if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
             return self._straight_reader(*calls[0], found[0], arrays)
-        order = np.argsort([row for b in found for row in b.rows]).tolist()
+        picks, long, offset = [0] * len(names), {}, 0
+        for block in found:
+            for row, at in zip(block.rows, block.at, strict=True):
+                picks[row] = offset + at
+                if block.type.high > EXACT:
+                    long[names[row]] = offset + at
+            offset += block.size
         failed, exact = self._failed, self._exact
 
-        def read() -> Row:
-            values: list[float] = []
-            for block, (call, arguments) in zip(found, calls, strict=True):
+        def read(_alive: list[Block] = found) -> Row:  # the arguments are addresses in them
+            raw: list[Any] = []
+            for call, arguments, buffer in calls:
                 status = call(*arguments)
                 if status > WARNING:
                     failed(status)
-                part = decoded(block)
-                if block.type.high > EXACT:
-                    exact(names, block, part)
-                values += map(float, part)
-            values = [values[k] for k in order]
+                raw += buffer[:]
+            for name, k in long.items():
+                exact(name, raw[k])
+            values = [float(raw[k]) for k in picks]
             return np.array(values) if arrays else values
 
         return read
 
-    def _exact(self, names: Sequence[str], block: Block, values: Sequence[int]) -> None:
+    def _exact(self, name: str, value: int) -> None:
         """Whole numbers of 64 bits travel as floats, which may not change them."""
-        for row, value in zip(block.rows, values, strict=True):
-            if abs(value) > EXACT:
-                raise StepFailed(self.name, self._time, f"output {names[row]} is {value}, beyond the whole numbers up to 2^53 "
-                                                        "that can be handed over exactly")
+        if abs(value) > EXACT:
+            raise StepFailed(self.name, self._time, f"output {name} is {value}, beyond the whole numbers up to 2^53 "
+                                                    "that can be handed over exactly")
 
-    def _straight_reader(self, call: Callable[..., int], arguments: tuple[Any, ...], block: Block,
+    def _straight_reader(self, call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block,
                          arrays: bool) -> Callable[[], Row]:
-        buffer, failed = block.buffer, self._failed
+        failed = self._failed
         values = np.ctypeslib.as_array(buffer) if arrays else None
 
         def read(_alive: Block = block) -> Row:  # the arguments are addresses in it
@@ -277,10 +297,10 @@ class FmuUnit:
 
     def _beside(self) -> Any:
         """What belongs to a state beside the FMU's own: numbers and texts."""
-        return self.next_event
+        return self.next_event, self._last_held, self._last_texts
 
     def _take(self, beside: Any) -> None:
-        self.next_event = beside
+        self.next_event, self._last_held, self._last_texts = beside
 
     def release(self, state: State) -> None:
         self._states.release(state)
@@ -325,8 +345,10 @@ class FmuUnit:
             self._fmu.freeInstance()
             self._usable = False
         _once.discard(self._alone)
-        shutil.rmtree(self._folder, ignore_errors=True)
-        sys.path[:] = [p for p in sys.path if not p.startswith(str(self._folder))]  # pythonfmu leaves an entry at each start
+        if self._folder:
+            give(self._folder, again=not self._alone)  # what allows no second instance may not stand a second run, either
+            sys.path[:] = [p for p in sys.path if not p.startswith(self._folder)]  # pythonfmu leaves an entry at each start
+            self._folder = ""
 
 
 def _nothing(*_: Any) -> None:

@@ -1,8 +1,9 @@
 """The driven inputs of an FMU: buffers made once, one call of the library for all inputs of a type.
 
-Inputs that change over a step are given in the best of three ways: by companion inputs "der(x)" and "der(x,2)" (our own
-FMUs have them); by fmi2SetRealInputDerivatives where the FMU says canInterpolateInputs; else the mean of the polynomial
-over the step is held: the unit then receives the right impulse, and the second order of the coupling survives.
+Inputs that change over a step are given in the best of four ways: by companion inputs "der(x)" and "der(x,2)" (our own
+FMUs have them); by fmi2SetRealInputDerivatives where the FMU says canInterpolateInputs; whenever the FMU asks for them by
+the intermediate update of FMI 3; else the mean of the polynomial over the step is held: the unit then receives the right
+impulse, and the second order of the coupling survives.
 """
 
 from __future__ import annotations
@@ -80,10 +81,37 @@ class Reals:
             self._failed(status)
 
 
+class Requested(Reals):
+    """Reals of FMI 3 that the FMU asks for inside a step, wherever it needs them: they follow their polynomials there."""
+
+    def __init__(self, names: Sequence[str], *common: Any):
+        super().__init__(names, False, *common)
+        self._terms: list[tuple[float, float, float]] = []
+        self._worst = 0
+
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        self.write(values)
+        second = halves if halves is not None else [0.0] * self._n
+        self._terms = [] if slopes is None else list(zip(values, slopes, second, strict=True))
+
+    def move(self, s: float) -> None:
+        """The inputs at s after the beginning of the step; a bad status waits for `stepped`, an exception would be lost here."""
+        if self._terms:
+            self._target[self._places[0]] = [v + s * (a + s * b) for v, a, b in self._terms]
+            self._worst = max(self._worst, self._set(*self._arguments[0]))
+
+    def stepped(self) -> None:
+        """The step is over: the inputs stay where they are."""
+        self._terms = []
+        if self._worst > WARNING:
+            self._failed(self._worst)
+
+
 def means(values: Row, slopes: Row, halves: Row | None, h: float) -> list[float]:
     """Of the polynomials over a step."""
-    terms = zip(values, slopes, [0.0] * len(values) if halves is None else halves, strict=True)
-    return [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in terms]
+    if halves is None:
+        return [v + h * (s / 2.0) for v, s in zip(values, slopes, strict=True)]
+    return [v + h * (s / 2.0 + h * c / 3.0) for v, s, c in zip(values, slopes, halves, strict=True)]
 
 
 class Others:

@@ -72,6 +72,8 @@ MODELS: dict[str, list[V]] = {
         *_both("Boolean", 27, "Boolean", "false"), *_both("String", 29, "String", "Set me!"),
         V("Binary_input", 31, "Binary", "input", "discrete", "666f6f"),
         *_both("Enumeration", 33, "Enumeration", "1", 'declaredType="Option"')],
+    "integrator": [V("u", 1, "Float64", "input", "continuous", "0"), V("x", 2, "Float64", "output", "continuous"),
+                   V("z", 3, "Float64", "output", "continuous")],
     "resource": [V("y", 1, "Int32", "output", "discrete")],
     "stair": [V("counter", 1, "Int32", "output", "discrete")],
     "van_der_pol": [V("x0", 1, "Float64", "output", "continuous", "2"), V("x1", 3, "Float64", "output", "continuous", "0"),

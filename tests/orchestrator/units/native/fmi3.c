@@ -4,7 +4,7 @@
 #include "model.h"
 #include "fmi3Functions.h"
 
-enum { INSTANTIATED = 1, CONFIGURATION = 2, INITIALIZATION = 4, EVENT = 8, STEP = 16, OVER = 32 };
+enum { INSTANTIATED = 1, CONFIGURATION = 2, INITIALIZATION = 4, EVENT = 8, STEP = 16, INSIDE = 32, OVER = 64 };
 typedef struct { Data data; int mode; double next; } State;
 typedef struct {
     State now;
@@ -12,6 +12,8 @@ typedef struct {
     double given_up; /* states before this time will not come back */
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
+    fmi3IntermediateUpdateCallback update;
+    bool unwanted; /* an early return was asked for */
 } Unit;
 
 static fmi3Status complain(Unit *unit, const char *text) {
@@ -34,7 +36,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
     }
     Unit *unit = calloc(1, sizeof *unit);
     *unit = (Unit){.now = {.mode = INSTANTIATED, .next = INFINITY}, .event_mode = event_mode, .early_return = early_return,
-                   .environment = environment, .log = log, .given_up = -INFINITY};
+                   .environment = environment, .log = log, .update = update, .given_up = -INFINITY};
     begin(&unit->now.data, resources);
     return unit;
 }
@@ -74,6 +76,7 @@ fmi3Status fmi3Reset(fmi3Instance instance) { return fmi3Error; }
 static bool settable(Unit *unit, const Slot *s) {
     bool real = s->type == FLOAT64 || s->type == FLOAT32;
     if (s->when == 's' || unit->now.mode == CONFIGURATION) return s->when == 's' && unit->now.mode == CONFIGURATION;
+    if (unit->now.mode == INSIDE) return s->when == 'i';
     return unit->now.mode != STEP || !unit->event_mode || (real && s->when != 'd');
 }
 
@@ -93,7 +96,7 @@ fmi3Status fmi3Get##Name(fmi3Instance instance, const fmi3ValueReference referen
 } \
 fmi3Status fmi3Set##Name(fmi3Instance instance, const fmi3ValueReference references[], size_t n, const type values[], \
                          size_t total) { \
-    ALLOWED(INSTANTIATED | CONFIGURATION | INITIALIZATION | EVENT | STEP) \
+    ALLOWED(INSTANTIATED | CONFIGURATION | INITIALIZATION | EVENT | STEP | INSIDE) \
     size_t done = 0; \
     for (size_t i = 0; i < n; i++) { \
         const Slot *s = slot(references[i], TYPE); \
@@ -145,6 +148,17 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *again, f
     return fmi3OK;
 }
 
+static void request(Data *d, double t) {
+    Unit *unit = (Unit *)d; /* its first member */
+    bool early = true;
+    double when = 0.0;
+    if (!unit->update) return;
+    unit->now.mode = INSIDE;
+    unit->update(unit->environment, t, true, false, false, true, &early, &when);
+    unit->now.mode = STEP;
+    unit->unwanted |= early;
+}
+
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3Boolean forget, fmi3Boolean *event_needed,
                       fmi3Boolean *ends, fmi3Boolean *early, fmi3Float64 *reached) {
     ALLOWED(STEP)
@@ -169,7 +183,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3B
         if (*early) break;
     }
     *reached = *clock;
-    return fmi3OK;
+    return unit->unwanted ? complain(unit, "nobody should ask for an early return") : fmi3OK;
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nu,

@@ -24,13 +24,15 @@ typedef struct {
     enum Type type;
     size_t offset;
     size_t (*count)(const Data *); /* elements of an array; none: a scalar */
-    char when; /* 'd': changes at instants only, as all but reals do; 's': size of an array */
+    char when; /* 'd': changes at instants only, as all but reals do; 's': size of an array;
+                  'i': input that may be given inside a step */
 } Slot;
 
 static void begin(Data *d, const char *resources);       /* start values */
 static void outputs(Data *d);                            /* what follows from the inputs at once */
 static bool advance(Data *d, double end);                /* to the end or to an event before it, which is told */
 static void event(Data *d, Outcome *outcome);            /* update of discrete states */
+static void request(Data *d, double t);                  /* the inputs at a time inside a step, if the importer gives them */
 static bool derivative(const Data *d, unsigned unknown, size_t i, unsigned known, size_t k, double *value);
 
 #include MODEL
