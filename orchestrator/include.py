@@ -1,4 +1,4 @@
-"""Scenes inside scenes: an entry of `units` that names another scene stands for that scene's units and connections."""
+"""Scenes inside scenes: an entry of `units` that names another scene stands for its units, connections and contacts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem
 
 def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
              above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """A scene's data with the units of its subsystems in the place of their entries, and remarks about their files.
+    """A scene's data with units, connections and contacts of its subsystems in the place of their entries, and remarks.
 
     Paths are relative to `folder`. `above`: the files that include this one. What a unit of a subsystem is called in its
     own file stands behind the entry's name: "subsystem.unit". Stop time, master, records, faults, sweep and analysis of the
@@ -28,22 +28,21 @@ def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
     if not isinstance(data.get("units"), Mapping):
         return dict(data), ()
     units: dict[str, Any] = {}
-    connections: list[Any] = []
+    added: dict[str, list[Any]] = {"connections": [], "contacts": []}
     remarks: list[str] = []
     for entry, unit in data["units"].items():
         found = {entry: _located(unit, folder)}
         if isinstance(unit, Mapping) and "scene" in unit:
             part, said = _part(entry, unit, name, folder, above)
             found = {f"{entry}.{n}": u for n, u in part["units"].items()}
-            connections += (_prefixed(c, entry) for c in part.get("connections", ()))
+            added["connections"] += (_prefixed(c, entry) for c in part.get("connections", ()))
+            added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
             remarks += said
         if twice := found.keys() & units.keys():
             raise BadInput(f"{name}: units", f"two units {min(twice)!r}", "names that are unique")
         units |= found
-    own = data.get("connections", [])
-    if isinstance(own, list | tuple) and connections:
-        data = {**data, "connections": [*own, *connections]}
-    return {**data, "units": units}, tuple(remarks)
+    joined = {key: [*own, *more] for key, more in added.items() if more and isinstance(own := data.get(key, []), list | tuple)}
+    return {**data, **joined, "units": units}, tuple(remarks)
 
 
 def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
@@ -79,6 +78,12 @@ def _prefixed(connection: Any, entry: str) -> Any:
     if isinstance(connection, str):
         return " -> ".join(f"{entry}.{end.strip()}" for end in connection.split("->"))
     return connection | {end: f"{entry}.{connection[end]}" for end in ("source", "target")}
+
+
+def _touching(contact: Mapping[str, Any], entry: str) -> dict[str, Any]:
+    """A contact of a subsystem as the scene around it names what it touches: all texts of its sides are "unit.variable"."""
+    sides = {s: {k: f"{entry}.{v}" if isinstance(v, str) else v for k, v in contact[s].items()} for s in ("first", "second")}
+    return {**contact, **sides, "name": f"{entry}.{contact['name']}"}
 
 
 def _located(unit: Any, folder: Path | None) -> Any:

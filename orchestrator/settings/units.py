@@ -52,7 +52,7 @@ class UnitSettings(Model):
 
 
 class SubsystemSettings(Model):
-    """An entry of `units` that stands for the units and connections of another scene, as "entry.unit".
+    """An entry of `units` that stands for the units, connections and contacts of another scene, as "entry.unit".
 
     What belongs to that scene's own runs is not taken over: stop time, master, records, faults, sweep, analysis.
     """

@@ -11,6 +11,7 @@ import os
 import re
 import zipfile
 from io import BytesIO
+from math import isfinite, nan
 from pathlib import Path, PurePosixPath
 from tempfile import NamedTemporaryFile
 from urllib.parse import unquote, urlsplit
@@ -41,6 +42,10 @@ class Package:
             raise BadInput("scene", repr(name), "a file that can be read", f"{error.strerror}.") from None
         except zipfile.BadZipFile as error:
             raise BadInput(name, f"no zip archive ({error})", "an .ssp file") from None
+
+    def label(self, file: str) -> str:
+        """What messages call a file of this package."""
+        return file if self._archive is None else f"{self.name}/{file}"
 
     def read(self, uri: str, where: str, largest: int | None = None) -> bytes:
         """The content of a file; `BadInput` for one that is missing, broken, too large or outside of the package."""
@@ -100,10 +105,13 @@ def opened(path: Path) -> tuple[Package, str]:
 
 
 def parsed(content: bytes, where: str) -> etree._Element:
-    """The root of an XML file. Entities, other files and the network stay closed; `BadInput` with the line of a fault."""
+    """The root of an XML file; `BadInput` with the line of a fault, and for entities, which may reach for other files."""
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True)
     try:
-        return etree.fromstring(content, parser)
+        root = etree.fromstring(content, parser)
+        if root.getroottree().docinfo.internalDTD is not None:
+            raise BadInput(where, "a document type with entities of its own", "plain XML")
+        return root
     except etree.XMLSyntaxError as error:
         line = f":{error.lineno}" if error.lineno else ""
         raise BadInput(f"{where}{line}", f"a syntax error: {error.msg}", "an XML file") from None
@@ -119,12 +127,15 @@ def required(element: etree._Element, attribute: str, where: str) -> str:
 
 
 def number(element: etree._Element, attribute: str, default: float, where: str) -> float:
-    """The value of a numerical attribute."""
+    """The value of a numerical attribute, which must be finite."""
     text = element.get(attribute)
     try:
-        return default if text is None else float(text)
+        value = default if text is None else float(text)
     except ValueError:
-        raise BadInput(f"{where}:{element.sourceline}", f'{attribute}="{text}"', "a number") from None
+        value = nan
+    if not isfinite(value):
+        raise BadInput(f"{where}:{element.sourceline}", f'{attribute}="{text}"', "a finite number")
+    return value
 
 
 def truth(text: str, what: str, where: str) -> bool:

@@ -122,7 +122,7 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
         if fmu is None:
             raise BadInput(where, 'sourceBase="component"', "SSD; only a component with an FMU has files of its own")
         package = Package.zipped(str(fmu), fmu)
-    place = f"{package.name}/{source}"
+    place = package.label(source)
     root = parsed(package.read(source, where, LARGEST_TEXT), place)
     if etree.QName(root).localname != wanted.partition(":")[2]:
         raise BadInput(place, f"<{etree.QName(root).localname}>", f"<{wanted}>")

@@ -48,10 +48,11 @@ def read(path: Path) -> System:
     data["connections"] = flat.connections
     extra = own.get("units", {})
     data["units"] = {name: settings | extra.get(name, {}) for name, settings in flat.units.items()}
-    if not own and (base := data["master"]["step"]):
-        for path_, element in flat.components.items():
-            every = round(element.step_hint / base) if element.step_hint else 1
-            data["units"][flat.names[path_]] |= {"every": every} if every > 1 else {}
+    if not own:
+        for place, element in flat.components.items():  # as libcosim takes the hint: every n-th step
+            hint, step = element.step_hint or 0.0, data["master"]["step"]
+            if step > 0.0 and round(hint / step) > 1:
+                data["units"][flat.names[place]]["every"] = round(hint / step)
     return System(data, tuple(dict.fromkeys(remarks)))
 
 

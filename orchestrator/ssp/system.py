@@ -82,7 +82,7 @@ class Document:
 
     def __init__(self, package: Package, name: str):
         self.package, self.name = package, name
-        self.where = name if package.name.endswith(name) else f"{package.name}/{name}"
+        self.where = package.label(name)
         self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where)
         version = self.root.get("version", "")
         if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or not version.startswith("1."):
@@ -142,7 +142,7 @@ class Document:
                 raise BadInput(where, f"source {source!r}", "the id of a system of this file")
             return self._system(nodes[0], name, depth)
         if kind == ARCHIVE:
-            package = Package.zipped(f"{self.package.name}/{place}", self.package.read(place, where))
+            package = Package.zipped(self.package.label(place), self.package.read(place, where))
             document = Document(package, fragment or DEFAULT)
         else:
             document = Document(self.package, self.package.inside(place, where))

@@ -43,8 +43,12 @@ TOLERANCE = "0.0001"  # of OMSimulator's master; it has no effect with a fixed s
 def write(scene: SceneSettings, path: Path) -> Path:
     """Write the scene to an .ssp file and return its path; the same scene gives the same bytes.
 
-    Raises `BadInput` for units that cannot be an FMU in a package: components that are not in the catalogue.
+    Raises `BadInput` for what no other tool could run: components that are not in the catalogue, and contacts, whose laws
+    are the master's.
     """
+    if scene.contacts:
+        raise BadInput(f"{scene.name}: contacts", "a contact law that the master integrates", "connections between units",
+                       "A package holds FMUs and connections only.")
     if path.suffix != ".ssp":
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
     system = _System(scene)
