@@ -85,6 +85,27 @@ class Between(Linear):
         return np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((1, 0)), np.array([[-k, -c, k, c]]), np.zeros(0)
 
 
+class OneSided(Between):
+    """The same for ends that can part: no force while the first has not passed the second, and never a pull."""
+
+    kc = parameter(1e6, "N/m", "stiffness")
+    cc = parameter(0.0, "N.s/m", "damping")
+    x1 = input_(0.0, "m", "position of the first end")
+    v1 = input_(0.0, "m/s", "velocity of the first end")
+    x2 = input_(0.0, "m", "position of the second end")
+    v2 = input_(0.0, "m/s", "velocity of the second end")
+    force = output("N", "force on the first end", feedthrough=("x1", "v1", "x2", "v2"))
+
+    def _step(self, t, h):
+        status = super()._step(t, h)
+        self._outputs(t)
+        return status
+
+    def _outputs(self, t):
+        super()._outputs(t)
+        self.y[0] = min(self.y[0], 0.0) if self.u[0, 0] > self.u[0, 2] else 0.0
+
+
 @dataclass(frozen=True)
 class TwoMasses:
     """The parameters, and (x1, v1, x2, v2) at t = 0; by default case 1 of the LIM oscillator (fgonzalezLIM/cosim-benchmarks)."""
