@@ -35,7 +35,19 @@ API int fmi2SetInteger(Unit *c, const unsigned *vr, size_t n, const int *value) 
 API int fmi2SetBoolean(Unit *c, const unsigned *vr, size_t n, const int *value) { c->flag = value[0]; return OK; }
 API int fmi2SetString(Unit *c, const unsigned *vr, size_t n, const char *const *value) { c->letters = strlen(value[0]); return OK; }
 API int fmi2DoStep(Unit *c, double t, double h, int no_rollback) { c->x += h * c->u; return OK; }
-ABSENT(fmi2GetInteger) ABSENT(fmi2GetBoolean) ABSENT(fmi2GetString) ABSENT(fmi2SetRealInputDerivatives)
+API int fmi2GetInteger(Unit *c, const unsigned *vr, size_t n, int *value) {
+    for (size_t i = 0; i < n; i++) value[i] = (&c->count)[vr[i]];
+    return OK;
+}
+API int fmi2GetBoolean(Unit *c, const unsigned *vr, size_t n, int *value) {
+    for (size_t i = 0; i < n; i++) value[i] = c->flag;
+    return OK;
+}
+API int fmi2GetString(Unit *c, const unsigned *vr, size_t n, const char **value) {
+    for (size_t i = 0; i < n; i++) value[i] = "";
+    return OK;
+}
+ABSENT(fmi2SetRealInputDerivatives)
 ABSENT(fmi2GetFMUstate) ABSENT(fmi2SetFMUstate) ABSENT(fmi2FreeFMUstate) ABSENT(fmi2SerializedFMUstateSize)
 ABSENT(fmi2SerializeFMUstate) ABSENT(fmi2DeSerializeFMUstate) ABSENT(fmi2GetDirectionalDerivative)
 ABSENT(fmi2GetRealOutputDerivatives) ABSENT(fmi2CancelStep) ABSENT(fmi2GetStatus) ABSENT(fmi2GetRealStatus)

@@ -266,7 +266,7 @@ def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
     (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
     (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
     (document(system("s", A), experiment='startTime="1"'), ["startTime 1 s", "every run starts at 0"]),
-    (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a number"]),
+    (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
     (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
     (document(system("s", A), annotations=OURS.format("{")), ["no JSON"]),
     (document(system("s", A), annotations=OURS.format('{"units": {"a": 1}}')), ["another form"]),
