@@ -9,11 +9,13 @@ from ..coupling import Coupling, Endpoint
 from ..settings import SceneSettings
 from ..units import Unit
 from .gauss_seidel import GaussSeidel
+from .interface_model import InterfaceModel
 from .iterative import Iterative
 from .jacobi import Jacobi
 from .master import Master
 
-ALGORITHMS: dict[str, type[Master]] = {"jacobi": Jacobi, "gauss-seidel": GaussSeidel, "iterative": Iterative}
+ALGORITHMS: dict[str, type[Master]] = {"jacobi": Jacobi, "gauss-seidel": GaussSeidel, "iterative": Iterative,
+                                      "interface-model": InterfaceModel}
 
 __all__ = ["ALGORITHMS", "Master", "master_of"]
 

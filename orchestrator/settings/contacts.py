@@ -20,7 +20,7 @@ class SideSettings(Model):
     position: Endpoint = Field(description="unit.output")
     velocity: Endpoint | None = Field(default=None, description="unit.output; needed with inertia, and with damping of the law")
     acceleration: Endpoint | None = Field(
-        default=None, description="unit.output, with inertia only: the other forces are known at once, not by what they have done")
+        default=None, description="unit.output, with inertia only: the other forces are then known at once, not by their effect")
     compliance: Endpoint | None = Field(
         default=None, description="unit.output: what the position leaves out, in series with the law, m/N")
     inertia: Positive | None = Field(default=None, description="kg the contact sets in motion, 1/(d acceleration / d force)")
