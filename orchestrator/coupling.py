@@ -13,6 +13,7 @@ from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
 from .bonds import Bond, bond
+from .contacts import check_contacts, connections, describe_contact
 from .demands import check_stepping
 from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
@@ -47,6 +48,8 @@ def settle(scene: SceneSettings) -> Coupling:
     """Describe all units and check every connection and record; raises one `BadInput` that starts with the scene's name."""
     try:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
+        check_contacts(scene, interfaces)
+        interfaces |= {contact.name: describe_contact(contact) for contact in scene.contacts}
         found = _links(scene, interfaces)
         texts = tuple(link for link in found if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in found if link not in texts)
@@ -81,9 +84,10 @@ def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> End
 
 def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
     links: dict[Endpoint, Link] = {}
-    for connection in scene.connections:
+    named = [(f"connection {c if isinstance(c, str) else c.text!r}", c) for c in scene.connections]
+    named += [item for contact in scene.contacts for item in connections(contact).items()]
+    for where, connection in named:
         text = connection if isinstance(connection, str) else connection.text
-        where = f"connection {text!r}"
         for source, target in _pairs(text, where, interfaces):
             outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
             if source[1] not in outputs:
@@ -150,6 +154,8 @@ def _no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str
     interface = interfaces[unit]
     here, there = (interface.outputs, interface.inputs) if wished == "output" else (interface.inputs, interface.outputs)
     effect = name.partition(".")[0]
+    if name in interface.refused:
+        return BadInput(where, f"{'.'.join(end)}, {_article(interface.refused[name])}", "a number, a truth value or a text")
     if name in there:
         remedy = "A connection goes from an output to an input."
     elif effect in interface.effects and not interface.effects[effect]:
@@ -215,8 +221,8 @@ def _bond(text: str, interfaces: Mapping[str, Interface], links: tuple[Link, ...
 
 def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
-    if master.order and sorted(master.order) != sorted(scene.units):
-        raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(scene.units)}")
+    if master.order and sorted(master.order) != sorted(coupling.interfaces):
+        raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(coupling.interfaces)}")
     needless = given & {"extrapolation", "smoothing", "feedthrough", "order"}
     if not coupling.links and needless:
         option = min(needless)
@@ -234,10 +240,20 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
         _check_rate(name, scene)
     check_stepping(scene.master, coupling.interfaces, coupling.links, coupling.bonds, coupling.rates)
     for name, interface in coupling.interfaces.items():
-        whole = (scene.stop_time / (master.step * scene.units[name].every)) % 1.0
+        _check_fixed_step(name, interface.fixed_step, scene)
+        whole = (scene.stop_time / (master.step * coupling.rates.get(name, 1))) % 1.0
         if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:
-            raise BadInput("master.step", f"{master.step * scene.units[name].every:g} s in a run of {scene.stop_time:g} s",
+            raise BadInput("master.step", f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.stop_time:g} s",
                            f"a step that divides the run; {name} cannot make the last one shorter")
+
+
+def _check_fixed_step(name: str, fixed: float, scene: SceneSettings) -> None:
+    """All steps of a unit with internal steps of one length are multiples of it, the last, shorter one, too."""
+    step = scene.master.step * (scene.units[name].every if fixed else 1)
+    for length in (step, scene.stop_time) if fixed else ():
+        if abs(length / fixed - round(length / fixed)) > 1e-9 * max(length / fixed, 1.0):
+            where = "master.step" if length == step else "stop_time"
+            raise BadInput(where, f"{length:.9g} s", f"a multiple of {fixed:.9g} s, the fixed internal step of {name}")
 
 
 def _check_loop(loop: Loop, coupling: Coupling) -> None:

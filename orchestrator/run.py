@@ -15,6 +15,7 @@ from typing import Any
 from components.core.errors import StepFailed
 
 from .algorithms import Master, master_of
+from .algorithms.contact import ContactUnit
 from .algorithms.energy import EnergyAccount, metered
 from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .coupling import Coupling, settle
@@ -53,6 +54,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         for name, unit in scene.units.items():
             units[name] = open_unit(name, unit, in_process=in_process)
             stack.callback(units[name].close)
+        units |= {contact.name: ContactUnit(contact, settings.extrapolation) for contact in scene.contacts}
         mortals = {fault.unit: Mortal(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
         units.update(mortals)  # type: ignore[arg-type]  # what they do not change is the unit's own
         meters = metered(units, coupling)
