@@ -17,7 +17,7 @@ class IterationSettings(Model):
     method: Literal["aitken", "quasi-newton", "newton"] = Field(
         default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian")
     tolerance: Positive = Field(default=1e-8, description="largest miss of a coupled signal, relative to its size or nominal")
-    max_iterations: Annotated[int, Field(strict=True, ge=1)] = 20
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 20
     not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
 
 

@@ -18,6 +18,7 @@ from .model import UNIT_NAME, Model, Number, Seconds, Truth
 from .units import OrSubsystem, UnitSettings
 
 RANGE = ("from", "to", "points")
+MOST_STEPS = 1e12  # of a run
 MOST_POINTS = 1_000_000  # of one range; each is a run
 
 
@@ -95,6 +96,8 @@ class SceneSettings(Model):
         step, stop, record = self.master.step, self.stop_time, self.record
         if step > stop:
             raise BadInput("master.step", f"{step:g} s", f"at most the length of the run, {stop:g} s")
+        if stop > MOST_STEPS * step:
+            raise BadInput("master.step", f"{step:g} s", f"at least {stop / MOST_STEPS:g} s, which makes {MOST_STEPS:g} steps")
         for label, interval in (("interval", record.interval), ("snapshot_interval", record.snapshot_interval)):
             if interval is not None and not step <= interval <= stop:
                 expected = f"between the macro step, {step:g} s, and stop_time, {stop:g} s"

@@ -20,7 +20,7 @@ class UnitSettings(Model):
     preset: str = Field(default="", description="published set of parameters of the component")
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
     parameters: dict[str, Value] = Field(default={}, description="parameters, and values of inputs that no connection drives")
-    every: Annotated[int, Field(strict=True, ge=1)] = Field(
+    every: Annotated[int, Field(strict=True, ge=1, le=1_000_000_000)] = Field(
         default=1, description="steps with every n-th macro step only, over all n of them; for slow units")
     isolation: Literal["none", "process"] = Field(
         default="none", description="process: in a worker process of its own, for what may crash and to use several cores")

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from math import prod
+from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +114,7 @@ class Description:
 
 def read(path: str, where: str) -> Description:
     """The description of an FMU; `BadInput` for what is none."""
-    if not Path(path).is_file():
+    if not isfile(path):  # which takes a name that no file can have for one of no file
         raise BadInput(where, repr(path), "an FMU file")
     return _read(path, Path(path).stat().st_mtime_ns, where)
 

@@ -6,6 +6,7 @@ import io
 import json
 import re
 import warnings
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -129,6 +130,29 @@ def cosimo(*arguments: object) -> tuple[int, str]:
             warnings.catch_warnings(action="ignore"), pytest.raises(SystemExit) as end:
         main([str(a) for a in arguments])
     return end.value.code or 0, err.getvalue()
+
+
+@pytest.mark.parametrize(("place", "value", "named"), [
+    ("stop_time", 10**400, "stop_time"), ("master.step", 5e-324, "at least 1e-12 s"), ("units.a.every", 10**400, "every"),
+    ("units.a.parameters.k", 10**400, "parameters"), ("sweep.b.k", {"from": 0, "to": 10**400, "points": 3}, "from"),
+    ("sweep.b.k", {"from": 0, "to": 1, "points": 10**9}, "points"), ("units.p", {"fmu": "x" * 300}, "units.p.fmu"),
+    ("units.p", {"fmu": "a\0b"}, "units.p.fmu"), ("units.p", {"scene": "x" * 300 + ".toml"}, "name too long"),
+    ("master.smoothing", 1, "true or false"), ("connections", [{"source": "b.force"}], "connections[1].target"),
+    ("connections", [5], "or a table"),
+    ("faults", [{"signal": "a.x_out", "kind": "offset", "value": "1"}], "faults[1].value"),
+], ids=lambda value: value if isinstance(value, str) else "")
+def test_numbers_and_names_that_nothing_can_hold(place, value, named):
+    data = copy.deepcopy(FULL)
+    *path, last = place.split(".", 3) if not place.startswith("sweep") else place.split(".", 1)
+    table = data
+    for key in path:
+        table = table[key]
+    table[last] = value
+    with pytest.raises(BadInput) as caught:
+        read_scene(data, "bad", Path.cwd())
+    assert named in str(caught.value)
+    check(str(caught.value))
+    assert len(str(caught.value)) < 1000
 
 
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
