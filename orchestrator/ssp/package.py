@@ -43,6 +43,11 @@ class Package:
         except zipfile.BadZipFile as error:
             raise BadInput(name, f"no zip archive ({error})", "an .ssp file") from None
 
+    def close(self) -> None:
+        """Let go of the archive's file."""
+        if self._archive is not None:
+            self._archive.close()
+
     def label(self, file: str) -> str:
         """What messages call a file of this package."""
         return file if self._archive is None else f"{self.name}/{file}"
@@ -85,7 +90,13 @@ class Package:
         """The file of an FMU: where it lies in a folder, or its copy in the cache, which is written once for each content."""
         path = self.inside(uri, where)
         if self._folder is not None:
-            return self._folder.resolve() / path
+            file = self._folder.resolve() / path
+            try:
+                if file.is_file():
+                    return file
+            except OSError:  # a name that no file can have
+                pass
+            raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
         content = self.read(uri, where)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
         file = Path(cache_root()) / "ssp" / hashlib.sha256(content).hexdigest()[:16] / f"{stem}.fmu"

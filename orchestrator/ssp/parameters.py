@@ -6,6 +6,7 @@ Source: System Structure and Parameterization 1.0, chapters 5 (bindings), 6 (SSV
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -121,9 +122,11 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
     if node.get("sourceBase", "SSD") == "component":
         if fmu is None:
             raise BadInput(where, 'sourceBase="component"', "SSD; only a component with an FMU has files of its own")
-        package = Package.zipped(str(fmu), fmu)
-    place = package.label(source)
-    root = parsed(package.read(source, where, LARGEST_TEXT), place)
+        with closing(Package.zipped(str(fmu), fmu)) as inner:
+            place, text = inner.label(source), inner.read(source, where, LARGEST_TEXT)
+    else:
+        place, text = package.label(source), package.read(source, where, LARGEST_TEXT)
+    root = parsed(text, place)
     if etree.QName(root).localname != wanted.partition(":")[2]:
         raise BadInput(place, f"<{etree.QName(root).localname}>", f"<{wanted}>")
     return root, place

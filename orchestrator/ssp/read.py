@@ -9,6 +9,7 @@ held inputs. Failing that, the FMUs' default experiments are asked, and a remark
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -37,9 +38,11 @@ class System:
 
 def read(path: Path) -> System:
     """The scene of an .ssd or .ssp file; `BadInput` for what cannot be read."""
-    document = Document(*opened(path))
-    own = _annotation(document)
-    flat = Flat(document.system(), own.get("elements", {}))
+    package, name = opened(path)
+    with closing(package):
+        document = Document(package, name)
+        own = _annotation(document)
+        flat = Flat(document.system(), own.get("elements", {}))
     remarks, data = list(flat.remarks), dict(own.get("scene", {}))
     data["stop_time"] = stop = _stop_time(document, flat, remarks)
     if "master" not in data:

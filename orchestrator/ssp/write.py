@@ -52,9 +52,14 @@ def write(scene: SceneSettings, path: Path) -> Path:
     if path.suffix != ".ssp":
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
     system = _System(scene)
-    files = {DEFAULT: system.text(), **{place: file.read_bytes() for place, file in system.files.items()}}
     try:
-        return write_zip(files, path)
+        text = system.text()
+    except ValueError as error:
+        if isinstance(error, BadInput):
+            raise
+        raise BadInput(scene.name, "a text that XML cannot hold", "texts without control characters", f"{error}.") from None
+    try:
+        return write_zip({DEFAULT: text, **{place: file.read_bytes() for place, file in system.files.items()}}, path)
     except OSError as error:
         raise BadInput("output", repr(str(path)), "a file that can be written", f"{error.strerror}.") from None
 
@@ -134,8 +139,10 @@ class _System:
         type_ = _add(connector, f"ssc:{TYPES[scalar.kind]}")
         declared = scalar.variable.declaredType
         if scalar.kind == "enumeration" and declared is not None:
-            self.enumerations[declared.name] = members(scalar)
-            type_.set("name", declared.name)
+            label, items, k = declared.name, members(scalar), 2
+            while self.enumerations.setdefault(label, items) != items:  # another FMU has something else of this name
+                label, k = f"{declared.name}_{k}", k + 1
+            type_.set("name", label)
         unit = scalar.variable.unit or (declared.unit if declared else None)
         if scalar.kind == "real" and unit and (meaning := _meaning(unit, self.descriptions[name])) is not None \
                 and self.measures.setdefault(unit, meaning) == meaning:  # else another FMU means something else by this name
@@ -145,6 +152,9 @@ class _System:
         scalar = self.descriptions[name].scalars[variable]
         if scalar.kind == "enumeration" and not isinstance(value, str):
             value = next((n for n, v in members(scalar).items() if v == value), value)
+        if scalar.kind == "integer" and not -(2**31) <= value < 2**31:
+            raise BadInput(f"{self.scene.name}: units.{name}.parameters", f"{variable} = {value}", "a whole number of 32 bits",
+                           "SSP 1.0 has no others.")
         text = str(value).lower() if isinstance(value, bool) else repr(float(value)) if scalar.kind == "real" else str(value)
         _add(parameter, f"ssv:{TYPES[scalar.kind]}", value=text)
 

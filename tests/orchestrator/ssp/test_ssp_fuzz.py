@@ -23,8 +23,8 @@ TEXT = document(
     "</ssc:Annotation>")
 ODD = st.sampled_from([
     "", "0", "-1", "nan", "INF", "1e999", "9" * 5000, "true", "..", "/", "#", "%00", "a.u", "in.b", "s", "\u200b", "x y",
-    "u -> y", "*", "a\tb", "metres.fmu", "test.ssd", "application/x-ssp-package", "application/x-ssp-definition", "output", "parameter", "inout",
-    "component", "[]", '{"units": []}', '{"elements": {"a": "in.b"}}'])
+    "u -> y", "*", "a\tb", "metres.fmu", "test.ssd", "application/x-ssp-package", "application/x-ssp-definition",
+    "output", "parameter", "inout", "component", "[]", '{"units": []}', '{"elements": {"a": "in.b"}}'])
 
 
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

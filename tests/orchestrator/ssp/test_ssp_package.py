@@ -79,6 +79,17 @@ def test_broken_archives(folder):
         load_scene(path)
 
 
+def test_reading_leaves_no_file_open(folder):
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("counts open files where the system lists them")
+    path = packed(folder, system("s", component("a")), **{"adder.fmu": (folder / "adder.fmu").read_bytes()})
+    load_scene(path)
+    before = len(os.listdir("/proc/self/fd"))
+    kept = [load_scene(path) for _ in range(20)]
+    assert len(os.listdir("/proc/self/fd")) == before
+    assert len(kept) == 20
+
+
 def test_descriptions_that_would_fill_the_memory_are_refused(folder, monkeypatch):
     monkeypatch.setattr("orchestrator.ssp.system.LARGEST_TEXT", 100)
     with pytest.raises(BadInput, match="at most 100 bytes"):

@@ -30,7 +30,7 @@ def description(path):
 
 def adders(folder, **more):
     """Three adders in different units of measure, with parameters of every type."""
-    full = {"gain": 2.0, "count": 3, "flag": True, "mode": "high", "text": "a <b> & \"c\"", "u": 0.1}
+    full = {"gain": 2.0, "count": 3, "flag": True, "mode": "high", "text": "a <b> & \"c\"\n\té", "u": 0.1}
     return read_scene({
         "stop_time": 2.0,
         "units": {"a.one": {"fmu": str(folder / "metres.fmu"), "parameters": full},
@@ -167,6 +167,8 @@ def test_what_cannot_be_packed_is_refused(tmp_path):
         {"name": "touch", "law": "spring", "stiffness": 10.0, **sides}]})
     with pytest.raises(BadInput, match="contact law that the master integrates"):
         write(scene, tmp_path / "bad.ssp")
+    with pytest.raises(BadInput, match="control characters"):
+        write(read_scene({**RIGID, "title": "a\x01b"}), tmp_path / "bad.ssp")
     with pytest.raises(BadInput, match=r"ends in \.ssp"):
         write(read_scene(RIGID), tmp_path / "bad.zip")
     (tmp_path / "file").write_text("")
