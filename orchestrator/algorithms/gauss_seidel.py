@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 from ..coupling import Coupling, Endpoint, Link
 from ..units import Unit
 from ..units.interface import Row
-from .master import Master
+from .master import Master, Node
 from .polynomial import History, Terms
+
+ALONE, LED, AHEAD, BOTH = range(4)  # no inputs; led to known values; extrapolated; the late ones extrapolated, the others led
 
 
 class GaussSeidel(Master):
@@ -29,6 +31,7 @@ class GaussSeidel(Master):
         super().__init__(units, coupling, watched, **settings)
         ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
         self.late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
+        self._turns = [(node, node.unit, late, _way(node, late)) for node, late in zip(self.nodes, self.late, strict=True)]
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """Each group of the graph behind those that feed it."""
@@ -40,18 +43,24 @@ class GaussSeidel(Master):
 
     def step(self, t: float, h: float) -> None:
         signals = self.signals
-        for node, late in zip(self.nodes, self.late, strict=True):
-            unit = node.unit
-            if node.sources:
-                if late == 0 and node.follows:
-                    node.lead(node.inputs(), h)
-                elif late == len(node.sources):
-                    node.drive(node.history.ahead(), h)
-                else:
-                    node.drive(_joined(node.history, node.inputs(), late, h), h)
+        for node, unit, late, way in self._turns:
+            if way == LED:
+                node.lead(node.inputs(), h)
+            elif way == AHEAD:
+                node.drive(node.history.ahead(), h)
+            elif way == BOTH:
+                node.drive(_joined(node.history, node.inputs(), late, h), h)
             unit.step(t, h)
             signals[node.place] = unit.get()
         self._finish(t, h)
+
+
+def _way(node: Node, late: int) -> int:
+    if not node.sources:
+        return ALONE
+    if late == 0 and node.follows:
+        return LED
+    return AHEAD if late == len(node.sources) else BOTH
 
 
 def _joined(history: History, fresh: Row, late: int, h: float) -> Terms:

@@ -15,7 +15,7 @@ from ..coupling import Coupling, Endpoint
 from ..graph import groups, smooth
 from ..settings import IterationSettings
 from ..units import Unit
-from .acceleration import METHODS, Acceleration, Memory
+from .acceleration import Acceleration, Memory, accelerated
 from .circles import Chain, best_cut
 from .master import Master, Saved
 
@@ -49,7 +49,7 @@ class Iterative(Master):
         super().__init__(units, coupling, watched, **settings)
         self.iteration = iteration or IterationSettings()
         nodes = {node.unit.name: node for node in self.nodes}
-        self._follow = self._follow_once  # after a step, algebraic loops have been solved with the rest of their circles
+        self._solving = False  # after a step, algebraic loops have been solved with the rest of their circles
         links = smooth(coupling.interfaces, coupling.links)
         runs: list[list[str]] = [[]]  # every circle, and between two of them all units in none
         for group in groups(coupling.interfaces, links):
@@ -57,11 +57,9 @@ class Iterative(Master):
                 runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
-        self._chains: list[tuple[Chain, Acceleration]] = [
-            (Chain([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces),
-             METHODS[self.iteration.method]())
-            for names in runs if names
-        ]
+        chains = [Chain([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces)
+                  for names in runs if names]
+        self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
         self.iterations = self.restores = self.unsettled = 0
         self.worst = 0.0  # largest miss that was left, relative
 
@@ -72,12 +70,6 @@ class Iterative(Master):
             else:
                 chain.sweep(t, h)
         self._finish(t, h)
-
-    def follow(self, t: float) -> None:
-        """Between two steps nothing is repeated, and algebraic loops are solved on their own."""
-        for node in self.nodes:
-            node.fresh = None
-        self._follow_with_loops(t)
 
     def _iterate(self, chain: Chain, method: Acceleration, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""

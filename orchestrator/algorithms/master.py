@@ -155,7 +155,8 @@ class Master:
         nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
         self.nodes = [nodes[name] for name in order]
         self.passes, self.loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
-        self._follow = self._follow_with_loops if self.loops else self._follow_once
+        self._fed = [node for node in self.nodes if node.sources]
+        self._solving = bool(self.loops)  # algebraic loops are solved after each step
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
@@ -287,35 +288,22 @@ class Master:
 
     def _finish(self, t: float, h: float) -> None:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
-        updated = self._follow(t + h)
-        for node in self.nodes:
-            if node.sources:
-                node.history.push(node.inputs() if node.fresh is None or updated else node.fresh, h)
+        updated = self._solve(t + h) if self._solving else self._update(self.passes, False)
+        for node in self._fed:
+            fresh = node.fresh
+            node.history.push(node.inputs() if fresh is None or updated else fresh, h)
         self.steps += 1
-        self.check_finite(t + h)
+        if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
+            self.check_finite(t + h)
 
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
         for node in self.nodes:
             node.fresh = None
-        self._follow(t)
-
-    def _follow_once(self, t: float) -> bool:
-        """Update the units whose outputs depend on inputs that have moved; tells whether there were any."""
-        return self._update(self.passes, False)
-
-    def _follow_with_loops(self, t: float) -> bool:
-        """The same, and solve the algebraic loops, each where it stands among them."""
-        updated = False
-        for part in self._plan:
-            if isinstance(part, LoopSolver):
-                part.solve(t)
-                updated = True
-            else:
-                updated = self._update(part, updated)
-        return updated
+        self._solve(t)
 
     def _update(self, nodes: Sequence[Node], updated: bool) -> bool:
+        """Update the units whose outputs depend on inputs that have moved; tells whether there were any, now or before."""
         signals = self.signals
         for node in nodes:
             if node.fresh is None or updated:
@@ -326,11 +314,21 @@ class Master:
                     updated = True
         return updated
 
+    def _solve(self, t: float) -> bool:
+        """The same for all units that have to follow, and algebraic loops solved, each where it stands among them."""
+        updated = False
+        for part in self._plan:
+            if isinstance(part, LoopSolver):
+                part.solve(t)
+                updated = True
+            else:
+                updated = self._update(part, updated)
+        return updated
+
     def check_finite(self, t: float) -> None:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
-        if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
-            for (unit, name), value in zip(self.positions, self.sample(), strict=True):
-                if not isfinite(value):
-                    raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
-                if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
-                    raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", "Reduce the macro step")
+        for (unit, name), value in zip(self.positions, self.sample(), strict=True):
+            if not isfinite(value):
+                raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
+            if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
+                raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", "Reduce the macro step")
