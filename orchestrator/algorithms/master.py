@@ -207,7 +207,7 @@ class Master:
             exact = interface.input_degree >= self.degree
             for k, link in enumerate(node.links):
                 if link.target[1] in at_once:
-                    node.direct.append((k, ROUNDING if exact or k in node.held else -1.0))
+                    node.direct.append((k, ROUNDING if exact or k in node.held else -inf))
         return updated, [part for part in plan if isinstance(part, LoopSolver)], plan
 
     def sorted_links(self, links: list[Link], order: tuple[str, ...]) -> list[Link]:

@@ -23,8 +23,9 @@ from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
 from .interface import WIDE, Row
+from .outputs import reader
 from .states import State, States
-from .values import EXACT, Block, blocks, decoded, signature
+from .values import Block, blocks, decoded, signature
 
 if TYPE_CHECKING:
     from components.core.component import Component
@@ -219,54 +220,11 @@ class FmuUnit:
             self._failed(status)
 
     def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], Row]:
-        if not names:
-            return list
-        found = blocks([self._scalars[n] for n in names], self._fmi3)
-        calls = [(self._function("Get" + b.type.suffix, *signature(self._fmi3)), (self._fmu.component, *b.arguments), b.buffer)
-                 for b in found]
-        if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
-            return self._straight_reader(*calls[0], found[0], arrays)
-        picks, long, offset = [0] * len(names), {}, 0
-        for block in found:
-            for row, at in zip(block.rows, block.at, strict=True):
-                picks[row] = offset + at
-                if block.type.high > EXACT:
-                    long[names[row]] = offset + at
-            offset += block.size
-        failed, exact = self._failed, self._exact
+        return reader(names, arrays, self._inexact, *self._common())
 
-        def read(_alive: list[Block] = found) -> Row:  # the arguments are addresses in them
-            raw: list[Any] = []
-            for call, arguments, buffer in calls:
-                status = call(*arguments)
-                if status > WARNING:
-                    failed(status)
-                raw += buffer[:]
-            for name, k in long.items():
-                exact(name, raw[k])
-            values = [float(raw[k]) for k in picks]
-            return np.array(values) if arrays else values
-
-        return read
-
-    def _exact(self, name: str, value: int) -> None:
-        """Whole numbers of 64 bits travel as floats, which may not change them."""
-        if abs(value) > EXACT:
-            raise StepFailed(self.name, self._time, f"output {name} is {value}, beyond the whole numbers up to 2^53 "
-                                                    "that can be handed over exactly")
-
-    def _straight_reader(self, call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block,
-                         arrays: bool) -> Callable[[], Row]:
-        failed = self._failed
-        values = np.ctypeslib.as_array(buffer) if arrays else None
-
-        def read(_alive: Block = block) -> Row:  # the arguments are addresses in it
-            status = call(*arguments)
-            if status > WARNING:
-                failed(status)
-            return buffer[:] if values is None else values
-
-        return read
+    def _inexact(self, name: str, value: int) -> None:
+        raise StepFailed(self.name, self._time, f"output {name} is {value}, beyond the whole numbers up to 2^53 "
+                                                "that can be handed over exactly")
 
     def initialize(self, t: float, values: Row) -> None:
         if not self._initializing:

@@ -64,6 +64,19 @@ def test_the_first_event_inside_a_step_is_told():
         assert event == (pytest.approx(inside[0], abs=1e-13) if inside else None)
 
 
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_with_rollback_all_units_meet_at_the_events_of_one(algorithm):
+    flags = f"{EVENTS} {STATE[3]}"
+    result = run(read_scene({
+        "stop_time": 3.0, "connections": ["ball.h -> other.Float64_continuous_input"],
+        "units": {"ball": {"fmu": native_fmu("bouncing_ball", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}},
+        "master": {"algorithm": algorithm, "step": 0.05}}))
+    late = [min(t for t in result.time if t >= at) - at for at, _ in bounces()]
+    assert max(late) < 1e-6 * 0.05  # a tick of the clock
+    np.testing.assert_allclose(result["ball.h"], [ball(t)[0] for t in result.time], atol=1e-13)
+    np.testing.assert_array_equal(result["other.Float64_continuous_output"], result["ball.h"])
+
+
 def test_without_event_mode_an_early_return_is_told_and_the_step_goes_on():
     unit = started("moody", 3, 'mightReturnEarlyFromDoStep="true"', early_at=0.25)
     seen = []

@@ -1,0 +1,64 @@
+"""The outputs of an FMU: buffers made once, one call of the library for all outputs of a type."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .description import Scalar
+from .inputs import WARNING, Functions
+from .interface import Row
+from .values import EXACT, Block, blocks, signature
+
+
+def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], None], scalars: Mapping[str, Scalar], fmi3: bool,
+           instance: Any, functions: Functions, failed: Callable[[int], None]) -> Callable[[], Row]:
+    """A function that gives the present values of some outputs, as a list or with `arrays` as an array.
+
+    `failed` gets a bad status, `inexact` the name and value of a whole number that no float can stand for.
+    """
+    if not names:
+        return list
+    found = blocks([scalars[n] for n in names], fmi3)
+    calls = [(functions("Get" + b.type.suffix, *signature(fmi3)), (instance, *b.arguments), b.buffer) for b in found]
+    if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
+        return _of_reals(*calls[0], found[0], arrays, failed)
+    picks, long, offset = [0] * len(names), {}, 0
+    for block in found:
+        for row, at in zip(block.rows, block.at, strict=True):
+            picks[row] = offset + at
+            if block.type.high > EXACT:
+                long[names[row]] = offset + at
+        offset += block.size
+
+    def read(_alive: list[Block] = found) -> Row:  # the arguments are addresses in them
+        raw: list[Any] = []
+        for call, arguments, buffer in calls:
+            status = call(*arguments)
+            if status > WARNING:
+                failed(status)
+            raw += buffer[:]
+        for name, k in long.items():
+            if abs(raw[k]) > EXACT:
+                inexact(name, raw[k])
+        values = [float(raw[k]) for k in picks]
+        return np.array(values) if arrays else values
+
+    return read
+
+
+def _of_reals(call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block, arrays: bool,
+              failed: Callable[[int], None]) -> Callable[[], Row]:
+    """Reals of 64 bits in the order of the buffer: nothing is to be picked or converted."""
+    values = np.ctypeslib.as_array(buffer) if arrays else None
+
+    def read(_alive: Block = block) -> Row:  # the arguments are addresses in it
+        status = call(*arguments)
+        if status > WARNING:
+            failed(status)
+        return buffer[:] if values is None else values
+
+    return read
