@@ -191,9 +191,12 @@ def test_the_command_writes_and_runs_systems(tmp_path, capsys):
     assert info["scene"]["units"]["p"]["fmu"].endswith("Pantograph.fmu")
 
 
-def test_every_shipped_scene_can_be_packed_with_valid_files(tmp_path):
-    for name in scene_files():
-        systems.validated(description(write(load_scene(name), tmp_path / f"{name}.ssp")))
-        with zipfile.ZipFile(tmp_path / f"{name}.ssp") as file:
+def test_every_shipped_scene_without_contacts_can_be_packed_with_valid_files(tmp_path):
+    scenes = [scene for scene in map(load_scene, scene_files()) if not scene.contacts]
+    assert len(scenes) > 5
+    for scene in scenes:
+        path = write(scene, tmp_path / f"{scene.name}.ssp")
+        systems.validated(description(path))
+        with zipfile.ZipFile(path) as file:
             for member in file.namelist()[1:]:
                 assert file.read(member) == built(member.removeprefix("resources/").removesuffix(".fmu")).read_bytes()
