@@ -7,7 +7,7 @@ the units then give; sought is the guess that comes back. Norms are taken of num
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -142,10 +142,12 @@ class Newton:
     """Newton's method with the Jacobian of the response; a linear circle needs one correction.
 
     The Jacobian comes from finite differences, n responses. It is kept, over the steps too, and corrected by what each guess
-    tells (Broyden 1965), as long as a guess leaves less than CONTRACTION of the residual.
+    tells (Broyden 1965), as long as a guess leaves less than CONTRACTION of the residual. `known`: gives the derivatives of
+    the response, (n, n), as far as they are known without it, or None; they are tried before the first differences.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, known: Callable[[], np.ndarray | None] | None = None) -> None:
+        self._known = known
         self._jacobian: np.ndarray | None = None  # of the residual, never changed in place
         self._before: tuple[np.ndarray, np.ndarray, float] | None = None  # guess, residual, its length
 
@@ -155,7 +157,9 @@ class Newton:
     def following(self, guess: np.ndarray, residual: np.ndarray, respond: Respond) -> np.ndarray:
         length = float(np.linalg.norm(residual / self._sizes))
         jacobian = self._jacobian
-        if jacobian is None or (self._before is not None and length > CONTRACTION * self._before[2]):
+        if jacobian is None and self._known is not None and (derivatives := self._known()) is not None:
+            jacobian = derivatives - np.eye(guess.size)
+        elif jacobian is None or (self._before is not None and length > CONTRACTION * self._before[2]):
             jacobian = differences(guess, residual, respond, INCREMENT * self._sizes)
         elif self._before is not None:
             step, change = guess - self._before[0], residual - self._before[1]
@@ -184,4 +188,8 @@ def differences(guess: np.ndarray, residual: np.ndarray, respond: Respond, incre
     return jacobian
 
 
-METHODS: dict[str, Any] = {"aitken": Aitken, "quasi-newton": QuasiNewton, "newton": Newton}
+def accelerated(method: str, known: Callable[[], np.ndarray | None]) -> Acceleration:
+    """The method that a scene calls by this name; `known`: as for `Newton`."""
+    if method == "newton":
+        return Newton(known)
+    return Aitken() if method == "aitken" else QuasiNewton()

@@ -12,6 +12,7 @@ import numpy as np
 from ..coupling import Endpoint, Link
 from ..units.interface import Interface, Row
 from .master import Node
+from .rates import Slow
 
 TRIED = 6  # units of a circle all orders of which are tried; of a larger one every rotation is
 
@@ -53,8 +54,10 @@ class Chain:
         self.cut = list(guessed)
         self._readers = list(guessed.values())
         self._least = np.array([interfaces[u].outputs[n].nominal for u, n in (self._ends[k] for k in self.cut)])
+        direct = [node for node in nodes if _answers_at_once(node, interfaces[node.unit.name])]
         # units that answer with what they held over the step; what they hand on belongs to its end
-        self._behind = [node for node in nodes if not node.follows and _answers_at_once(node, interfaces[node.unit.name])]
+        self._behind = [node for node in direct if not node.follows]
+        self._direct = direct if all(interfaces[node.unit.name].gives_jacobian for node in direct) else []
         self._states: list[Any] = [None] * len(nodes)
 
     def save(self) -> None:
@@ -95,6 +98,28 @@ class Chain:
             signals[k] = value
         self.sweep(t, h)
         return np.array([signals[k] for k in self.cut])
+
+    def derivatives(self) -> np.ndarray | None:
+        """Of the response within the instant, (n, n), from the units' own; None where not all that answer at once give theirs.
+
+        What the states add in the course of a step is not in them: it falls with the step.
+        """
+        if not self._direct or any(node.alter is not None for node in self.nodes):
+            return None
+        n = len(self.cut)
+        rows = dict(zip(self.cut, np.eye(n), strict=True))  # of signals, by their places
+        for level in self._levels:
+            answers: dict[int, np.ndarray] = {}
+            for node in level:
+                answer = np.zeros((node.place.stop - node.place.start, n))
+                if node in self._direct and not isinstance(node.unit, Slow):
+                    own = node.unit.jacobian()
+                    for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
+                        if k in rows:
+                            answer += np.outer(own[:, j], link.factor * rows[k])
+                answers |= zip(range(node.place.start, node.place.stop), answer, strict=True)
+            rows |= answers
+        return np.array([rows[k] for k in self.cut])
 
     def sweep(self, t: float, h: float) -> None:
         """Step every unit once, towards what the table of signals says that its inputs will be."""

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from orchestrator.algorithms.acceleration import METHODS
+from orchestrator.algorithms.acceleration import Aitken, Newton, QuasiNewton
 from orchestrator.settings import IterationSettings
 from tests.orchestrator.algorithms.oscillators import STATES, TwoMasses, give_past, open_master
 
+METHODS = {"aitken": Aitken, "quasi-newton": QuasiNewton, "newton": Newton}
 FREE = {"k1": 0.0, "k2": 0.0, "c1": 0.0, "c2": 0.0, "start": (0.0, 1.0, 0.0, -1.0)}  # two free masses
 
 
@@ -72,7 +73,7 @@ def test_a_contact_that_opens_and_closes():
 
 def test_a_response_without_any_answer_is_an_error_of_the_method():
     """x -> x + 1 has no fixed point, and its residual does not change with x."""
-    newton = METHODS["newton"]()
+    newton = Newton()
     newton.begin(np.ones(1))
     with pytest.raises(np.linalg.LinAlgError):
         newton.following(np.zeros(1), np.ones(1), lambda x: x + 1.0)
@@ -96,6 +97,23 @@ def test_memory_is_plain_numbers_and_gives_back_the_same_way(method):
     for found in (one, other):
         found.begin(np.ones(3))
     assert one.following(x, respond(x) - x, respond).tobytes() == other.following(x, respond(x) - x, respond).tobytes()
+
+
+def test_known_derivatives_save_the_differences():
+    """Right ones: one correction and no differences. Wrong ones are given up for differences."""
+    gains = np.array([[0.0, 30.0], [-2.0, 1.0]])
+    for known, calls in ((gains, 2), (0.5 * gains, 5), (None, 4)):
+        newton, asked = Newton(lambda known=known: known), []
+
+        def respond(x, asked=asked):
+            asked.append(x)
+            return gains @ x + 1.0
+
+        newton.begin(np.ones(2))
+        x = np.zeros(2)
+        while np.abs((response := respond(x)) - x).max() > 1e-7:
+            x = newton.following(x, response - x, respond)
+        assert len(asked) == calls, known
 
 
 # -- the fixed point of a macro step -----------------------------------------------------------------------------------

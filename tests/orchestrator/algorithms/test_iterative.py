@@ -12,6 +12,7 @@ from orchestrator import coupling
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.settings import IterationSettings
+from orchestrator.units.component import ComponentUnit
 from tests.orchestrator.algorithms.oscillators import STATES, TwoMasses, open_master
 from tests.support import Linear, exact_two_masses
 
@@ -206,6 +207,30 @@ def test_a_unit_that_holds_the_mean_of_its_inputs_answers_with_their_end(interfa
         result = run(read_scene(scene))
         errors.append(np.abs([result[f"{u}.{n}"][-1] for u, n in STATES] - exact_two_masses(1.0)).max())
     assert abs(np.polyfit(np.log(steps), np.log(errors), 1)[0] - 2.0) < 0.15
+
+
+def test_newton_takes_the_derivatives_of_units_that_give_them(interface_of, monkeypatch):
+    """A mass in two parts: what acts within the instant is -0.55/0.45, and what a short step adds is little."""
+    here = "tests.orchestrator.algorithms.oscillators"
+    scene = {"stop_time": 1.0, "units": {"a": {"component": f"{here}:Accelerated"}, "b": {"component": f"{here}:Carried"}},
+             "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.a_out -> b.acceleration"],
+             "master": {"algorithm": "iterative", "step": 0.01, "iteration": {"method": "newton"}}}
+    restores = []
+    for gives in (False, True):
+        if gives:  # all inputs and outputs are connected, in their order
+            monkeypatch.setattr(ComponentUnit, "jacobian", lambda self: self.component.D)
+            interface_of("a", gives_jacobian=True)
+            interface_of("b", gives_jacobian=True)
+        master = open_master(scene, ())
+        ((chain, _),) = master._chains
+        known = chain.derivatives()
+        assert known == pytest.approx(np.array([[-0.55 / 0.45]]), rel=1e-15) if gives else known is None
+        master.step(0.0, 0.01)
+        restores.append(master.restores)
+        for k in range(1, 100):
+            master.step(0.01 * k, 0.01)
+        assert master.signals[master.positions["a", "x_out"]] == pytest.approx(np.cos(1.0), abs=1e-4)
+    assert restores == [2, 1]  # in the first step: one response for the difference, one for the correction
 
 
 def test_signals_that_jump_are_held_and_need_no_guess(interface_of):
