@@ -28,9 +28,10 @@ from .algorithms import master_of
 from .algorithms.master import Master
 from .coupling import Coupling, settle
 from .graph import Link
+from .run import opened
 from .scene import Scene
 from .stability import longest_step, radius
-from .units import Unit, open_unit
+from .units import Unit
 from .units.interface import Row
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
@@ -43,14 +44,13 @@ FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
 
 @dataclass(frozen=True)
 class Contact:
-    """The mode of a pair of units that limits the macro step most, at the start of the run.
+    """The mode of a unit and those it gives forces to that limits the macro step most, at the start of the run.
 
     omega2: stiffness over mass, 1/s²; 0 for a damper alone. damping: damper over mass, 1/s. longest: stable macro steps, s, of
     degrees 0, 1 and 2. left: share of critical damping that remains at the scene's step; below 0 the motion grows.
     """
 
-    mover: str
-    giver: str
+    pair: str  # "mover against giver"
     omega2: float
     damping: float
     longest: tuple[float, float, float]
@@ -69,7 +69,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Advice:
-    """contacts: what the units told. unknown: why other pairs did not. steps: of the run. seconds: of real time for each."""
+    """contacts: what the units told. unknown: why others did not. steps: of the run. seconds: of real time for each."""
 
     contacts: tuple[Contact, ...]
     unknown: tuple[str, ...]
@@ -79,7 +79,7 @@ class Advice:
     def warnings(self, scene: Scene) -> list[str]:
         """What is wrong with the scene's macro step."""
         degree, step = scene.master.extrapolation, scene.master.step
-        return [f"a macro step of {step:g} s takes {_percent(c.share - c.left)} damping away from {c.mover} against {c.giver}, "
+        return [f"a macro step of {step:g} s takes {_percent(c.share - c.left)} damping away from {c.pair}, "
                 f"which is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another master.extrapolation"
                 for c in self.contacts if c.left < -TOLERABLE]
 
@@ -92,10 +92,7 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
     coupling = settle(scene)
     with ExitStack() as stack:
-        units: dict[str, Unit] = {}
-        for name, settings in scene.units.items():
-            units[name] = open_unit(name, settings, in_process=in_process)
-            stack.callback(units[name].close)
+        units = opened(scene, stack, in_process)
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
         contacts, unknown = _contacts(scene, coupling, master, units)
@@ -121,39 +118,38 @@ def _contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[s
     found, unknown = [], []
     if scene.master.algorithm not in ("jacobi", "gauss-seidel"):
         return (), ()
-    pairs = dict.fromkeys((link.source[0], link.target[0]) for link in coupling.links)
-    for giver, mover in pairs:
-        back = [link for link in coupling.links if (link.source[0], link.target[0]) == (mover, giver)]
+    for giver in coupling.interfaces:
         at_once = coupling.interfaces[giver].outputs
-        forces = [link for link in coupling.links if (link.source[0], link.target[0]) == (giver, mover)
-                  and {m.target[1] for m in back} & set(at_once[link.source[1]].feedthrough or ())]
+        out = [link for link in coupling.links if link.source[0] == giver and at_once[link.source[1]].feedthrough]
+        fed = {link.target[0] for link in out}
+        motions = [link for link in coupling.links if link.target[0] == giver and link.source[0] in fed]
+        heard = {link.target[1] for link in motions}
+        forces = [link for link in out if heard & set(at_once[link.source[1]].feedthrough or ())]
         if not any(_is_force(_unit(link, coupling)) for link in forces):
             continue
-        if reason := _obstacle(scene, coupling, forces):
-            unknown.append(f"{mover} and {giver}: {reason}")
+        movers = tuple(dict.fromkeys(link.target[0] for link in forces))
+        pair = f"{' and '.join(movers)} against {giver}"
+        if reason := _obstacle(scene, coupling, forces, movers):
+            unknown.append(f"{pair}: {reason}")
             continue
         probe = _Probe(scene, coupling, master, units)
-        gains = probe.gains(forces, back)
-        worst = None
-        for omega2, damping in _modes(*(-gains @ part for part in probe.answers(forces, back))):
-            contact = _contact(scene, mover, giver, omega2, damping)
-            if worst is None or contact.left < worst.left:
-                worst = contact
-        if worst is not None:
-            found.append(worst)
+        gains = probe.gains(forces, motions)
+        modes = _modes(*(-gains @ part for part in probe.answers(forces, motions)))
+        if modes:
+            found.append(min((_contact(scene, pair, *mode) for mode in modes), key=lambda contact: contact.left))
         elif gains.any():
-            unknown.append(f"{mover} and {giver}: nothing holds {mover} back at the start")
+            unknown.append(f"{pair}: nothing holds {' and '.join(movers)} back at the start")
     return tuple(found), tuple(unknown)
 
 
-def _contact(scene: Scene, mover: str, giver: str, omega2: float, damping: float) -> Contact:
+def _contact(scene: Scene, pair: str, omega2: float, damping: float) -> Contact:
     """A mode with its limits under the scene's algorithm."""
     degree, h = scene.master.extrapolation, scene.master.step
     delay = int(scene.master.feedthrough == "stale")
     limits = [longest_step(omega2, damping, p, delay) for p in range(3)]
     grown = radius(omega2 * h * h, damping * h, degree, delay)
-    left = -log(grown) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
-    return Contact(mover, giver, omega2, damping, (limits[0], limits[1], limits[2]), left)
+    left = -log(max(grown, NOISE)) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
+    return Contact(pair, omega2, damping, (limits[0], limits[1], limits[2]), left)
 
 
 def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]:
@@ -161,6 +157,8 @@ def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]
 
     Modes of the stiffness with the damping that each has of its own; of the damping where nothing is stiff.
     """
+    if not (np.isfinite(omega2).all() and np.isfinite(damping).all()):
+        return []
     stiff = np.abs(omega2).max() > NOISE * np.abs(damping).max() ** 2
     values, vectors = np.linalg.eig(omega2 if stiff else damping)
     if np.linalg.cond(vectors) > 1.0 / NOISE:
@@ -172,17 +170,16 @@ def _modes(omega2: np.ndarray, damping: np.ndarray) -> list[tuple[float, float]]
     return [(float(v), max(float(d), 0.0)) for v, d in zip(values.real[held], own[held], strict=True)]
 
 
-def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link]) -> str:
-    """Why a pair of units cannot be probed, or has no closed form; "" where it can."""
-    giver, mover = forces[0].source[0], forces[0].target[0]
-    for name in (giver, mover):
+def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link], movers: Sequence[str]) -> str:
+    """Why some units cannot be probed, or have no closed form; "" where they can."""
+    for name in (forces[0].source[0], *movers):
         if not coupling.interfaces[name].saves_state:
             return f"{name} cannot save its state"
         if name in coupling.rates:
             return f"{name} has a rate of its own"
     for link in forces:
         if not _is_force(_unit(link, coupling)):
-            return f"{mover} gets {link.target[1]} beside forces"
+            return f"{link.target[0]} gets {link.target[1]} beside forces"
     if scene.master.smoothing:
         return "smoothed inputs have other limits"
     if scene.master.feedthrough == "stale" and scene.master.algorithm != "jacobi":
@@ -217,15 +214,22 @@ class _Probe:
         return np.array([force.factor for force in forces])[:, None] * np.array(columns).T
 
     def answers(self, forces: Sequence[Link], motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
-        """Second and first time derivatives of motion outputs per unit of force, (motions, forces) each.
+        """Second and first time derivatives of motion outputs per unit of force, (motions, forces) each."""
+        second, first = (np.zeros((len(motions), len(forces))) for _ in range(2))
+        for column, force in enumerate(forces):
+            mine = [row for row, link in enumerate(motions) if link.source[0] == force.target[0]]
+            second[mine, column], first[mine, column] = self._answer(force, [motions[row] for row in mine])
+        return second, first
+
+    def _answer(self, force: Link, motions: Sequence[Link]) -> tuple[np.ndarray, np.ndarray]:
+        """Second and first time derivatives of a unit's outputs per unit of a force on it, (n,) each.
 
         An output has one of both: that which its answers to steps of one and of two lengths show.
         """
-        interface = self._coupling.interfaces[forces[0].target[0]]
+        interface = self._coupling.interfaces[force.target[0]]
         for share in SPANS:
             h = interface.fixed_step or (share * self._step if interface.variable_step else self._step)
-            once, twice = (np.array([self._changes(force, self._stepping(force, span), motions) for force in forces]).T
-                           for span in (h, 2.0 * h))
+            once, twice = (self._changes(force, self._stepping(force, span), motions) for span in (h, 2.0 * h))
             if once.any():
                 break
         with np.errstate(divide="ignore", invalid="ignore"):

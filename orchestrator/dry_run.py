@@ -20,7 +20,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
         (name, unit.component or unit.fmu, ", ".join(e for e, why in coupling.interfaces[name].effects.items() if why),
          _remarks(name, scene))
         for name, unit in scene.units.items()
-    ]
+    ] + [(contact.name, f"contact, {contact.law}", "", "") for contact in scene.contacts]
     if links := (*coupling.links, *coupling.texts):
         yield "connections", ("from", "to", "times", "plus"), [
             (".".join(link.source), ".".join(link.target), _number(link.factor, 1.0), _number(link.offset, 0.0))
@@ -69,7 +69,7 @@ def _number(value: float, usual: float) -> str:
 
 
 def _row(contact: Contact) -> tuple[str, ...]:
-    return (f"{contact.mover} against {contact.giver}", f"{contact.frequency:.3g}" if contact.omega2 else "damper",
+    return (contact.pair, f"{contact.frequency:.3g}" if contact.omega2 else "damper",
             _share(contact.share), *("any" if isinf(h) else f"{h:.3g}" for h in contact.longest), _share(contact.left))
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import platform
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -24,6 +25,7 @@ from .guided import Guided, clock_for, stepping_of
 from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
+from .stepping import Observer
 from .units import Unit, open_unit
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
@@ -50,11 +52,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     end = clock.ticks(scene.stop_time)
     every, snapshot_every = (clock.ticks(i) if i else 1 for i in intervals)  # every macro step ends at a tick of its own
     with ExitStack() as stack:
-        units = {}
-        for name, unit in scene.units.items():
-            units[name] = open_unit(name, unit, in_process=in_process)
-            stack.callback(units[name].close)
-        units |= {contact.name: ContactUnit(contact, settings.extrapolation) for contact in scene.contacts}
+        units = opened(scene, stack, in_process)
         mortals = {fault.unit: Mortal(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
         units.update(mortals)  # type: ignore[arg-type]  # what they do not change is the unit's own
         meters = metered(units, coupling)
@@ -65,7 +63,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         account = EnergyAccount(master, coupling, meters, correction=settings.energy_correction) if meters else None
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         ends = tuple(master.positions) if watched else coupling.signals
-        signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end)
+        signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end, of_master=bool(watched))
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
         misses = Misses(master.nodes)
@@ -76,7 +74,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         parts: dict[str, Part] = {"signals": signals, "misses": misses, "faults": faults, "stepping": loop}
         parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
         interrupt, checkpoints = stack.enter_context(Interrupt()), None
-        observers: list[Callable[[int, float], None]] = [signals, *arrays.values(), misses, interrupt]
+        observers: list[Observer] = [signals, *arrays.values(), misses, interrupt]
         if checkpoint_every is not None and checkpoint_to is not None:
             checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, loop, parts)
             observers.append(checkpoints)
@@ -117,6 +115,15 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     )
 
 
+def opened(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
+    """The running units of a scene by name, and its contacts, which are units of the graph; `stack` closes them."""
+    units: dict[str, Unit] = {}
+    for name, unit in scene.units.items():
+        units[name] = open_unit(name, unit, in_process=in_process)
+        stack.callback(units[name].close)
+    return units | {contact.name: ContactUnit(contact, scene.master.extrapolation) for contact in scene.contacts}
+
+
 def _warnings(misses: Mapping[str, float]) -> list[str]:
     """What a user should know of a run that reached its end."""
     worst = max(misses, key=misses.__getitem__, default="")
@@ -124,6 +131,9 @@ def _warnings(misses: Mapping[str, float]) -> list[str]:
         return []
     return [f"input {worst} was led to values that missed by {100.0 * misses[worst]:.0f} % of its spread (rms): "
             "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation"]
+
+
+_version = cache(version)  # it parses a file each time, which for a short run takes longer than the run
 
 
 def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:
@@ -149,5 +159,5 @@ def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: M
             "units": {n: unit.work() for n, unit in units.items()},
         },
         "initial_values": [asdict(group) for group in master.settled],
-        "versions": {"python": platform.python_version(), **{p: version(p) for p in PACKAGES}},
+        "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
     }
