@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from typing import Any
 
+import numpy as np
+
 from ..units import Unit
 from ..units.interface import Row
 from .polynomial import History, PartlyHeld, Terms
@@ -160,6 +162,10 @@ class Slow:
             past = self._past
             self._signals[self._estimates] = past.rows.end(*past.ahead(), self._length)
         return self._given
+
+    def jacobian(self) -> np.ndarray:
+        """Derivatives at the unit's own instant."""
+        return self.unit.jacobian()
 
     def restart(self) -> None:
         """The inputs have jumped: what was before tells nothing of the steps to come."""

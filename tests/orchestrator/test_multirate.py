@@ -138,6 +138,17 @@ def test_recording_more_rarely_than_every_step_shows_the_same_values():
         np.testing.assert_array_equal(each[name][::2], rarely[name])
 
 
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_a_run_goes_on_from_between_two_steps_of_a_slow_unit_to_the_same_bits(algorithm, tmp_path):
+    scene = read_scene(masses({"a": 3, "b": 4}, algorithm, 0.01, 2, stop=0.5))
+    whole = run(scene)
+    run(scene, checkpoint_every=0.17, checkpoint_to=tmp_path / "file")  # the last one at 0.34 s, after 34 macro steps
+    resumed = run(scene, resume=tmp_path / "file")
+    assert resumed.info["resumed"]["at"] == pytest.approx(0.34)
+    for name in whole.columns:
+        assert resumed[name].tobytes() == whole[name].tobytes()
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_wide_connections_of_a_slow_unit_are_many_narrow_ones(degree):
     parts, where = 2, "tests.orchestrator.test_rows"
