@@ -47,6 +47,7 @@ from .interface import Row
 if TYPE_CHECKING:
     from ..settings import UnitSettings
 
+START = 60.0  # s that a worker may take to start, whatever the limit for its answers is
 GRACE = 3.0  # s that a worker has to end by itself
 LOG_LINES = 5
 
@@ -64,7 +65,7 @@ class WorkerUnit:
         self.name = name
         self.kind = ("component" if in_process or ":" in settings.component else "FMU") + " in a worker process"
         self._time, self._requests, self._numbers = 0.0, 0, 0
-        self._waiting = self._lost = self._late = False
+        self._started = self._waiting = self._lost = self._late = False
         self._stale = True  # the outputs that were handed over last hold no more
         self._values: Row = []
         self._limit = settings.time_limit  # s
@@ -83,7 +84,8 @@ class WorkerUnit:
         self._closed = threading.Event()
         if self._limit is not None:
             threading.Thread(target=self._watch, daemon=True).start()
-        self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process)
+        with suppress(StepFailed):  # it has ended already; `wire` says so
+            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process)
 
     # -- messages ----------------------------------------------------------------------------------------------------
     def _send(self, code: int, content: bytes) -> None:
@@ -165,8 +167,8 @@ class WorkerUnit:
         """End the process when an answer is waited for longer than the limit."""
         assert self._limit is not None
         while not self._closed.wait(self._limit / 4.0):
-            since = self._since
-            if since is not None and monotonic() - since > self._limit:
+            since, limit = self._since, self._limit if self._started else max(self._limit, START)
+            if since is not None and monotonic() - since > limit:
                 self._late = True
                 self._process.kill()
                 return
@@ -180,6 +182,7 @@ class WorkerUnit:
             raise BadInput(f"units.{self.name}", f"it cannot be started: {error.reason}",
                            "a unit that starts in a worker process") from None
         self._ask("wire", [*inputs], [*outputs])
+        self._started = True
 
     def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._ask("wire_texts", [*inputs], [*outputs])

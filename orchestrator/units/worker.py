@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import logging
 import math
 import os
 import pickle
@@ -144,6 +145,7 @@ def main() -> None:
         libc = ctypes.CDLL(None)
         libc.prctl(DIE_WITH_PARENT, signal.SIGKILL)  # a unit that hangs would not see the pipe closed
         libc.setvbuf(ctypes.c_void_p.in_dll(libc, "stdout"), None, LINES, 0)  # a crash would lose what C code has printed
+    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
     worker = Worker(sys.argv[1], channel)
     with contextlib.suppress(BrokenPipeError):  # the run ended while the unit was at work
         worker.serve()

@@ -2,7 +2,6 @@
 
 import shutil
 import subprocess
-import tempfile
 import zipfile
 from pathlib import Path
 
@@ -126,13 +125,6 @@ def test_an_fmu_for_another_platform_is_bad_input(foreign):
     loaded = read_scene(scene(foreign(platform="win64")))
     with pytest.raises(BadInput, match=r"units\.f: .* cannot be started"):
         run(loaded)
-
-
-def test_extracted_files_are_gone_after_a_run(foreign, tmp_path, monkeypatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    run(read_scene(scene(foreign())))
-    run(read_scene(scene(foreign(), {"limit": 0.1})))
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_own_fmu_by_path_equals_the_component():

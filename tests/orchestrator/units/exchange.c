@@ -2,12 +2,13 @@
    events, a counter of u's passages through 0.5, and events of completed steps that put x back to 0. With BARE: no states.
    It is strict: a call in a wrong mode and a state taken back after it was given up are errors, which its log explains. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "fmi2Functions.h"
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, OVER = 16 };
-enum { U, X, K, H, V, E, Y, PERIOD, SAW, LIMIT, END, RANK, REALS };       /* references of reals */
+enum { U, X, K, H, V, E, Y, PERIOD, SAW, LIMIT, END, CRASH, REALS };       /* references of reals */
 enum { BOUNCES, TICKS, PASSAGES, RESETS, REVERSED, WHOLES };               /* of integers; the last is a boolean */
 typedef struct { double t, r[REALS], dx[3], next; int i[WHOLES], above, mode; double completed; } State;
 typedef struct { State now; double given_up; const fmi2CallbackFunctions *callbacks; } Unit;
@@ -33,7 +34,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
     if (strcmp(token, "{exchange}") || type != fmi2ModelExchange) return NULL;
     Unit *unit = calloc(1, sizeof *unit);
     double *r = unit->now.r;
-    r[K] = 1.0, r[H] = 1.0, r[E] = 0.7, r[PERIOD] = 1e9, r[SAW] = r[LIMIT] = r[END] = 1e9;
+    r[K] = 1.0, r[H] = 1.0, r[E] = 0.7, r[PERIOD] = 1e9, r[SAW] = r[LIMIT] = r[END] = r[CRASH] = 1e9;
     unit->now.mode = INSTANTIATED, unit->given_up = -INFINITY, unit->callbacks = callbacks;
     return unit;
 }
@@ -43,12 +44,21 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real toleranc
     if (!d) return complain(unit, "no tolerance");
     return fmi2OK;
 }
-fmi2Status fmi2EnterInitializationMode(fmi2Component c) { ALLOWED(INSTANTIATED) s->mode = INITIALIZATION; return fmi2OK; }
-fmi2Status fmi2ExitInitializationMode(fmi2Component c) { ALLOWED(INITIALIZATION) s->mode = EVENT; s->next = s->r[PERIOD]; s->above = s->r[U] > 0.5; return fmi2OK; }
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    ALLOWED(INSTANTIATED) s->mode = INITIALIZATION;
+    return fmi2OK;
+}
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    ALLOWED(INITIALIZATION) s->mode = EVENT, s->next = s->r[PERIOD], s->above = s->r[U] > 0.5;
+    return fmi2OK;
+}
 fmi2Status fmi2Terminate(fmi2Component c) { ALLOWED(EVENT | CONTINUOUS) s->mode = OVER; return fmi2OK; }
 fmi2Status fmi2Reset(fmi2Component c) { return fmi2Error; }
 fmi2Status fmi2EnterEventMode(fmi2Component c) { ALLOWED(CONTINUOUS) s->mode = EVENT; return fmi2OK; }
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { ALLOWED(EVENT) s->mode = CONTINUOUS; s->completed = s->t; return fmi2OK; }
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    ALLOWED(EVENT) s->mode = CONTINUOUS, s->completed = s->t;
+    return fmi2OK;
+}
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     ALLOWED(EVENT)
@@ -56,6 +66,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     int changed = 0;
     if (r[H] <= 0.0 && r[V] < 0.0) r[H] = 1e-300, r[V] *= -r[E], s->i[BOUNCES]++, changed = 1;
     if (s->t >= s->next) s->i[TICKS]++, s->next += r[PERIOD];
+    if (r[K] < 0.0) changed = 1; /* never at rest */
     if (s->above != (r[U] > 0.5)) s->above = !s->above, s->i[PASSAGES]++;
     if (r[X] > r[SAW]) r[X] = 0.0, s->i[RESETS]++, changed = 1;
     *info = (fmi2EventInfo){changed, s->t >= r[END], fmi2False, changed, s->next < 1e8, s->next};
@@ -65,6 +76,11 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean forget, fmi2
     ALLOWED(CONTINUOUS)
     if (s->t < s->completed) return complain(unit, "a completed step that ends before the last one");
     s->completed = s->t;
+    if (s->t >= s->r[CRASH]) {
+        printf("printed before the end\n");
+        complain(unit, "logged before the end");
+        *(volatile int *)0 = 0;
+    }
     if (forget) unit->given_up = s->t;
     *event = s->r[X] > s->r[SAW], *ends = s->t >= s->r[END];
     return fmi2OK;

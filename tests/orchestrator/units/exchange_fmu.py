@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import shutil
 import subprocess
 import sys
@@ -14,8 +15,8 @@ import fmpy
 import pytest
 
 HERE = Path(__file__).parent
-REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "rank")
-PARAMETERS = {"k": "1", "e": "0.7", "period": "1e9", "saw": "1e9", "limit": "1e9", "end": "1e9"}
+REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "crash")
+PARAMETERS = {"k": "1", "e": "0.7", "period": "1e9", "saw": "1e9", "limit": "1e9", "end": "1e9", "crash": "1e9"}
 WHOLES = ("bounces", "ticks", "passages", "resets")
 CAPABILITIES = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" providesDirectionalDerivative="true"'
 
@@ -41,6 +42,7 @@ def exchange_fmu(bare: bool = False, capabilities: str = CAPABILITIES) -> str:
     if shutil.which("cc") is None or sys.platform != "linux":
         pytest.skip("needs Linux and a C compiler")
     folder = Path(mkdtemp(prefix="exchange-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
     headers = Path(fmpy.__file__).parent / "c-code"
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-w", f"-I{headers}", *(["-DBARE"] if bare else []), "-o",
                     folder / "exchange.so", HERE / "exchange.c"], check=True)

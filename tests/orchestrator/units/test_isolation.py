@@ -15,6 +15,7 @@ from components.core.errors import BadInput, StepFailed
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene
 from orchestrator.units import open_unit
+from tests.orchestrator.units.exchange_fmu import exchange_fmu
 from tests.orchestrator.units.troubled import LONG
 from tests.support import two_masses
 
@@ -114,6 +115,15 @@ def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble
     assert result.info["counters"]["units"]["a"]["requests"] > 3
 
 
+def test_what_a_crashing_library_has_logged_and_printed_is_told():
+    data = {"stop_time": 1.0, "master": {"step": 0.1},
+            "units": {"f": {"fmu": exchange_fmu(), "parameters": {"crash": 0.25}, "isolation": "process"}}}
+    result = run(read_scene(data))
+    assert result.message == ("f failed at t = 0.2 s: its worker process was ended by signal 11 (Segmentation fault)\n"
+                              "  log: printed before the end\n  log: f: logged before the end")
+    assert result.time.tolist() == [0.0, 0.1, 0.2]
+
+
 def test_a_crash_in_the_initialization_is_a_failed_run():
     result = run(read_scene(troubled("segfault", -1.0)))
     assert (result.outcome, len(result.time)) == ("failed", 0)
@@ -207,10 +217,10 @@ print(result.outcome, result.message, len(result.time), flush=True)
 """
 
 
-def started(scene: dict) -> tuple[subprocess.Popen, list[int]]:
+def started(scene: dict, folder: Path) -> tuple[subprocess.Popen, list[int]]:
     """A process that runs the scene, and its workers; a session of its own, as a terminal gives."""
     process = subprocess.Popen([sys.executable, "-c", RUN.format(scene=scene)], stdout=subprocess.PIPE, text=True, cwd=ROOT,
-                               start_new_session=True)
+                               start_new_session=True, env={**os.environ, "TMPDIR": str(folder)})
     process.stdout.readline()
     end, workers = time.monotonic() + 20.0, []
     while len(workers) < 2 and time.monotonic() < end:
@@ -231,8 +241,8 @@ def wait_for_cpu_rest(workers: list[int]) -> None:
 
 @needs_proc
 @pytest.mark.parametrize("way", ["killed", "interrupted"])
-def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way):
-    process, workers = started(troubled("hang", -1.0 if way == "killed" else 0.25))
+def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
+    process, workers = started(troubled("hang", -1.0 if way == "killed" else 0.25), tmp_path)
     assert len(workers) == 2
     wait_for_cpu_rest(workers)
     if way == "killed":
@@ -248,10 +258,11 @@ def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way):
 
 
 @needs_proc
-def test_repeated_runs_leave_no_files_threads_or_processes_behind():
+def test_repeated_runs_leave_no_files_threads_or_processes_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
     def held():
-        folders = [p for p in Path(tempfile.gettempdir()).iterdir() if p.name.startswith("cosimo-")]
-        return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task")), len(folders)
+        return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task")), len(os.listdir(tmp_path))
 
     scene = read_scene(isolated({**two_masses(), "stop_time": 0.05}))
     run(scene)
