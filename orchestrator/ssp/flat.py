@@ -18,6 +18,7 @@ from .measures import between
 from .parameters import Assignment, Transformation, Value
 from .system import GIVES, Connection, Connector, Element
 
+SHOWN = 5  # names in a remark
 Path = tuple[str, ...]  # names of elements from the root system down, which has ()
 Place = tuple[Path, str]  # a connector or variable of an element
 
@@ -128,13 +129,19 @@ class Flat:
         found: dict[Place, Assignment] = {}
         for inner in element.elements:
             found |= self._assigned(inner, (*path, inner.name))
+        vain = []
         for assignment in element.parameters:
             places = list(self._meant(element, path, assignment.name))
             found |= dict.fromkeys(places, assignment)
-            if not places:
-                self.remarks.append(f"{assignment.where}: parameter {assignment.name!r} fits no variable of {element.name!r} "
-                                    "and is left out")
+            vain += [] if places else [assignment.name]
+        self._remark(element, vain, "fit no variable")
         return found
+
+    def _remark(self, element: Element, names: list[str], why: str) -> None:
+        """Say once for an element which parameters were left out; sets shared by many elements have hundreds of them."""
+        if names:
+            shown = ", ".join(map(repr, names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
+            self.remarks.append(f"{element.where}: values left out at {element.name!r} because they {why}: {shown}")
 
     def _meant(self, element: Element, path: Path, name: str) -> Iterator[Place]:
         """All that a hierarchical name means, seen from an element; names of elements may hold dots themselves."""
@@ -152,20 +159,25 @@ class Flat:
         """The settings of a unit."""
         assert element.description is not None
         scalars, effects, parameters = element.description.scalars, [], {}
-        for name, value, where in self._of_component(path, element):
+        driven: list[str] = []
+        for name, value, where in self._of_component(path, element, driven):
             if not name.startswith("effects."):
                 parameters[name] = value
             elif value is True:
                 effects.append(name.removeprefix("effects."))
             elif value is not False or scalars[name].start:
                 raise BadInput(where, f"{name} = {value!r}", "true; a scene switches effects on")
+        self._remark(element, driven, "are of inputs that a connection drives")
         interfaces = {"CoSimulation": "co-simulation", "ModelExchange": "model-exchange"}
         interface = {"interface": interfaces[element.implementation]} if element.implementation in interfaces else {}
         return {"fmu": str(element.fmu), **({"effects": effects} if effects else {}),
                 **({"parameters": parameters} if parameters else {}), **interface}
 
-    def _of_component(self, path: Path, element: Element) -> Iterator[tuple[str, Any, str]]:
-        """Values of a component's variables: assigned to them, or to what they are connected with; the farthest end wins."""
+    def _of_component(self, path: Path, element: Element, driven: list[str]) -> Iterator[tuple[str, Any, str]]:
+        """Values of a component's variables: assigned to them, or to what they are connected with; the farthest end wins.
+
+        Values of inputs that another component feeds have no effect; their names are appended to `driven`.
+        """
         assert element.description is not None
         for name in element.description.scalars:
             chain = self._chain((path, name))
@@ -175,8 +187,7 @@ class Flat:
                 continue
             assignment = self._values[steps[at]]
             if chain and steps[0][0] in self.components:
-                self.remarks.append(f"{assignment.where}: the value of input {_text((path, name))} is left out, "
-                                    f"because {_text(steps[0])} drives it")
+                driven.append(name)
                 continue
             value = self._converted(assignment.value, steps[at], assignment.suppress, assignment.transformation, assignment.where)
             for target, edge in chain[at:]:
