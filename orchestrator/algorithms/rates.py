@@ -156,7 +156,7 @@ class Slow:
 
     def get(self) -> Row:
         if self._count == 0:
-            self._given = self.unit.get()[:]
+            self._given = self.unit.get().copy()
             self._signals[self._estimates] = self._given
         else:
             past = self._past
