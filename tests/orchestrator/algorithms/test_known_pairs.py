@@ -33,7 +33,7 @@ PRECICE = TwoMasses(k1=4.0 * np.pi**2, kc=16.0 * np.pi**2, k2=4.0 * np.pi**2, c1
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_orders_on_the_precice_oscillator(algorithm, split, degree):
     """At t = 1, the period, errors of odd order cancel in some schemes, so the largest error of the whole second counts."""
-    steps = (4e-3, 2e-3, 1e-3)
+    steps = (4e-3, 2e-3)
 
     def signals(t: float) -> dict:
         x1, v1, x2, v2 = precice_oscillator(t)
@@ -90,7 +90,7 @@ def test_orders_on_a_pair_in_an_algebraic_loop(gain, algorithm):
     """A loop gain beyond 1 makes the plain exchange unstable for any step; solved loops do not mind."""
     stop = 1.0 if gain < 1.0 else 1e-3  # with 1.1 the solution itself grows, like e^(3100 t)
     for degree in (0, 1):
-        steps = [stop / 1000.0, stop / 2000.0, stop / 4000.0]
+        steps = [stop / 800.0, stop / 1600.0]
         reached = [pyfmi_states(gain, h, stop, algorithm=algorithm, extrapolation=degree) for h in steps]
         errors = [np.abs(states - exact_pyfmi_pair(gain, stop)).max() for states in reached]
         assert abs(slope(steps, errors) - (degree + 1)) < BAND[degree], degree
@@ -115,7 +115,7 @@ CAR = TwoMasses(m1=15.0, m2=290.0, k1=191e3, c1=2500.0, kc=16.2e3, cc=1000.0, k2
 @pytest.mark.parametrize("split", ["FF", "FD", "DD"])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_orders_on_a_quarter_car_over_a_step_in_the_road(algorithm, split, degree):
-    steps = (4e-4, 2e-4, 1e-4)
+    steps = (2e-4, 1e-4)
 
     def signals(t: float) -> dict:
         x1, v1, x2, v2 = CAR.exact(t)
@@ -126,10 +126,10 @@ def test_orders_on_a_quarter_car_over_a_step_in_the_road(algorithm, split, degre
     for step in steps:
         master = open_master(CAR.scene(split, step, algorithm=algorithm, extrapolation=degree))
         give_past(master, signals, step, degree)
-        for k in range(round(0.1 / step)):
+        for k in range(round(0.05 / step)):
             master.step(k * step, step)
         reached = np.array([master.signals[master.positions[end]] for end in STATES])
-        errors.append(np.abs(reached - CAR.exact(0.1)).max())
+        errors.append(np.abs(reached - CAR.exact(0.05)).max())
     assert errors[-1] < 0.02  # m/s, of some 2 m/s
     assert abs(slope(steps, errors) - (degree + 1)) < BAND[degree]
 
