@@ -114,7 +114,7 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
         raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
     factor, offset = 1.0, 0.0
     if source.unit and target.unit and (own is None or own.convert_units):
-        factor, offset = conversion(source.unit, target.unit, where)
+        factor, offset = conversion(source.unit, target.unit, where, (source.measure, target.measure))
     if target.kind != "real" and (factor, offset) != (1.0, 0.0):
         raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
     return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)

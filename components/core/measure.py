@@ -67,11 +67,15 @@ def parse(text: str, where: str = "unit") -> Unit:
     return Unit(factor, 0.0, tuple(exponents))
 
 
-def conversion(source: str, target: str, where: str = "unit") -> tuple[float, float]:
-    """(factor, offset) with target value = factor * source value + offset; raises `BadInput` if they do not fit."""
-    if source == target:
+def conversion(source: str, target: str, where: str = "unit",
+               defined: tuple[Unit | None, Unit | None] = (None, None)) -> tuple[float, float]:
+    """(factor, offset) with target value = factor * source value + offset; raises `BadInput` if they do not fit.
+
+    `defined`: what the two strings mean where they have a meaning of their own.
+    """
+    if source == target and None in defined:
         return 1.0, 0.0
-    a, b = parse(source, where), parse(target, where)
+    a, b = (own or parse(text, where) for own, text in zip(defined, (source, target), strict=True))
     if a.exponents != b.exponents:
         raise BadInput(where, f"{source!r} cannot become {target!r}", "units of the same quantity")
     return a.factor / b.factor, (a.offset - b.offset) / b.factor

@@ -20,6 +20,8 @@ from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange
 from lxml import etree
 
 from components.core.errors import BadInput, nearest
+from components.core.measure import BASES, parse
+from components.core.measure import Unit as Measure
 
 from .interface import Interface, Kind, Signal
 from .solvers import METHODS
@@ -195,13 +197,14 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     named = dict.fromkeys(settings.effects, "named in the scene")
     there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
     direct = {u.variable.name: u.dependencies for u in found.model.outputs}
-    inputs = {n: _signal(s, ()) for n, s in there.items()
+    measures = _measures(found.model)
+    inputs = {n: _signal(s, (), measures) for n, s in there.items()
               if s.variable.causality == "input" and not is_companion(n, found.scalars)}
     real = [n for n, s in inputs.items() if s.kind == "real"]
     return Interface(
         title=found.model.description or found.model.modelName,
         inputs=inputs,
-        outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there))
+        outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
                  for n, s in there.items() if s.variable.causality == "output"},
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
@@ -226,12 +229,24 @@ def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _signal(s: Scalar, feedthrough: tuple[str, ...] | None) -> Signal:
+def _measures(model: ModelDescription) -> dict[str, Measure]:
+    """Units of measure that the FMU defines because nobody else does."""
+    found = {}
+    for unit in model.unitDefinitions:
+        try:
+            parse(unit.name)
+        except BadInput:
+            if (base := unit.baseUnit) is not None:
+                found[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
+    return found
+
+
+def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
     v, declared, kind = s.variable, s.variable.declaredType, s.kind
     unit = v.unit or (declared.unit if declared else None) or ""
     nominal = abs(float(v.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
     start = (s.start or "") if kind == "string" else float(s.start or 0)
-    return Signal(s.name, unit, start, nominal, feedthrough, kind, s.discrete)
+    return Signal(s.name, unit, start, nominal, feedthrough, kind, s.discrete, measures.get(unit))
 
 
 def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],

@@ -8,6 +8,8 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from components.core.measure import Unit as Measure
+
 Row = Any  # list[float], or an ndarray of more than WIDE numbers
 Kind = Literal["real", "integer", "boolean", "enumeration", "string"]
 WIDE = 24  # numbers: more of them are handed over as arrays, fewer as lists
@@ -28,6 +30,7 @@ class Signal:
     feedthrough: tuple[str, ...] | None = ()
     kind: Kind = "real"
     discrete: bool = False  # changes at instants only: held over a step, never extrapolated; all kinds but real are
+    measure: Measure | None = None  # what `unit` means where the model defines it; None: what it means to everybody
 
     @property
     def is_text(self) -> bool:

@@ -168,14 +168,16 @@ def _library(model: str, fmi: int) -> Path:
 
 
 @lru_cache
-def native_fmu(model: str, fmi: int, flags: str = "", change: tuple[str, str] = ("", "")) -> str:
-    """Path of an FMU of a model. `change`: a text in its description, and what to write instead."""
+def native_fmu(model: str, fmi: int, flags: str = "", *changes: tuple[str, str]) -> str:
+    """Path of an FMU of a model. `changes`: texts in its description, and what to write instead."""
     flags = f'canHandleVariableCommunicationStepSize="true" {flags}' if "canHandle" not in flags else flags
-    path = _folder() / f"{model}{fmi}-{abs(hash((flags, change)))}.fmu"
+    path = _folder() / f"{model}{fmi}-{abs(hash((flags, changes)))}.fmu"
     text, platform = description(model, fmi, flags), fmpy.platform if fmi == 2 else fmpy.platform_tuple
-    assert change[0] in text
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
     with zipfile.ZipFile(path, "w") as file:
-        file.writestr("modelDescription.xml", text.replace(*change) if change[0] else text)
+        file.writestr("modelDescription.xml", text)
         file.write(_library(model, fmi), f"binaries/{platform}/{model}.so")
         file.writestr("resources/y.txt", "a")
     return str(path)

@@ -69,6 +69,24 @@ def test_kinds_units_starts_and_dependencies_are_known():
     assert (length.unit, length.nominal, length.feedthrough) == ("m", 5.0, ("Float64_continuous_input",))  # unit of its type
 
 
+def test_units_that_only_the_fmu_knows_are_converted_by_its_definition():
+    """Cubits of 0.4572 m, and one whose definition is another one; without a definition only equal names fit."""
+    cubit = '<Unit name="cubit"><BaseUnit m="1" factor="{}"/></Unit></UnitDefinitions>'
+
+    def fmu(length: str) -> dict:
+        change = (' unit="m" nominal="5"', ' unit="cubit"'), ("</UnitDefinitions>", cubit.format(length) if length else
+                                                              "</UnitDefinitions>")
+        return {"fmu": native_fmu("feedthrough", 3, "", *change), "parameters": {"Float64_fixed_parameter": 3.0}}
+
+    arrow = "a.Float64_continuous_output -> b.Float64_continuous_input"  # cubits for metres
+    metres = run(read_scene(scene(arrow, a=fmu("0.4572"), b=fmu("0.4572"))))
+    assert metres["b.Float64_continuous_output"][-1] == pytest.approx(3.0 * 0.4572 + 3.0, rel=1e-15)
+    with pytest.raises(BadInput, match="unit 'cubit'; expected known symbols"):
+        read_scene(scene(arrow, a=fmu(""), b=fmu("")))
+    with pytest.raises(BadInput, match="'cubit' cannot become 'm'; expected units of the same quantity"):
+        read_scene(scene(arrow, a=fmu('1" kg="1'), b=fmu("0.4572")))
+
+
 def test_a_polynomial_input_is_held_at_its_mean_in_both_lengths_of_reals():
     names = ("Float64_continuous_input", "Float32_continuous_input", "Int8_in")
     unit = started("feedthrough", 3, "", names, ("Float64_continuous_output", "Float32_continuous_output", "Int8_out"))
