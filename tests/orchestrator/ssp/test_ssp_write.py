@@ -16,6 +16,7 @@ from orchestrator.scene import load_scene, read_scene, scene_files
 from orchestrator.settings import SceneSettings
 from orchestrator.ssp.write import write
 from tests.orchestrator.ssp import systems
+from tests.orchestrator.units.native import native_fmu
 
 NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
     ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))}
@@ -65,6 +66,22 @@ def test_foreign_fmus_units_of_measure_and_every_type_of_parameter_give_the_same
     assert back.units["a.one"].parameters == scene.units["a.one"].parameters
     assert (back.units["b"].parameters, back.units["b"].every, back.units["c"].interface) == ({"mode": "low"}, 2, "co-simulation")
     assert same(run(scene), run(load_scene(write(back, folder / "again.ssp"))))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_every_type_of_connection_gives_the_same_bits_in_both_versions_of_fmi(fmi, tmp_path):
+    through, source = native_fmu("feedthrough", fmi), native_fmu("dahlquist", fmi)
+    scene = read_scene({
+        "stop_time": 1.0, "master": {"step": 0.1, "algorithm": "jacobi"},
+        "units": {"d": {"fmu": source}, "g": {"fmu": through}, "f": {"fmu": through, "parameters": {
+            "Enumeration_in": "far", "String_in": "hi", "Int32_in": -7, "Boolean_in": True}}},
+        "connections": ["d.x -> f.Float64_continuous_input", *(f"f.{t}_out -> g.{t}_in" for t in (
+            "Int32", "Boolean", "String", "Enumeration"))]}, "native")
+    path = write(scene, tmp_path / "there.ssp")
+    systems.validated(description(path))
+    one, back = run(scene), run(load_scene(path))
+    assert same(one, back)
+    assert [one[f"g.{t}_out"][-1] for t in ("Int32", "Boolean", "Enumeration")] == [-7.0, 1.0, 7.0]
 
 
 def test_everything_else_of_a_scene_survives(folder):
