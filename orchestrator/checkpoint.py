@@ -27,6 +27,7 @@ from components.core.errors import BadInput
 from .algorithms.energy import SavedAccount
 from .algorithms.master import Master, Saved
 from .algorithms.rates import Slow
+from .observers import Patient
 from .scene import Scene
 from .stepping import Stepping
 from .units import Interface, Unit
@@ -50,8 +51,9 @@ class Checkpoint:
 
     tick: int
     t: float
+    kinds: Mapping[str, str]  # of the units, by name
     master: Any
-    units: list[bytes]
+    units: list[Any]
     parts: Mapping[str, Any]
 
 
@@ -72,7 +74,7 @@ def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfa
         raise BadInput("checkpoint_every", f"{every:g} s", f"units whose state can go to a file; {', '.join(unable)} cannot")
 
 
-class Checkpoints:
+class Checkpoints(Patient):
     """Writes a checkpoint at the first macro step not before each multiple of `every` (s), over the one before.
 
     It changes no step. A file appears as a whole or not at all. Where it cannot be written, the run warns once and goes on.
@@ -93,6 +95,11 @@ class Checkpoints:
         if t >= self._due and tick < self._loop.end:
             self.resumed(t)
             self.write()
+
+    def idle(self, tick: int, length: int) -> int:
+        """As in `Patient`."""
+        clock = self._loop.clock
+        return max(int((self._due - clock.seconds(tick)) / clock.seconds(length)) - 1, 0)
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
@@ -149,14 +156,13 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     if content["digest"] != digest(scene):
         raise BadInput(where, f"{shown}, of another scene or other settings ({content['name']})",
                        f"a checkpoint of {scene.name} as it is now")
-    return Checkpoint(content["tick"], content["t"], content["master"], content["units"],
-                      {**content["parts"], "kinds": content["kinds"]})
+    return Checkpoint(*(content[key] for key in ("tick", "t", "kinds", "master", "units", "parts")))
 
 
 def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
     """Put units, master and parts, just initialized, where they were; raises `BadInput` for units of another kind."""
     kinds = _kinds(master)
-    for name, kind in checkpoint.parts["kinds"].items():
+    for name, kind in checkpoint.kinds.items():
         if kinds[name] != kind:
             raise BadInput("resume", f"a checkpoint of a run with {name} as {kind!r}", f"the same kind, here {kinds[name]!r}",
                            "Components run as FMUs or in process in both runs.")
@@ -267,9 +273,9 @@ def _filled(template: Any, data: Any) -> Any:
             setattr(found, key, _filled(getattr(template, key), value))
         return found
     if isinstance(data, list | tuple):
-        like = list(template) if isinstance(template, list | tuple) else []
-        return type(data)(_filled(like[k] if k < len(like) else None, item) for k, item in enumerate(data))
+        items = list(template) if isinstance(template, list | tuple) else []
+        return type(data)(_filled(items[k] if k < len(items) else None, item) for k, item in enumerate(data))
     if isinstance(data, dict):
-        like = template if isinstance(template, Mapping) else {}
-        return {key: _filled(like.get(key), item) for key, item in data.items()}
+        named = template if isinstance(template, Mapping) else {}
+        return {key: _filled(named.get(key), item) for key, item in data.items()}
     return data

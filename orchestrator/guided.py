@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from components.core.errors import StepFailed
 
 from .algorithms import Master
 from .algorithms.energy import EnergyAccount
 from .algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
+from .algorithms.stretch import stretch_of
 from .clock import Clock
 from .coupling import Coupling
 from .events import Crossings
 from .settings import ControlSettings, SceneSettings
 from .stepping import Action, Observer, Steppable, Stepping, Stops, lengths
+from .stretched import Stretched
 from .units import Unit
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
@@ -150,14 +154,14 @@ class Guided(Stepping):
     def state(self) -> dict[str, Any]:
         control, crossings = self.control, self._crossings
         return {"counts": self.counts, "range": [self.shortest, self.longest], "signs": crossings.signs if crossings else [],
-                "control": [control.length, control.wish, control.error] if control else []}
+                "control": control.state() if control else {}}
 
     def take(self, state: Mapping[str, Any]) -> None:
         self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
         if self._crossings is not None:
             self._crossings.signs = list(state["signs"])
         if self.control is not None:
-            self.control.length, self.control.wish, self.control.error = state["control"]
+            self.control.take(state["control"])
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
@@ -183,12 +187,15 @@ def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Cl
 
 def stepping_of(scene: SceneSettings, coupling: Coupling, units: Mapping[str, Unit], master: Master,
                 account: EnergyAccount | None, clock: Clock, stops: Stops) -> Stepping:
-    """The stepping that a scene asks for: of equal steps where nothing in them has to be watched."""
+    """The stepping that a scene asks for: equal steps, in stretches if possible, where nothing in them has to be watched."""
     given, steppable = scene.master, account or master
     stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
     early = [units[name] for name, interface in coupling.interfaces.items() if interface.may_return_early]
     if given.control is None and not given.events and not early:
-        return Stepping(steppable, clock, stride, end, stops)
+        halt = np.zeros(1, dtype=np.uint8)
+        stretch = stretch_of(master, halt) if account is None else None
+        return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
+            Stretched(master, clock, stride, end, stops, stretch, halt)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:

@@ -22,11 +22,26 @@ from .units import Unit
 Sample = Callable[[], list[float]]
 
 
-class Recorder:
+FOREVER = 1_000_000  # steps
+
+
+class Patient:
+    """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
+
+    def idle(self, tick: int, length: int) -> int:
+        """How many of the coming steps of `length` ticks it need not see."""
+        return FOREVER
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """Steps it was not called at: the ticks and times (s) they have reached, and the master's sample there, (n, signals)."""
+
+
+class Recorder(Patient):
     """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
 
-    def __init__(self, sample: Sample, width: int, interval: int, end: int):
-        self._sample, self._width, self._interval, self._end = sample, width, interval, end
+    def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False):
+        """`of_master`: the sample is the master's own."""
+        self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
         self._due = 0
         self._times, self._values = array("d"), array("d")
 
@@ -35,6 +50,23 @@ class Recorder:
             self._due = tick - tick % self._interval + self._interval
             self._times.append(t)
             self._values.fromlist(self._sample())
+
+    def idle(self, tick: int, length: int) -> int:
+        """As in `Patient`."""
+        return FOREVER if self._of_master else max(-(-(self._due - tick) // length) - 1, 0)
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `Patient`."""
+        if self._of_master and self._interval <= ticks.step:  # every step is due
+            self._due = ticks[-1] - ticks[-1] % self._interval + self._interval
+            self._times.extend(times)
+            self._values.frombytes(rows.tobytes())
+        elif self._of_master:
+            for tick, t, row in zip(ticks, times, rows, strict=True):
+                if tick >= self._due:
+                    self._due = tick - tick % self._interval + self._interval
+                    self._times.append(t)
+                    self._values.fromlist(row.tolist())
 
     def state(self) -> dict[str, Any]:
         """What was recorded so far, for a checkpoint."""
@@ -72,7 +104,7 @@ def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
     return sample
 
 
-class Misses:
+class Misses(Patient):
     """How far the inputs that units were led to missed those that the other units then gave.
 
     rms of the miss over the standard deviation of the input, sampled now and then. It counts every ripple, also such as a
@@ -99,6 +131,14 @@ class Misses:
                 total += values
                 total2 += values**2
 
+    def idle(self, tick: int, length: int) -> int:
+        """As in `Patient`."""
+        return self.EVERY - 1 - self._calls % self.EVERY
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `Patient`."""
+        self._calls += len(ticks)
+
     def state(self) -> dict[str, Any]:
         """The sums so far, for a checkpoint."""
         return {"calls": self._calls, "samples": self._samples, "sums": self._sums}
@@ -120,7 +160,7 @@ class Misses:
         return result
 
 
-class Interrupt:
+class Interrupt(Patient):
     """Lets Ctrl-C take effect between two macro steps: inside one it would hit an FMU's own Python and look like its failure.
 
     A second Ctrl-C takes effect at once.
@@ -128,8 +168,11 @@ class Interrupt:
 
     taken = False  # whether it has ended the run between two steps
 
+    def __init__(self, halt: Callable[[], None]):
+        """`halt`: makes the stepping call its observers at the next step."""
+        self._halt, self._wanted = halt, False
+
     def __enter__(self) -> Interrupt:
-        self._wanted = False
         self._main = threading.current_thread() is threading.main_thread()  # only there handlers can be set
         if self._main:
             self._previous = signal.signal(signal.SIGINT, self._note)
@@ -141,6 +184,7 @@ class Interrupt:
 
     def _note(self, *_: object) -> None:
         self._wanted = True
+        self._halt()
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def __call__(self, tick: int, t: float) -> None:
@@ -149,7 +193,7 @@ class Interrupt:
             raise KeyboardInterrupt
 
 
-class Progress:
+class Progress(Patient):
     """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
 
     REFRESH = 0.1  # s

@@ -73,7 +73,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         loop = stepping_of(scene, coupling, units, master, account, clock, faults.stops())
         parts: dict[str, Part] = {"signals": signals, "misses": misses, "faults": faults, "stepping": loop}
         parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
-        interrupt, checkpoints = stack.enter_context(Interrupt()), None
+        interrupt, checkpoints = stack.enter_context(Interrupt(loop.halt)), None
         observers: list[Observer] = [signals, *arrays.values(), misses, interrupt]
         if checkpoint_every is not None and checkpoint_to is not None:
             checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, loop, parts)

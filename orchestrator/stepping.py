@@ -47,6 +47,9 @@ class Stepping:
             if self.tick < stop <= self.end:
                 self._approach(stop, observers)
 
+    def halt(self) -> None:
+        """Let the observers see the next instant that is reached, even where they need not."""
+
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
         return []

@@ -223,11 +223,12 @@ def _push(plan, now, h):
 
 
 @compiled
-def march(plan, now, times, h, limit, rows):
+def march(plan, now, times, h, limit, halt, rows):
     """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S).
 
-    Returns (steps done, unit, status): status above 1 is that of the unit whose call failed; unit -2 says that the sum of the
-    signals, each relative to its nominal value, has left `limit`.
+    A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
+    1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
+    left `limit`.
     """
     units = plan.shape.shape[0]
     for step in range(times.size):
@@ -261,4 +262,6 @@ def march(plan, now, times, h, limit, rows):
             total += now.signals[k] * plan.inverse[k]
         if not abs(total) < limit:
             return step + 1, -2, 0
+        if halt[0] != 0:
+            return step + 1, -1, 0
     return times.size, -1, 0

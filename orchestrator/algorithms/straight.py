@@ -24,13 +24,14 @@ from .master import Master, Node
 class StraightStretch:
     """Macro steps of a master in straight-line code; the nodes' histories are the only truth between two stretches."""
 
-    def __init__(self, master: Master, units: Sequence[ComponentUnit]):
+    def __init__(self, master: Master, units: Sequence[ComponentUnit], halt: np.ndarray):
         self._master = master
         self._late = master.late if isinstance(master, GaussSeidel) else [len(node.links) for node in master.nodes]
         self._links = [(k, j) for k, node in enumerate(master.nodes) for j in range(len(node.links))]
         self._width = len(master.positions)
         self.source = "\n".join(self._lines(units))
-        names: dict[str, Any] = {"StepFailed": StepFailed, "abs": abs}
+        flag: Any = halt
+        names: dict[str, Any] = {"StepFailed": StepFailed, "abs": abs, "halt": memoryview(flag)}
         for k, unit in enumerate(units):
             ports = unit.ports()
             names |= {f"step{k}": unit.component.step, f"refresh{k}": unit.component.refresh, f"y{k}": ports.outputs}
@@ -112,6 +113,8 @@ class StraightStretch:
         sizes = " + ".join(f"s{j} * {w!r}" for j, w in enumerate(master.weights)) or "0.0"
         yield f"{inner}if not abs({sizes}) < {RUNAWAY!r}:"
         yield f"{inner}    far = True"
+        yield f"{inner}    break"
+        yield f"{inner}if halt[0]:"
         yield f"{inner}    break"
         yield "    except StepFailed as error:"
         yield "        failure = error"

@@ -27,8 +27,8 @@ class Stretch:
     changes a master there need not know of this.
     """
 
-    def __init__(self, master: Master, units: Sequence[Fmi2CoSimulation], machines: Sequence[Machine]):
-        self._master, self._units, self._alive = master, units, machines
+    def __init__(self, master: Master, units: Sequence[Fmi2CoSimulation], machines: Sequence[Machine], halt: np.ndarray):
+        self._master, self._units, self._alive, self._halt = master, units, machines, halt
         nodes = master.nodes
         links = [link for node in nodes for link in node.links]
         ends = np.cumsum([0] + [len(node.links) for node in nodes])
@@ -57,6 +57,7 @@ class Stretch:
             fresh=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
             is_led=unit.astype(np.bool_), no_return=unit.astype(np.int32),
         )
+        march(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, self._now.signals.size)))  # compiles it
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     @property
@@ -68,7 +69,7 @@ class Stretch:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
         self._load()
         rows = np.empty((len(times), self._now.signals.size))
-        done, unit, status = march(self._plan, self._now, np.array(times), h, RUNAWAY, rows)
+        done, unit, status = march(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows)
         self._store(done)
         failure = None
         t = times[min(done, len(times) - 1)]
@@ -109,15 +110,18 @@ class Stretch:
             node.reached, node.fresh = (None, take(now.fresh[at])) if led else (take(now.reached[at]), None)
 
 
-def stretch_of(master: Master) -> Stretch | StraightStretch | None:
-    """Stretches for a master; None where the scene needs what they do not have."""
+def stretch_of(master: Master, halt: np.ndarray) -> Stretch | StraightStretch | None:
+    """Stretches for a master; None where the scene needs what they do not have.
+
+    `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
+    """
     nodes = master.nodes
     plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
     if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
         return None
     if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
         narrow = isinstance(master.signals, list)
-        return StraightStretch(master, components) if narrow and len(components) == len(nodes) else None
+        return StraightStretch(master, components, halt) if narrow and len(components) == len(nodes) else None
     units = [node.unit for node in nodes if isinstance(node.unit, Fmi2CoSimulation)]
     machines = [machine for unit in units if (machine := unit.machine()) is not None]
-    return Stretch(master, units, machines) if len(machines) == len(nodes) else None
+    return Stretch(master, units, machines, halt) if len(machines) == len(nodes) else None
