@@ -42,7 +42,17 @@ MACHINE = {
               "sub.f": {"fmu": "no/such.fmu", "interface": "co-simulation", "solver": "CVode", "tolerance": 1e-6}},
     "connections": ["sub.f.height -> p.wire_height"], "analysis": {"system": "railway", "window": [0.1, 0.9]},
 }
-BASES = [FULL, ITERATED, CONTROLLED, MACHINE]
+TOUCHING = {
+    "stop_time": 0.1, "master": {"algorithm": "interface-model", "step": 1e-3},
+    "units": {n: {"component": "tests.support:Mass", "parameters": {"v0": v}} for n, v in (("a", 1.0), ("b", -1.0))},
+    "contacts": [{"name": "touch", "law": "unilateral", "stiffness": 1e5, "damping": 10.0, "clearance": 0.01, "leader": "first",
+                  "first": {"force": "a.force", "position": "a.x_out", "velocity": "a.v_out", "inertia": 1.0, "degree": 1},
+                  "second": {"force": "b.force", "position": "b.x_out", "velocity": "b.v_out", "inertia": 1.0}}],
+}
+SUBSYSTEM = {"stop_time": 1.0, "master": {"step": 0.1}, "connections": ["p.profile[1] -> q.length"], "units": {
+    "sub": {"scene": "lumped-catenary", "parameters": {"pantograph": {"speed": 50.0}}},
+    "p": {"component": "tests.support:Probe"}, "q": {"component": "tests.support:Probe"}}}
+BASES = [FULL, ITERATED, CONTROLLED, MACHINE, TOUCHING, SUBSYSTEM]
 WORDS = [
     "", " ", ".", "a", "a.", ".a", "..", "->", " -> ", "a -> b", "a.* -> b.*", "*.* -> *.*", "b.force -> a.force",
     "a.x_out -> a.force", "a.x_out -> b.position -> a.force", "a.v_out * b.force", "a.v_out*", "* * *", "a.x_out * a.x_out",
@@ -100,7 +110,7 @@ def check(message: str) -> None:
     assert not re.search(r"pydantic|Input should|Value error|Traceback|object at 0x|type=|input_value", message), message
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(scenes())
 def test_a_scene_is_read_or_refused_with_one_message(data):
     try:
@@ -155,19 +165,50 @@ def test_numbers_and_names_that_nothing_can_hold(place, value, named):
     assert len(str(caught.value)) < 1000
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(scenes())
 def test_the_command_line_has_an_exit_code_and_one_message_for_each(tmp_path, data):
     """A scene that is still good is shown without being run, which takes up to fifty of its steps."""
     path = tmp_path / "random.toml"
     path.write_text("\n".join(f"{json.dumps(str(k))} = {toml(v)}" for k, v in data.items() if v is not None),
                     encoding="utf-8", errors="surrogatepass")
-    code, err = cosimo("run", path, "--in-process", "--dry-run")
+    shown(path)
+
+
+def shown(path: Path, *options: str) -> None:
+    """Show a scene without running it: an exit code, and one message where that is not 0."""
+    code, err = cosimo("run", path, "--in-process", "--dry-run", *options)
     lines = err.splitlines()
     assert code in (0, 2, 3), err
     assert all(line.startswith("cosimo: ") for line in lines), err
     assert len([line for line in lines if not line.startswith("cosimo: warning: ")]) == (code != 0), err
     check(" ".join(lines))
+
+
+OPTIONS = ["--set", "--effects", "--record", "--algorithm", "--step", "--stop"]
+MORE_WORDS = [
+    "a.k=", "a.k=nan", "a.k=1e999", "a.k=" + "9" * 400, "=1", "a.=1", ".k=1", "a.k.x=1", "analysis=1", "analysis.transient=x",
+    "a.x_out,b.force", "a.x_out,", ",", "p.profile[1,2]", "p.none", "a.none,p.none", "1e-400", "0x10",
+]
+TEXTS = st.one_of(st.sampled_from(WORDS + MORE_WORDS), st.text(max_size=8), st.floats().map(str)).filter(
+    lambda text: "\0" not in text and not text.startswith("-"))  # which no shell can hand over, or which name options
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
+@given(st.lists(st.tuples(st.sampled_from(OPTIONS), TEXTS), min_size=1, max_size=3))
+def test_options_of_anything_are_taken_or_refused_with_one_message(tmp_path, options):
+    path = tmp_path / "good.toml"
+    path.write_text("\n".join(f"{key} = {toml(value)}" for key, value in FULL.items()))
+    numbers = [(o, v) for o, v in options if o not in ("--step", "--stop") or is_number(v)]  # else a message of the parser's own
+    shown(path, *(text for pair in numbers for text in pair))
+
+
+def is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

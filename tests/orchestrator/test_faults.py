@@ -193,6 +193,24 @@ def test_faults_that_cannot_be_are_refused(fault, named):
     assert [part for part in named if part not in message] == [], message
 
 
+def test_fmus_suffer_the_same_faults_as_components():
+    scene = read_scene({
+        "stop_time": 0.2, "master": {"step": 2e-3},
+        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+        "units": {"pantograph": {"component": "Pantograph"},
+                  "wire": {"component": "tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
+        "faults": [{"signal": "wire.x_out", "kind": "offset", "value": 1e-3, "begin": 0.05, "end": 0.1},
+                   {"unit": "pantograph", "kind": "lost", "begin": 0.15}]})
+    fmu, here = run(scene), run(scene, in_process=True)
+    assert (fmu.outcome, here.outcome) == ("done", "done")
+    for name in here.columns:
+        assert fmu[name].tobytes() == here[name].tobytes(), name
+    sound = run(scene.with_changes({"faults": []}), in_process=True)
+    k = int(np.searchsorted(here.time, 0.05))
+    forces = here["pantograph.contact_force"][k], sound["pantograph.contact_force"][k]
+    assert forces[1] - forces[0] == pytest.approx(50e3 * 1e-3, rel=1e-9)  # N: the contact spring and a wire 1 mm higher
+
+
 @pytest.mark.parametrize("method", ["milne", "doubling"])
 def test_steps_that_follow_their_error_end_at_the_edges(method):
     """The exact equilibrium shift again, with steps of any length: the error is at most the sum of those allowed in each step."""
