@@ -61,6 +61,13 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
         raise BadInput("master.feedthrough", "'stale' with interface-model", "'fresh'; a contact's force follows its bodies")
     if master.smoothing:
         raise BadInput("master.smoothing", "true with interface-model", "none; the impulse of a contact would not be preserved")
+    if master.control is not None and master.control.method != "doubling":
+        raise BadInput("master.control.method", f"{master.control.method!r} with interface-model",
+                       "'doubling'; the force of a contact is not extrapolated, so the others have nothing to measure it by")
+    for text in master.bonds:
+        if any(end.strip().rpartition(".")[0] in names for end in text.split("*")):
+            raise BadInput(f"master.bonds: {text!r}", "a contact with interface-model",
+                           "other connections; a contact gives both bodies the same force, and its positions are not handed over")
     leaders: dict[str, str] = {}
     followers: dict[str, str] = {}
     for contact in scene.contacts:

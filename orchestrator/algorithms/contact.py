@@ -21,7 +21,7 @@ from ..settings.contacts import SideSettings
 from ..units.interface import Row
 from .polynomial import History
 
-AGAIN = 3  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
+AGAIN = 2  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
 
 
 class Line(NamedTuple):
@@ -185,8 +185,12 @@ class ContactUnit:
         self.indentation = gap
         self.force = force_in_series(*self._law, gap, rate, first.parts[3] + second.parts[3])
 
-    def predict(self, h: float) -> None:
-        """Lines of force for both bodies over the coming step of length h, from what stands at its beginning."""
+    def predict(self, values: Row, h: float) -> None:
+        """Lines of force for both bodies over the coming step of length h; `values`: inputs at its beginning.
+
+        Accelerations among them have followed the force since it was computed.
+        """
+        self._take(values)
         last, force = self.last, self.force
         for side in self.sides:
             if side.by_acceleration:

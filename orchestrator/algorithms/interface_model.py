@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from ..coupling import Coupling, Endpoint
 from ..units import Unit
@@ -18,6 +19,15 @@ class ContactNode(Node):
         super().restart()
         assert isinstance(self.unit, ContactUnit)
         self.unit.restart()
+
+
+class Pressed(NamedTuple):
+    """An input of a body that is the force of a contact: its position among the inputs, and factor * force + offset."""
+
+    k: int
+    side: Side
+    factor: float
+    offset: float
 
 
 class InterfaceModel(Master):
@@ -41,12 +51,12 @@ class InterfaceModel(Master):
         self._led = [(node, unit) for node, unit in self._contacts if unit.leader is not None]
         ends = {(unit.name, side.settings.force): side for _, unit in self._contacts for side in unit.sides}
         followers = {unit.sides[1 - unit.leader].settings.force for _, unit in self._led if unit.leader is not None}
-        self._stages: list[list[tuple[Node, list[tuple[int, Side]]]]] = [[], []]
+        self._stages: list[list[tuple[Node, list[Pressed]]]] = [[], []]
         for node in self.nodes:
             if not isinstance(node.unit, ContactUnit):
-                pressed = [(k, side) for k, link in enumerate(node.links)
+                pressed = [Pressed(k, side, link.factor, link.offset) for k, link in enumerate(node.links)
                            if (side := ends.get((link.source[0], ".".join(link.target)))) is not None]
-                later = any(side.settings.force in followers for _, side in pressed)
+                later = any(one.side.settings.force in followers for one in pressed)
                 self._stages[later].append((node, pressed))
 
     def _node(self, make, unit, *more):
@@ -54,8 +64,8 @@ class InterfaceModel(Master):
 
     def step(self, t: float, h: float) -> None:
         signals = self.signals
-        for _, contact in self._contacts:
-            contact.predict(h)
+        for node, contact in self._contacts:
+            contact.predict(node.inputs(), h)
         for stage in self._stages:
             for node, pressed in stage:
                 if node.sources:
@@ -69,14 +79,16 @@ class InterfaceModel(Master):
         self._finish(t, h)
 
     @staticmethod
-    def _terms(node: Node, pressed: list[tuple[int, Side]]) -> Terms:
+    def _terms(node: Node, pressed: list[Pressed]) -> Terms:
         """Extrapolated inputs of a body, but for the forces of its contacts; a fault on one makes it an input like others."""
         values, slopes, halves = node.history.ahead()
         if node.alter is not None:
             return values, slopes, halves
-        rows, links = node.rows, node.links
-        at = [k for k, _ in pressed]
-        values = rows.put(values, at, [links[k].factor * side.line.value + links[k].offset for k, side in pressed])
-        slopes = rows.put(rows.zeros(len(links)) if slopes is None else slopes, at,
-                          [links[k].factor * side.line.slope for k, side in pressed])
-        return values, slopes, halves if halves is None else rows.put(halves, at, [0.0] * len(at))
+        values, slopes = values.copy(), node.rows.zeros(len(node.links)) if slopes is None else slopes.copy()
+        halves = None if halves is None else halves.copy()
+        for k, side, factor, offset in pressed:
+            value, slope = side.line
+            values[k], slopes[k] = factor * value + offset, factor * slope
+            if halves is not None:
+                halves[k] = 0.0
+        return values, slopes, halves

@@ -1,0 +1,83 @@
+"""Interface model against Gauss-Seidel on the railway pair: error and stepping time over the macro step.
+
+Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+"""
+
+import numpy as np
+import pytest
+
+from orchestrator.analysis.railway import passages
+from orchestrator.analysis.signals import Filter, uniform
+from orchestrator.run import run
+from orchestrator.scene import load_scene
+
+pytestmark = pytest.mark.benchmark
+
+SIGNALS = ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height"]
+WINDOW = np.linspace(240.0, 360.0, 1201)
+FINE = 2.5e-4  # s, the reference's macro step and everybody's internal one
+SCHEMES = {
+    "Gauss-Seidel, linear": ("en50318-2002", {"master.extrapolation": 1}),
+    "Gauss-Seidel, quadratic": ("en50318-2002", {"master.extrapolation": 2}),
+    "interface model": ("en50318-2002-interface-model", {}),
+    "interface model, both at once": ("en50318-2002-interface-model", {"contacts": None}),
+}
+
+
+def scene(name, step, changes, element=0.25, substep=FINE):
+    given = load_scene(name)
+    if "contacts" in changes:
+        contact = {k: v for k, v in given.settings()["contacts"][0].items() if k != "leader"}
+        second = {k: v for k, v in contact["second"].items() if k != "degree"}
+        changes = {"contacts": [contact | {"second": second}]}
+    return given.with_changes({
+        "master.step": step, "record": {"signals": SIGNALS}, "units.catenary.parameters.element": element,
+        "units.catenary.parameters.substep": substep, "units.catenary.effects": ["dropper_slackening", "gravity_sag", "damping"],
+        **changes})
+
+
+def filtered(result, keep=1):
+    """20 Hz-filtered contact force over spans 5 and 6 on a fixed grid of positions, N, from every `keep`-th sample."""
+    record = passages(result)[0].record
+    rate, _, (position, force) = uniform(record.time[::keep], record.position[::keep], record.force[::keep])
+    return np.interp(WINDOW, position, Filter().apply(force, rate))
+
+
+def error(history, reference):
+    """rms difference of the filtered force over its standard deviation."""
+    return float(np.sqrt(np.mean((history - reference) ** 2)) / reference.std())
+
+
+def test_error_over_the_macro_step():
+    """On one mesh: against the converged history, and against the same sampled as coarsely, which is the coupling alone."""
+    converged = run(scene("en50318-2002", FINE, {"master.extrapolation": 2}), in_process=True)
+    whole, found = filtered(converged), {}
+    print("\n  history error / of the coupling alone, %")
+    for label, (name, changes) in SCHEMES.items():
+        cells = []
+        for step in (1e-3, 2e-3, 3e-3, 5e-3, 8e-3):
+            history = filtered(run(scene(name, step, changes), in_process=True))
+            found[label, step] = error(history, filtered(converged, round(step / FINE)))
+            cells.append(f"{1e3 * step:g} ms {100.0 * error(history, whole):5.2f} / {100.0 * found[label, step]:5.2f}")
+        print(f"    {label:30s} " + "   ".join(cells))
+    assert found["interface model", 5e-3] < 0.5 * found["Gauss-Seidel, linear", 5e-3]
+    assert found["interface model", 5e-3] < found["Gauss-Seidel, linear", 3e-3]
+    assert found["interface model", 2e-3] < 0.5 * found["Gauss-Seidel, linear", 2e-3]
+
+
+@pytest.mark.parametrize("in_process", [True, False])
+def test_time_for_an_error(in_process):
+    """Stepping time where errors are alike. In process the units are so cheap that the master's micro steps cost as much."""
+    converged = run(scene("en50318-2002", FINE, {"master.extrapolation": 2}), in_process=True)
+    print()
+    seconds = {}
+    for label, step in (("Gauss-Seidel, linear", 2e-3), ("Gauss-Seidel, linear", 5e-3), ("interface model", 2e-3),
+                        ("interface model", 5e-3)):
+        s = scene(SCHEMES[label][0], step, SCHEMES[label][1], substep=5e-4)
+        results = [run(s, in_process=in_process) for _ in range(6)][1:]
+        seconds[label, step] = best = min(r.info["timing"]["run"] for r in results)
+        missed = 100.0 * error(filtered(results[0]), filtered(converged, round(step / FINE)))
+        way, each = "in process" if in_process else "FMUs", 1e6 * best * step / s.stop_time
+        print(f"    {label:22s} {1e3 * step:g} ms, {way}: {s.stop_time / best:5.0f} x real time, {each:5.1f} us a macro step, "
+              f"error {missed:.2f} %")
+    assert seconds["interface model", 5e-3] < 3.0 * seconds["Gauss-Seidel, linear", 5e-3]
