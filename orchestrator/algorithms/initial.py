@@ -2,22 +2,24 @@
 
 A group of one unit has its inputs and is initialized once. In a larger one the units are initialized one after the other until
 their outputs stop changing. Where these sweeps do not settle, a quasi-Newton method goes on from their best result: it takes
-the outputs that the group feeds itself with as unknowns, and learns from all its earlier answers (Anderson's method with full
+the outputs that a sweep begins with as unknowns, and learns from all its earlier answers (Anderson's method with full
 memory; for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from components.core.errors import StepFailed
 
-if TYPE_CHECKING:
-    from .master import Master, Node
+from ..coupling import Endpoint
+from ..units import Interface
+from ..units.interface import Row
+from .node import Node
+from .texts import Texts
 
 SWEEPS = 30
 SECANTS = 30
@@ -42,38 +44,46 @@ class Settled:
 class Group:
     """Units that feed one another, before the first step."""
 
-    def __init__(self, master: Master, nodes: Sequence[Node], t: float):
-        self._master, self._nodes, self._t = master, list(nodes), t
+    def __init__(self, nodes: Sequence[Node], signals: Row, cells: Mapping[Endpoint, int], interfaces: Mapping[str, Interface],
+                 texts: Texts | None, check: Callable[[float], None], t: float):
+        """`signals`: the master's table, `cells`: where in it every output stands; `check` raises for values that are none."""
+        self._nodes, self._signals, self._texts, self._check, self._t = list(nodes), signals, texts, check, t
+        self.settled: Settled | None = None  # what `settle` came to, before it raises, too
         self._names = tuple(node.unit.name for node in nodes)
-        outputs = master.coupling.interfaces
-        self._ends = [end for end in master.positions if end[0] in self._names]
-        self._cells = [master.cells[end] for end in self._ends]
-        self._least = ABOUT_ZERO * np.array([outputs[u].outputs[n].nominal for u, n in self._ends])
-        inner = {k for node in nodes for k in node.sources}
-        self._inner = [k for k, cell in enumerate(self._cells) if cell in inner]
+        self._ends = [end for end in cells if end[0] in self._names]
+        self._cells = [cells[end] for end in self._ends]
+        self._least = ABOUT_ZERO * np.array([interfaces[u].outputs[n].nominal for u, n in self._ends])
+        given: set[int] = set()
+        needed: set[int] = set()  # cells that a sweep reads before it writes them: it depends on no others
+        for node in self._nodes:
+            needed |= set(node.sources) - given
+            given |= {cells[end] for end in self._ends if end[0] == node.unit.name}
+        self._unknown = [k for k, cell in enumerate(self._cells) if cell in needed]
 
-    def settle(self) -> Settled:
+    def settle(self) -> None:
         """Bring the units to initial values that fit together; raises `StepFailed` with what is left where it cannot be."""
         if len(self._nodes) == 1:
             self._sweep()
-            self._check()
-            return Settled(self._names, 1, 0, 0.0)
+            self.settled = Settled(self._names, 1, 0, 0.0)
+            self._check(self._t)
+            return
         best, least, last = self._values(), np.inf, np.inf
         for sweep in range(1, SWEEPS + 1):
             before = self._values()
             self._sweep()
             residual = self._residual(before)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
-                return Settled(self._names, sweep, 0, residual)
+                self.settled = Settled(self._names, sweep, 0, residual)
+                return
             if residual == np.inf:
                 break
             miss = float((np.abs(self._values() - before) / self._least).max())
             if miss < least:
                 best, least = before, miss
             last = residual
-        return self._by_secants(best, sweep)
+        self._by_secants(best, sweep)
 
-    def _by_secants(self, x: np.ndarray, sweeps: int) -> Settled:
+    def _by_secants(self, x: np.ndarray, sweeps: int) -> None:
         answers: list[np.ndarray] = []
         misses: list[np.ndarray] = []
         last = np.inf
@@ -82,17 +92,17 @@ class Group:
             self._sweep()
             answer = self._values()
             residual = self._residual(x)
+            self.settled = Settled(self._names, sweeps, k, residual)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
-                return Settled(self._names, sweeps, k, residual)
+                return
             if not np.isfinite(answer).all():
                 break
             last = residual
             answers.append(answer)
-            misses.append((answer - x)[self._inner])
-            x = answer + _foretold(answers, misses, np.maximum(np.abs(answer), self._least)[self._inner])
-        self._master.settled.append(Settled(self._names, sweeps, k, residual))
-        self._check()
-        raise self._not_settled(residual, sweeps, k, _parallel(answers, misses))
+            misses.append((answer - x)[self._unknown])
+            x = answer + _foretold(answers, misses, np.maximum(np.abs(answer), self._least)[self._unknown])
+        self._check(self._t)
+        raise self._not_settled(residual, sweeps, k, _parallel([answer[self._unknown] for answer in answers], misses))
 
     def _not_settled(self, residual: float, sweeps: int, secants: int, parallel: bool) -> StepFailed:
         unit, name = self._ends[int(np.argmax(self._changes))]
@@ -102,7 +112,7 @@ class Group:
                           "Give parameters closer to a common equilibrium")
 
     def _sweep(self) -> None:
-        signals, texts = self._master.signals, self._master.texts
+        signals, texts = self._signals, self._texts
         for node in self._nodes:
             if texts is not None:
                 texts.give(node.unit.name)
@@ -113,12 +123,12 @@ class Group:
 
     def _values(self) -> np.ndarray:
         """Outputs of the group, (n,)."""
-        signals = self._master.signals
+        signals = self._signals
         return np.array([signals[k] for k in self._cells])
 
     def _set(self, values: np.ndarray) -> None:
         for k, value in zip(self._cells, values.tolist(), strict=True):
-            self._master.signals[k] = value
+            self._signals[k] = value
 
     def _residual(self, before: np.ndarray) -> float:
         """Largest change in the last sweep; infinite where an output has run away."""
@@ -126,9 +136,6 @@ class Group:
         bound = RUNAWAY / ABOUT_ZERO * self._least
         self._changes = np.abs(values - before) / np.maximum(np.maximum(np.abs(values), np.abs(before)), self._least)
         return float(max(self._changes, default=0.0)) if (np.abs(values) < bound).all() else np.inf
-
-    def _check(self) -> None:
-        self._master.check_finite(self._t)
 
 
 def _foretold(answers: list[np.ndarray], misses: list[np.ndarray], sizes: np.ndarray) -> np.ndarray:
@@ -142,7 +149,6 @@ def _foretold(answers: list[np.ndarray], misses: list[np.ndarray], sizes: np.nda
 
 
 def _parallel(answers: list[np.ndarray], misses: list[np.ndarray]) -> bool:
-    """Whether the last answers differ although their misses do not."""
-    if len(answers) < 2:
-        return False
-    return bool(np.abs(misses[-1] - misses[-2]).max() < RETURNED * np.abs(answers[-1] - answers[-2]).max())
+    """Whether answers differ although their misses do not."""
+    pairs = range(1, len(answers))
+    return any(np.abs(misses[k] - misses[k - 1]).max() < RETURNED * np.abs(answers[k] - answers[k - 1]).max() for k in pairs)

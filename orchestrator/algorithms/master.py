@@ -151,8 +151,12 @@ class Master:
                 if link.factor:
                     signals[k] = (float(inputs[link.target[0]].inputs[link.target[1]].start) - link.offset) / link.factor
         for names in self.coupling.groups:
-            group = Group(self, sorted((nodes[name] for name in names), key=self._direct_share), t)
-            self.settled.append(group.settle())
+            members = sorted((nodes[name] for name in names), key=self._direct_share)
+            group = Group(members, signals, self.cells, inputs, self.texts, self.check_finite, t)
+            try:
+                group.settle()
+            finally:
+                self.settled += [group.settled] if group.settled else []
         for node in self.nodes:
             node.unit.start()
             signals[node.place] = node.unit.get()
