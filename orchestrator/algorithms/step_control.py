@@ -5,7 +5,7 @@ An error of 1 is what the scene allows: absolute * nominal value + relative * |v
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Protocol
 
@@ -147,7 +147,8 @@ class Controller:
 
     A PI controller moves a wish after every step, from the error the step would have had if it had been as long as the wish. The
     step follows only when the wish has gone below 0.8 or above 1.5 of it. Otherwise it is held: where two units integrate the
-    same flow, their copies part a little with every change of the step (Kyllingstad 2025, arXiv 2512.13845).
+    same flow, their copies part a little with every change of the step (Kyllingstad 2025, arXiv 2512.13845). They still do
+    where the error swings by more than that in every period; `max_step` then keeps the step at what is always right.
     A step with an error above 1 shortens the next one at once.
     """
 
@@ -182,3 +183,11 @@ class Controller:
     def _shorten(self, ticks: float) -> None:
         self.length = self._rounded(ticks)
         self.wish, self.error = float(self.length), 1.0
+
+    def state(self) -> dict[str, float]:
+        """What the next choices depend on, for a checkpoint."""
+        return {name: value for name, value in vars(self).items() if name not in ("unit", "longest")}
+
+    def take(self, state: Mapping[str, float]) -> None:
+        """Go on from a `state`."""
+        vars(self).update(state)
