@@ -21,7 +21,7 @@ from ..settings.contacts import SideSettings
 from ..units.interface import Row
 from .polynomial import History
 
-AGAIN = 2  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
+AGAIN = 3  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
 
 
 class Line(NamedTuple):
