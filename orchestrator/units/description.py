@@ -1,4 +1,4 @@
-"""What an FMU's model description says, as scalars by name and as an `Interface`.
+"""What an FMU's model description says, with scalars by name.
 
 FMPy reads the file. Arrays of FMI 3 become their elements, "name[1]" or "name[1,2]", in the order of their values.
 """
@@ -20,10 +20,8 @@ from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange
 from lxml import etree
 
 from components.core.errors import BadInput, nearest
-from components.core.measure import BASES, parse
-from components.core.measure import Unit as Measure
 
-from .interface import Interface, Kind, Signal
+from .interface import Kind
 from .solvers import METHODS
 
 if TYPE_CHECKING:
@@ -180,82 +178,6 @@ def _starts(v: ModelVariable, size: int, texts: Sequence[str]) -> Sequence[Any]:
 def is_true(text: Any) -> bool:
     """A truth value as XML writes it."""
     return str(text).lower() in ("true", "1")
-
-
-def describe_fmu(name: str, settings: UnitSettings) -> Interface:
-    """The interface an FMU's model description gives, with the scene's effects and parameters checked against it."""
-    from .values import settled
-
-    where = f"units.{name}"
-    found = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
-    known = [n.removeprefix("effects.") for n in found.scalars if n.startswith("effects.")]
-    for effect in settings.effects:
-        if effect not in known:
-            raise BadInput(f"{where}.effects", repr(effect), "an effect of the FMU", nearest(effect, known))
-    off = [e for e in known if e not in settings.effects and not found.scalars[f"effects.{e}"].start]
-    settled(found, settings.parameters, where, off)
-    named = dict.fromkeys(settings.effects, "named in the scene")
-    there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
-    direct = {u.variable.name: u.dependencies for u in found.model.outputs}
-    measures = _measures(found.model)
-    inputs = {n: _signal(s, (), measures) for n, s in there.items()
-              if s.variable.causality == "input" and not is_companion(n, found.scalars)}
-    real = [n for n, s in inputs.items() if s.kind == "real"]
-    return Interface(
-        title=found.model.description or found.model.modelName,
-        inputs=inputs,
-        outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
-                 for n, s in there.items() if s.variable.causality == "output"},
-        effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
-        set_inputs=frozenset(settings.parameters) & frozenset(inputs),
-        refused={v.name: v.type for v in found.model.modelVariables if v.type in NEITHER},
-        **_capabilities(found, real),
-    )
-
-
-def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
-    """What the FMU can beyond a step, as fields of `Interface`; `inputs`: the real ones."""
-    interface: Any = found.interface
-    saves = interface.canGetAndSetFMUstate
-    shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate, "gives_jacobian": found.directional}
-    if found.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
-        return shared | {"may_return_early": True}
-    follow = bool(inputs) and set(inputs) <= found.requested
-    return shared | {
-        "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) or follow else 0,
-        "variable_step": interface.canHandleVariableCommunicationStepSize,
-        "fixed_step": float(interface.fixedInternalStepSize or 0.0),
-        "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,
-    }
-
-
-def _measures(model: ModelDescription) -> dict[str, Measure]:
-    """Units of measure that the FMU defines because nobody else does."""
-    found = {}
-    for unit in model.unitDefinitions:
-        try:
-            parse(unit.name)
-        except BadInput:
-            if (base := unit.baseUnit) is not None:
-                found[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
-    return found
-
-
-def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
-    v, declared, kind = s.variable, s.variable.declaredType, s.kind
-    unit = v.unit or (declared.unit if declared else None) or ""
-    nominal = abs(float(v.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
-    start = (s.start or "") if kind == "string" else float(s.start or 0)
-    return Signal(s.name, unit, start, nominal, feedthrough, kind, s.discrete, measures.get(unit))
-
-
-def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],
-             scalars: Mapping[str, Scalar]) -> tuple[str, ...] | None:
-    """Names of inputs that are, or are elements of, declared variables."""
-    if declared is None:
-        return None
-    references = {(v.type, v.valueReference) for v in declared}
-    return tuple(n for n in inputs for v in [scalars[n].variable] if (v.type, v.valueReference) in references)
 
 
 def is_companion(name: str, scalars: Mapping[str, Scalar]) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .description import describe_fmu, read
+from .description import read
+from .fmu_interface import describe_fmu
 from .values import settled
 
 if TYPE_CHECKING:

@@ -109,7 +109,7 @@ class FmuUnit:
 
     # Calls of the library
 
-    def _noted(self, message: bytes | None) -> None:
+    def noted(self, message: bytes | None) -> None:
         """A message of the FMU's log."""
         text = (message or b"").decode(errors="replace").strip()
         self._log.append(text)
@@ -251,6 +251,7 @@ class FmuUnit:
 
     def restore(self, state: State) -> None:
         self._states.restore(state)
+        self._healthy = True  # whatever it reported in a step that is taken back
         self._take(state.beside)
 
     def _beside(self) -> Any:

@@ -87,7 +87,7 @@ MODELS: dict[str, list[V]] = {
         V("x0", 8, "Float64", "parameter", "fixed", "0", "", (2,)),
         V("u", 9, "Float64", "input", "continuous", "1 2 3", "", (1,)),
         V("y", 10, "Float64", "output", "continuous", None, "", (3,), (9,))],
-    "moody": [V("now", 6, "Float64", "output", "continuous"),
+    "moody": [V("now", 6, "Float64", "output", "continuous"), V("tolerance", 7, "Float64", "output", "discrete"),
               *(V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
                 for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)),
               V("restless", 5, "Boolean", "parameter", "fixed", "false")],

@@ -78,7 +78,7 @@ def test_with_rollback_all_units_meet_at_the_events_of_one(algorithm):
 
 
 def test_without_event_mode_an_early_return_is_told_and_the_step_goes_on():
-    unit = started("moody", 3, 'mightReturnEarlyFromDoStep="true"', early_at=0.25)
+    unit = started("moody", 3, 'mightReturnEarlyFromDoStep="true"', (), ("now",), early_at=0.25)
     seen = []
     for k in range(4):
         unit.step(0.1 * k, 0.1)
@@ -118,6 +118,28 @@ def test_a_step_that_is_completed_in_part_tells_how_far(fmi):
     assert "f failed at t = 0.3 s: the FMU discarded the call and got to 0.35 s" in result.message
     assert "A macro step of at most 0.05 s may help" in result.message
     assert result.time[-1] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_after_a_failed_step_an_earlier_state_goes_on(fmi):
+    unit = started("moody", fmi, STATE[fmi], (), ("now",), discard_at=0.35)
+    unit.step(0.0, 0.3)
+    state = unit.save()
+    for _ in range(2):
+        with pytest.raises(StepFailed, match="got to"):
+            unit.step(0.3, 0.1)
+        unit.restore(state)
+    unit.step(0.3, 0.04)
+    assert unit.get() == [0.3 + 0.04]
+    unit.close()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_tolerance_of_a_scene_is_handed_over(fmi):
+    for given, told in ((None, -1.0), (1e-5, 1e-5)):  # the FMU's sign for none
+        result = run(read_scene({"stop_time": 0.1, "master": {"step": 0.1}, "units": {
+            "f": {"fmu": native_fmu("moody", fmi), **({} if given is None else {"tolerance": given})}}}))
+        assert result["f.tolerance"][-1] == told
 
 
 def test_a_step_that_goes_on_in_the_background_is_waited_for():

@@ -42,6 +42,9 @@ void fmi2FreeInstance(fmi2Component instance) { free(instance); }
 fmi2Status fmi2SetupExperiment(fmi2Component instance, fmi2Boolean d, fmi2Real tolerance, fmi2Real start, fmi2Boolean s,
                                fmi2Real stop) {
     ALLOWED(INSTANTIATED) *clock_of(&unit->now.data) = start;
+#ifdef MOODY
+    unit->now.data.tolerance = d ? tolerance : -1.0;
+#endif
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component instance) {
