@@ -59,6 +59,7 @@ class Now(NamedTuple):
     spacing: np.ndarray  # (U, 2) s
     is_led: np.ndarray  # (U,) bool: inputs were interpolated to values known already
     no_return: np.ndarray  # (U,) int32, as of `call_step`
+    taken: np.ndarray  # (U,) steps
 
 
 def _call(builder, address, kinds, arguments):
@@ -243,6 +244,7 @@ def march(plan, now, times, h, limit, halt, rows):
                     return step, unit, status
             calls = plan.calls[unit]
             status = call_step(calls[DO_STEP], calls[INSTANCE], times[step], h, now.no_return[unit])
+            now.taken[unit] += 1
             if status <= WARNING and plan.sequential:
                 status = _read(plan, now, unit)
             if status > WARNING:

@@ -66,10 +66,8 @@ class StraightStretch:
                 node.reached, node.fresh = (None, mine[::3]) if is_led else (reached[at : at + n], None)
             at += n
         if far:
-            try:
-                master.check_finite(times[len(rows) - 1] + h)
-            except StepFailed as error:
-                failure = error
+            failure = beyond(master, times[len(rows) - 1] + h)
+            rows = rows[: len(rows) - (failure is not None)]
         return np.array(rows).reshape(len(rows), self._width), failure
 
     # The source
@@ -171,6 +169,15 @@ class StraightStretch:
             yield f"        refresh{k}()"
             yield from ("        " + line for line in _outputs(node, k, units[k]))
             yield "        updated = True"
+
+
+def beyond(master: Master, t: float) -> StepFailed | None:
+    """What is wrong with the master's signals at t, s; None where nothing is."""
+    try:
+        master.check_finite(t)
+    except StepFailed as error:
+        return error
+    return None
 
 
 def _samples(past: Any, j: int) -> tuple[float, float, float]:

@@ -17,7 +17,7 @@ from .initial import RUNAWAY
 from .jacobi import Jacobi
 from .master import Master, Node
 from .polynomial import History
-from .straight import StraightStretch
+from .straight import StraightStretch, beyond
 
 
 class Stretch:
@@ -55,7 +55,7 @@ class Stretch:
         self._now = Now(
             signals=np.zeros(len(master.signals)), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
             fresh=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
-            is_led=unit.astype(np.bool_), no_return=unit.astype(np.int32),
+            is_led=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64),
         )
         march(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, self._now.signals.size)))  # compiles it
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
@@ -73,18 +73,21 @@ class Stretch:
         self._store(done)
         failure = None
         t = times[min(done, len(times) - 1)]
-        try:
-            for k, fmu in enumerate(self._units):
-                begun = unit >= 0 and (k <= unit or not self._plan.sequential)
-                fmu.stepped(done + begun, t, status if k == unit else 0)
-            if unit == -2:
-                self._master.check_finite(times[done - 1] + h)
-        except StepFailed as error:
-            failure = error
+        for fmu, steps in zip(self._units, self._now.taken.tolist(), strict=True):
+            fmu.stepped(steps, t)
+        if unit >= 0:
+            try:
+                self._units[unit].stopped(status, t)
+            except StepFailed as error:
+                failure = error
+        if unit == -2:
+            failure = beyond(self._master, times[done - 1] + h)
+            done -= failure is not None
         return rows[:done], failure
 
     def _load(self) -> None:
         now = self._now
+        now.taken[:] = 0
         now.signals[:] = self._master.signals
         for k, (node, at) in enumerate(zip(self._master.nodes, self._slices, strict=True)):
             past = node.history

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from time import sleep
 from typing import Any
+from weakref import WeakValueDictionary
 
 from fmpy import calloc, free
 from fmpy.fmi2 import (
@@ -25,6 +26,16 @@ STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
 POLL = 1e-4  # s between two looks at a step that another thread of the FMU takes
 
 
+_running: WeakValueDictionary[int, FmuUnit] = WeakValueDictionary()
+
+
+@fmi2CallbackLoggerTYPE
+def _LOGGER(environment, _name, _status, _category, text):
+    """One for all units, which it tells apart by their environment: FMPy's proxy hands everything to the last logger it got."""
+    if (unit := _running.get(environment or 0)) is not None:
+        unit.noted(text)
+
+
 class Fmi2Unit(FmuUnit):
     """What model exchange and co-simulation share. `fmpy_class` is FMPy's class of the interface."""
 
@@ -39,9 +50,11 @@ class Fmi2Unit(FmuUnit):
 
     def _callbacks(self) -> fmi2CallbackFunctions:
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(lambda _environment, _name, _status, _category, text: self._noted(text))
+        callbacks.logger = _LOGGER
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        _running[id(self)] = self
+        callbacks.componentEnvironment = id(self)
         addLoggerProxy(ctypes.byref(callbacks))
         return callbacks
 
@@ -78,12 +91,14 @@ class Fmi2CoSimulation(Fmi2Unit):
         """Whether a step may be repeated from an earlier state."""
         return not self._states.none
 
-    def stepped(self, steps: int, t: float, status: int) -> None:
-        """Compiled code has taken steps of this unit; the call behind them, at t, gave this status."""
+    def stepped(self, steps: int, t: float) -> None:
+        """Compiled code has taken steps of this unit, the last one from t."""
         self._steps += steps
         self._time = t
-        if status > WARNING:
-            self._not_done(status, t)
+
+    def stopped(self, status: int, t: float) -> None:
+        """A call of this unit from compiled code had this status, which ends the step from t; raises `StepFailed`."""
+        self._not_done(status, t)
 
     def step(self, t: float, h: float) -> None:
         self._time = t

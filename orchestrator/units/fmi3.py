@@ -40,7 +40,7 @@ class Fmi3CoSimulation(FmuUnit):
         asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
         fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
                         requiredIntermediateVariables=sorted(asked), intermediateUpdate=self._requested if asked else None,
-                        logMessage=lambda _environment, _status, _category, text: self._noted(text))
+                        logMessage=lambda _environment, _status, _category, text: self.noted(text))
         return fmu
 
     def _requested(self, _environment: Any, t: float, wants_inputs: bool, _gives: bool, _finished: bool, _may_return: bool,

@@ -23,7 +23,7 @@ from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
 from .interface import WIDE, Row
-from .outputs import reader
+from .outputs import derivatives, reader
 from .states import State, States
 from .values import Block, blocks, decoded, signature
 
@@ -271,23 +271,7 @@ class FmuUnit:
         return self._states.unpack(packed)
 
     def jacobian(self) -> np.ndarray:
-        """Directional derivatives along each real input; whole numbers and truth values have none, which is 0 here."""
-        result = np.zeros((len(self._output_names), len(self._input_names)))
-        rows, columns = ([k for k, n in enumerate(names) if not self._scalars[n].discrete]
-                         for names in (self._output_names, self._input_names))
-        if rows and columns:
-            unknowns = Block.of_derivatives([self._scalars[self._output_names[k]] for k in rows], self._fmi3)
-            knowns = Block.of_derivatives([self._scalars[self._input_names[k]] for k in columns], self._fmi3)
-            pointer, size = ctypes.c_void_p, ctypes.c_size_t
-            extra = (size,) if self._fmi3 else ()
-            derive = self._function("GetDirectionalDerivative", pointer, size, pointer, size, pointer, *extra, pointer, *extra)
-            arguments = (*unknowns.arguments[:2], *knowns.arguments, *unknowns.arguments[2:])
-            for column, at in zip(columns, knowns.at, strict=True):
-                knowns.buffer[at] = 1.0
-                self._check(derive(self._fmu.component, *arguments))
-                knowns.buffer[at] = 0.0
-                result[rows, column] = [unknowns.buffer[k] for k in unknowns.at]
-        return result
+        return derivatives(self._output_names, self._input_names, *self._common())
 
     def parameters(self) -> dict[str, Any]:
         return self._values
