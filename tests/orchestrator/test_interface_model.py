@@ -283,6 +283,24 @@ def test_step_doubling_controls_the_step():
     assert np.linalg.norm(result["touch.force"] - found) < 0.01 * np.linalg.norm(found)
 
 
+def test_a_run_resumed_from_a_checkpoint_is_the_same_to_the_last_bit(tmp_path):
+    scene = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6, "damping": 200.0}, leader="second",
+                 acceleration=False, degree=1)
+    whole = finished(scene)
+    run(scene, in_process=True, checkpoint_every=7e-3, checkpoint_to=tmp_path / "half")
+    resumed = run(scene, in_process=True, resume=tmp_path / "half")
+    assert resumed.time.tobytes() == whole.time.tobytes()
+    assert all(resumed[column].tobytes() == whole[column].tobytes() for column in whole.columns)
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
+def test_other_algorithms_have_the_law_too(algorithm):
+    law = {"law": "unilateral", "stiffness": 1e6, "damping": 200.0}
+    result = finished(pair(2e-5, 0.02, HEAVY, LIGHT, law, algorithm=algorithm, degree=1))
+    exact = exact_impact(200.0, result.time.size)
+    assert np.linalg.norm(result["touch.force"] - exact) < 1e-2 * np.linalg.norm(exact)
+
+
 def test_a_fault_on_a_contact_force_reaches_the_body():
     scene = pair(1e-3, 0.02, {"m": 10.0, "v0": 0.5}, {"m": 1.0}, {"law": "unilateral", "stiffness": 1e6})
     lost = scene.with_changes({"faults": [{"signal": "b.force", "kind": "override", "value": 0.0}]})
