@@ -1,4 +1,4 @@
-"""The outputs of an FMU: buffers made once, one call of the library for all outputs of a type."""
+"""The outputs of an FMU: buffers made once, one call of the library for all outputs of a type; and their derivatives."""
 
 from __future__ import annotations
 
@@ -62,3 +62,29 @@ def _of_reals(call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any,
         return buffer[:] if values is None else values
 
     return read
+
+
+def derivatives(outputs: Sequence[str], inputs: Sequence[str], scalars: Mapping[str, Scalar], fmi3: bool, instance: Any,
+                functions: Functions, failed: Callable[[int], None]) -> np.ndarray:
+    """Of outputs with respect to inputs at this instant, (outputs, inputs), one directional derivative for each real input.
+
+    What changes at instants only has none, which is 0 here.
+    """
+    result = np.zeros((len(outputs), len(inputs)))
+    rows, columns = ([k for k, n in enumerate(names) if not scalars[n].discrete] for names in (outputs, inputs))
+    if not (rows and columns):
+        return result
+    unknowns, knowns = (Block.of_derivatives([scalars[names[k]] for k in places], fmi3)
+                        for names, places in ((outputs, rows), (inputs, columns)))
+    pointer, size = ctypes.c_void_p, ctypes.c_size_t
+    extra = (size,) if fmi3 else ()
+    derive = functions("GetDirectionalDerivative", pointer, size, pointer, size, pointer, *extra, pointer, *extra)
+    arguments = (instance, *unknowns.arguments[:2], *knowns.arguments, *unknowns.arguments[2:])
+    for column, at in zip(columns, knowns.at, strict=True):
+        knowns.buffer[at] = 1.0
+        status = derive(*arguments)
+        if status > WARNING:
+            failed(status)
+        knowns.buffer[at] = 0.0
+        result[rows, column] = [unknowns.buffer[k] for k in unknowns.at]
+    return result

@@ -5,6 +5,7 @@ The headers of FMI come with FMPy, so that the compiler holds the functions agai
 
 from __future__ import annotations
 
+import atexit
 import shutil
 import subprocess
 import sys
@@ -152,7 +153,9 @@ def _fmi3(model: str, flags: str) -> str:
 
 @lru_cache
 def _folder() -> Path:
-    return Path(mkdtemp(prefix="native-fmus-"))
+    path = Path(mkdtemp(prefix="native-fmus-"))
+    atexit.register(shutil.rmtree, path, ignore_errors=True)
+    return path
 
 
 @lru_cache
