@@ -248,8 +248,8 @@ def test_errors_of_a_stiff_impact(damping):
         errors[step], explicit[step] = held, jacobi
         assert led < 1.1 * held
         assert held < jacobi / 20.0
-        if (damping, step) in PUBLISHED:  # the norm is over few samples and micro steps differ: the size, not the digits
-            assert 0.4 < held / PUBLISHED[damping, step] < 2.5
+        if (damping, step) in PUBLISHED:  # its micro steps, and so the impulse at the edges of the contact, are others
+            assert held == pytest.approx(PUBLISHED[damping, step], rel=0.2)
     assert np.polyfit(np.log(list(errors)), np.log(list(errors.values())), 1)[0] > 2.0
 
 
