@@ -38,11 +38,11 @@ class Crossings:
         """Whether a signal has another sign than when the step started."""
         return any(sign * value < 0.0 for sign, value in zip(self.signs, self.values(), strict=True))
 
-    def first(self, tick: int, ahead: int, resolution: int, step: Callable[[int], None]) -> int:
-        """The tick of the first change, rounded up, in a step that has been made from `tick` to `ahead`.
+    def first(self, tick: int, ahead: int, resolution: int, step: Callable[[int], None]) -> tuple[int, int]:
+        """Ticks before and behind the first change in a step that has been made from `tick` to `ahead`.
 
-        `step(tick)` makes the step again, to another end; the last such call is for the tick that is returned. The change lies
-        not more than `resolution` before it. Regula falsi, Illinois variant (Dowell, Jarratt, BIT 11, 1971).
+        `step(tick)` makes the step again, to another end; the last such call is for the tick behind the change. The two are not
+        more than `resolution` apart. Regula falsi, Illinois variant (Dowell, Jarratt, BIT 11, 1971).
         """
         low, high, before, behind, at, trials = tick, ahead, self.start, self.values(), ahead, 0
         lighter = [1.0, 1.0]  # weights of the values at the two ends
@@ -61,4 +61,4 @@ class Crossings:
                 low, before = at, self.values()
         if at != high:
             step(high)
-        return high
+        return low, high

@@ -106,20 +106,25 @@ class Guided(Stepping):
     def _attempt(self, ahead: int) -> tuple[int, bool, float, int]:
         """A step to a tick, or to the first event before it: (tick reached, whether by an event, error, order of the error)."""
         self._step(ahead)
-        event = False
+        event, before, crossings = False, ahead, self._crossings
         while (times := [unit.event for unit in self._early if unit.event is not None]):
             event, first = True, max(self.clock.not_before(min(times)), self.tick + 1)
+            before = first - 1
             if first >= ahead or not self._rollback:
                 break
             ahead, event = first, False
             self._again(ahead)
-        crossings, error, order = self._crossings, 0.0, 1
         if crossings is not None and crossings.changed():
-            ahead, event = crossings.first(self.tick, ahead, self._resolution, self._again), True
-        if self._estimate is not None:
+            (before, ahead), event = crossings.first(self.tick, ahead, self._resolution, self._again), True
+        error, order = 0.0, 1
+        if self._estimate is not None and not event:
             error, order = self._estimate.measure(lambda: self._halves(ahead))
-            if crossings is not None and not event and crossings.changed():
-                ahead, event = crossings.first(self.tick, ahead, self._resolution, self._again), True
+            if crossings is not None and crossings.changed():  # in the halves only
+                (_, ahead), event = crossings.first(self.tick, ahead, self._resolution, self._again), True
+        elif self._estimate is not None and self._rollback and before > self.tick:
+            self._again(before)  # what jumps at the event is no error
+            error, order = self._estimate.measure(lambda: self._halves(before))
+            self._again(ahead)
         return ahead, event, error, order
 
     def _step(self, ahead: int) -> None:
