@@ -102,7 +102,7 @@ class Fmi2CoSimulation(Fmi2Unit):
 
     def step(self, t: float, h: float) -> None:
         self._time = t
-        status = self._do_step(self._instance, t, h, self._states.none)
+        status = self._do_step(self._instance, t, h, self._forget)
         self._steps += 1
         if status > WARNING:
             self._not_done(status, t)

@@ -120,7 +120,7 @@ class Fmi3CoSimulation(FmuUnit):
         if self.next_event <= t + h:
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
         else:
-            status = self._do_step(self._instance, t, h, self._states.none, *self._answers)
+            status = self._do_step(self._instance, t, h, self._forget, *self._answers)
             if status > WARNING or self._word.value:
                 self._step_by_events(t, h, self._answered(status, t, t + h))
 
@@ -137,7 +137,7 @@ class Fmi3CoSimulation(FmuUnit):
         """One call of the FMU: (time reached, whether there is an event)."""
         if h <= 0.0:
             return t, True
-        return self._answered(self._do_step(self._instance, t, h, self._states.none, *self._answers), t, t + h)
+        return self._answered(self._do_step(self._instance, t, h, self._forget, *self._answers), t, t + h)
 
     def _answered(self, status: int, t: float, end: float) -> tuple[float, bool]:
         event, ends, early, _ = self._word.value.to_bytes(4, "little")

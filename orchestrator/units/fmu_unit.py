@@ -54,6 +54,7 @@ class FmuUnit:
         self._tolerance, self._fmi3 = tolerance, description.fmi3
         self._time, self._steps = 0.0, 0
         self._initializing = self._started = False
+        self._forget = 1  # what a step is told: no earlier state will come back
         self._last_held: list[Any] | None = None  # values and texts that the FMU has
         self._last_texts: list[str] | None = None
         self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well
@@ -247,6 +248,7 @@ class FmuUnit:
     # States and derivatives
 
     def save(self, reuse: State | None = None) -> State:
+        self._forget = 0
         return self._states.save(self._beside(), reuse)
 
     def restore(self, state: State) -> None:
@@ -263,11 +265,13 @@ class FmuUnit:
 
     def release(self, state: State) -> None:
         self._states.release(state)
+        self._forget = int(self._states.none)
 
     def pack(self, state: State) -> bytes:
         return self._states.pack(state)
 
     def unpack(self, packed: bytes) -> State:
+        self._forget = 0
         return self._states.unpack(packed)
 
     def jacobian(self) -> np.ndarray:
