@@ -1,4 +1,4 @@
-"""The interface model: closed forms of impacts, an exact piecewise reference, published errors, orders, the railway pair."""
+"""The interface model: closed forms of impacts, an exact piecewise reference, published errors, orders."""
 
 import numpy as np
 import pytest
@@ -10,15 +10,10 @@ from components.core.reduced import LAWS, force_in_series, law_force, reduced_st
 from components.core.variables import input_, output, parameter
 from orchestrator.algorithms import master_of
 from orchestrator.algorithms.contact import ContactUnit, line
-from orchestrator.analysis.railway import measured, passages, statistics
-from orchestrator.analysis.signals import Filter, uniform
 from orchestrator.coupling import settle
 from orchestrator.run import run
-from orchestrator.scene import load_scene, read_scene
+from orchestrator.scene import read_scene
 from orchestrator.units import open_unit
-from orchestrator.validation.case import compare
-from orchestrator.validation.reference import load_table
-from orchestrator.validation.runs import at_speed
 from tests.support import Linear
 
 
@@ -362,41 +357,3 @@ def test_a_unit_leads_everywhere_or_nowhere():
             "contacts": [contact("x", "a", "b"), contact("y", "b", "c")]}
     with pytest.raises(BadInput, match=r"b.*second time|lead in all"):
         read_scene(data)
-
-
-# -- the railway pair ------------------------------------------------------------------------------------------------------
-RAILWAY = "en50318-2002-interface-model"
-SIGNALS = {"record": {"signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height",
-                                  "catenary.support_uplift"]}}
-
-
-@pytest.mark.parametrize("speed", [250.0, 300.0])
-@pytest.mark.parametrize("element", [0.25, 0.5])
-def test_all_cells_of_the_2002_table_hold_with_steps_of_5_ms(speed, element):
-    """At 300 km/h the impedance would be 619 N s/m; that of 250 km/h is left, as a sweep over the speed would."""
-    scene = at_speed(load_scene(RAILWAY), speed, {**SIGNALS, "units.catenary.parameters.element": element})
-    rows = compare(load_table("en50318-2002").under(f"{speed:g} km/h"), measured(statistics(finished(scene))))
-    assert len(rows) == 8
-    outside = [f"{r.reference.quantity}: {r.measured:.4g}" for r in rows if not r.inside]
-    assert not outside
-
-
-def filtered(result, keep=1):
-    """20 Hz-filtered force over spans 5 and 6, N, from every `keep`-th sample."""
-    record = passages(result)[0].record
-    rate, _, (position, force) = uniform(record.time[::keep], record.position[::keep], record.force[::keep])
-    return np.interp(np.linspace(240.0, 360.0, 1201), position, Filter().apply(force, rate))
-
-
-def test_error_of_the_railway_pair_is_less_than_half_of_gauss_seidel():
-    """Both on one mesh, against a step twenty times shorter that is sampled as coarsely: what the coupling alone does."""
-    fine = {"units.catenary.parameters.element": 0.25, "units.catenary.parameters.substep": 2.5e-4, **SIGNALS}
-    reference = filtered(finished(load_scene("en50318-2002").with_changes(
-        {**fine, "master.step": 2.5e-4, "master.extrapolation": 2})), keep=20)
-
-    def distance(name):
-        result = finished(load_scene(name).with_changes({**fine, "master.step": 5e-3}))
-        return np.sqrt(np.mean((filtered(result) - reference) ** 2)) / reference.std()
-
-    assert distance(RAILWAY) < 0.5 * distance("en50318-2002")
-    assert distance(RAILWAY) < 0.015
