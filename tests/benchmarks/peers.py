@@ -137,7 +137,8 @@ if __name__ == "__main__":
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     who, first, second, count = sys.argv[1:]
-    seconds, reached = {"cosimo": cosimo, "recording": recording, "ecos": ecos, "libcosim": libcosim, "fmpy": fmpy, "ctypes": bare}[who](first, second, int(count))
+    masters = {"cosimo": cosimo, "recording": recording, "ecos": ecos, "libcosim": libcosim, "fmpy": fmpy, "ctypes": bare}
+    seconds, reached = masters[who](first, second, int(count))
     print(f"{int(count) / seconds:.0f} {reached!r}")
     sys.stdout.flush()
     os._exit(0)  # libraries of others crash now and then in leaving
