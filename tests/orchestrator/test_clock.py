@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from orchestrator.clock import Clock
@@ -37,3 +38,19 @@ def test_binary_fractions_stand_for_what_was_written():
     clock = Clock.dividing(1.0 / 3.0, 1.0)
     assert clock.seconds(clock.ticks(1.0)) == 1.0
     assert clock.seconds(clock.ticks(1.0 / 3.0)) == 1.0 / 3.0
+
+
+def test_a_finer_clock_shows_the_same_times():
+    clock = Clock.dividing(1e-3, 0.7)
+    fine = clock.finer(1_000_000)
+    assert fine.ticks(0.7) == 1_000_000 * clock.ticks(0.7)
+    assert all(fine.seconds(1_000_000 * k) == clock.seconds(k) for k in range(701))
+
+
+@pytest.mark.parametrize("tick", [0, 1, 3, 700, 123_457])
+def test_the_tick_not_before_a_time(tick):
+    clock = Clock.dividing(1e-3).finer(7)
+    t = clock.seconds(tick)
+    assert clock.not_before(t) == tick
+    assert clock.not_before(np.nextafter(t, np.inf)) == tick + 1
+    assert clock.not_before(t + 0.4e-3 / 7.0) == tick + 1
