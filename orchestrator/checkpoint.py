@@ -27,9 +27,9 @@ from components.core.errors import BadInput
 from .algorithms.energy import SavedAccount
 from .algorithms.master import Master, Saved
 from .algorithms.rates import Slow
-from .observers import Patient
 from .scene import Scene
-from .stepping import Stepping
+from .stepping.loop import Stepping
+from .stepping.observers import Patient
 from .units import Interface, Unit
 
 FORMAT = "cosimo checkpoint 1"

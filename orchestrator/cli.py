@@ -213,8 +213,8 @@ def _dry_run(scene: Scene, in_process: bool) -> None:
     from components.core.errors import StepFailed
 
     from .advice import advise
+    from .advice.dry_run import lines, tables
     from .coupling import settle
-    from .dry_run import lines, tables
 
     try:
         advice = advise(scene, in_process=in_process)

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 from components.core.errors import BadInput, nearest
 
 from .files import read_file, scene_path
-from .messages import one_message
 from .settings import SceneSettings, SubsystemSettings
+from .settings.messages import one_message
 
 PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
 

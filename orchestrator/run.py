@@ -20,12 +20,12 @@ from .algorithms.contact import ContactUnit
 from .algorithms.energy import EnergyAccount, metered
 from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .coupling import Coupling, settle
-from .faults import Faults, Mortal, edges
-from .guided import Guided, clock_for, stepping_of
-from .observers import Interrupt, Misses, Progress, Recorder, reading
 from .results import Result, Snapshot
 from .scene import Scene
-from .stepping import Observer
+from .stepping.faults import Faults, Mortal, edges
+from .stepping.guided import Guided, clock_for, stepping_of
+from .stepping.loop import Observer
+from .stepping.observers import Interrupt, Misses, Progress, Recorder, reading
 from .units import Unit, open_unit
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess

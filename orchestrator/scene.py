@@ -17,8 +17,8 @@ from .analysis.keys import keys_of, unknown
 from .coupling import settle
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
-from .messages import one_message
 from .settings import SceneSettings
+from .settings.messages import one_message
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
 

@@ -12,7 +12,7 @@ import numpy as np
 from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint
-from ..graph import groups, smooth
+from ..coupling.graph import groups, smooth
 from ..settings import IterationSettings
 from ..units import Unit
 from .acceleration import Acceleration, Memory, accelerated

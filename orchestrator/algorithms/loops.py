@@ -14,7 +14,7 @@ import numpy as np
 from components.core.errors import StepFailed
 
 from ..coupling import Endpoint
-from ..graph import Loop
+from ..coupling.graph import Loop
 from ..units import Interface
 from ..units.interface import Row
 

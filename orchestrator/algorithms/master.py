@@ -19,7 +19,7 @@ import numpy as np
 from components.core.errors import StepFailed
 
 from ..coupling import Coupling, Endpoint, Link
-from ..graph import Loop, jumps
+from ..coupling.graph import Loop, jumps
 from ..units import Unit
 from ..units.interface import WIDE, Row
 from .initial import RUNAWAY, Group, Settled

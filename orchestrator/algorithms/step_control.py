@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from ..coupling import Coupling
-from ..graph import jumps
+from ..coupling.graph import jumps
 from ..settings import ControlSettings
 from .energy import EnergyAccount
 from .master import Master, Node, SmoothNode

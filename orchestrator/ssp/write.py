@@ -23,7 +23,7 @@ from fmus.build import built
 from fmus.build import write as write_zip
 
 from ..coupling import Coupling, settle
-from ..graph import Link
+from ..coupling.graph import Link
 from ..settings import SceneSettings, UnitSettings
 from ..units.component import make
 from ..units.description import Description

@@ -17,7 +17,7 @@ from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units import Interface
 from tests.orchestrator.bonded import bonded
-from tests.orchestrator.test_event_location import relay
+from tests.orchestrator.stepping.test_event_location import relay
 from tests.support import Linear, two_masses
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import orchestrator.coupling
+import orchestrator.coupling.settling
 import orchestrator.run
 from components.core.component import Component
 from components.core.errors import BadInput
@@ -83,7 +83,7 @@ class Many(Component):
 @pytest.fixture
 def described(monkeypatch):
     """A function that changes what the interfaces say of some signals: described(("c", "ticks"), kind="integer")."""
-    original, changes = orchestrator.coupling.describe, {}
+    original, changes = orchestrator.coupling.settling.describe, {}
 
     def describe(name, settings):
         interface = original(name, settings)
@@ -93,7 +93,7 @@ def described(monkeypatch):
             interface = replace(interface, **{side: signals})
         return interface
 
-    monkeypatch.setattr(orchestrator.coupling, "describe", describe)
+    monkeypatch.setattr(orchestrator.coupling.settling, "describe", describe)
     return lambda end, **what: changes.__setitem__(end, what)
 
 
@@ -194,7 +194,7 @@ class Speaker(ComponentUnit):
 
 
 def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
-    opened, original = {}, orchestrator.coupling.describe
+    opened, original = {}, orchestrator.coupling.settling.describe
 
     def describe(name, settings):
         interface = original(name, settings)
@@ -208,7 +208,7 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
         opened[name] = Speaker(name, open_unit(name, settings, **how).component)
         return opened[name]
 
-    monkeypatch.setattr(orchestrator.coupling, "describe", describe)
+    monkeypatch.setattr(orchestrator.coupling.settling, "describe", describe)
     monkeypatch.setattr(orchestrator.run, "open_unit", speaking)
     talk = {**scene("jacobi", 1), "stop_time": 0.3, "record": {"signals": ["b.now"]}}
     talk["connections"] = [*talk["connections"], "c.says -> b.hears", "b.says -> c.hears"]

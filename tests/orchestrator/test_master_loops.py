@@ -10,7 +10,7 @@ from orchestrator.algorithms.loops import LoopSolver
 from orchestrator.algorithms.master import Node
 from orchestrator.algorithms.polynomial import History
 from orchestrator.coupling import settle
-from orchestrator.graph import Link, Loop
+from orchestrator.coupling.graph import Link, Loop
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.interface import Interface, Signal

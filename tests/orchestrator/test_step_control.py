@@ -14,7 +14,7 @@ from components.core.variables import input_, output, parameter
 from orchestrator.algorithms import step_control
 from orchestrator.algorithms.polynomial import History
 from orchestrator.algorithms.step_control import Controller, shares
-from orchestrator.demands import check_stepping
+from orchestrator.coupling.demands import check_stepping
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.settings import MasterSettings

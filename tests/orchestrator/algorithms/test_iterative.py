@@ -8,7 +8,7 @@ from scipy.linalg import expm
 
 from components.core.errors import BadInput
 from components.core.variables import input_, output, parameter
-from orchestrator import coupling
+from orchestrator.coupling import settling
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.settings import IterationSettings
@@ -57,13 +57,13 @@ class Ramp(Linear):
 def interface_of(monkeypatch):
     """Call with a unit's name and changes: the unit has this interface from then on."""
     def change(unit: str, **changes) -> None:
-        before = coupling.describe
+        before = settling.describe
 
         def described(name, settings):
             found = before(name, settings)
             return replace(found, **{k: v(found) if callable(v) else v for k, v in changes.items()}) if name == unit else found
 
-        monkeypatch.setattr(coupling, "describe", described)
+        monkeypatch.setattr(settling, "describe", described)
 
     return change
 

@@ -23,7 +23,7 @@ def both_ways(data, monkeypatch, kind, **options):
     scene = data if not isinstance(data, dict) else read_scene(data)
     together = run(scene, **options)
     alone = len(steps)
-    monkeypatch.setattr("orchestrator.guided.stretch_of", lambda *_: None)
+    monkeypatch.setattr("orchestrator.stepping.guided.stretch_of", lambda *_: None)
     apart = run(scene, **options)
     assert stretches
     return together, apart, alone

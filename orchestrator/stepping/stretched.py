@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .algorithms import Master
+from ..algorithms import Master
 from .clock import Clock
-from .stepping import Observer, Stepping, Stops, lengths
+from .loop import Observer, Stepping, Stops, lengths
 
 PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar have to wait
 

@@ -9,17 +9,17 @@ import numpy as np
 
 from components.core.errors import StepFailed
 
-from .algorithms import Master
-from .algorithms.energy import EnergyAccount
-from .algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
-from .algorithms.stretch import stretch_of
+from ..algorithms import Master
+from ..algorithms.energy import EnergyAccount
+from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
+from ..algorithms.stretch import stretch_of
+from ..coupling import Coupling
+from ..settings import ControlSettings, SceneSettings
+from ..units import Unit
 from .clock import Clock
-from .coupling import Coupling
 from .events import Crossings
-from .settings import ControlSettings, SceneSettings
-from .stepping import Action, Observer, Steppable, Stepping, Stops, lengths
+from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 from .stretched import Stretched
-from .units import Unit
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none

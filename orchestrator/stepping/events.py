@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from .algorithms import Master
-from .coupling import Coupling
-from .graph import Endpoint, jumps
+from ..algorithms import Master
+from ..coupling import Coupling
+from ..coupling.graph import Endpoint, jumps
 
 PATIENCE = 40  # trials, after which the bracket is halved; for a smooth signal ten are enough
 

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 
 from components.core.errors import BadInput
 
+from ..settings import MasterSettings
+from ..units import Interface
 from .bonds import Bond
 from .graph import Link, smooth
-from .settings import MasterSettings
-from .units import Interface
 
 
 def check_stepping(master: MasterSettings, interfaces: Mapping[str, Interface], links: Iterable[Link], bonds: tuple[Bond, ...],

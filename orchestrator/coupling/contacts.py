@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from components.core.errors import BadInput
 
-from .settings import ConnectionSettings, ContactSettings, SceneSettings
-from .units import Interface
-from .units.interface import Signal
+from ..settings import ConnectionSettings, ContactSettings, SceneSettings
+from ..units import Interface
+from ..units.interface import Signal
 
 SIDES = ("first", "second")
 PARTS = {"position": "m", "velocity": "m/s", "acceleration": "m/s2", "compliance": "m/N"}

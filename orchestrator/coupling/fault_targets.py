@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 
 from components.core.errors import BadInput, nearest
 
+from ..settings import FaultSettings, SceneSettings
+from ..units import Interface
 from .graph import Endpoint, Link
-from .settings import FaultSettings, SceneSettings
-from .units import Interface
 
 
 def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: SceneSettings, interfaces: Mapping[str, Interface],

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from components.core.errors import BadInput, nearest
 from components.core.measure import conversion
 
+from ..settings import ConnectionSettings, SceneSettings
+from ..units import Interface, describe
+from ..units.interface import Signal
 from .bonds import Bond, bond
 from .contacts import check_contacts, connections, describe_contact
 from .demands import check_stepping
 from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
-from .settings import ConnectionSettings, SceneSettings
-from .units import Interface, describe
-from .units.interface import Signal
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class Wall(Linear):
 
 
 def component(cls, **parameters):
-    name = cls if isinstance(cls, str) else f"tests.orchestrator.test_advice:{cls.__name__}"
+    name = cls if isinstance(cls, str) else f"tests.orchestrator.advice.test_advice:{cls.__name__}"
     return {"component": name} | ({"parameters": parameters} if parameters else {})
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orchestrator.clock import Clock
-from orchestrator.stepping import Stepping, lengths
+from orchestrator.stepping.clock import Clock
+from orchestrator.stepping.loop import Stepping, lengths
 
 
 class Log:

@@ -7,10 +7,10 @@ from components.core.component import Component
 from components.core.errors import BadInput
 from components.core.kernels import DONE, hold_inputs
 from components.core.variables import input_, output, parameter
-from orchestrator.clock import Clock
-from orchestrator.guided import Guided
 from orchestrator.run import run
 from orchestrator.scene import read_scene
+from orchestrator.stepping.clock import Clock
+from orchestrator.stepping.guided import Guided
 
 
 class Relay(Component):

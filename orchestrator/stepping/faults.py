@@ -10,14 +10,14 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
-from .algorithms import Master
-from .algorithms.rates import Slow
+from ..algorithms import Master
+from ..algorithms.rates import Slow
+from ..coupling import Coupling
+from ..settings import FaultSettings
+from ..units import Unit
+from ..units.interface import Row
 from .clock import Clock
-from .coupling import Coupling
-from .settings import FaultSettings
-from .stepping import Action
-from .units import Unit
-from .units.interface import Row
+from .loop import Action
 
 
 class Mortal:

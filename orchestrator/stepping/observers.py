@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from .algorithms.master import Node
-from .coupling import Endpoint
-from .units import Unit
+from ..algorithms.master import Node
+from ..coupling import Endpoint
+from ..units import Unit
 
 Sample = Callable[[], list[float]]
 
@@ -26,7 +26,7 @@ FOREVER = 1_000_000  # steps
 
 
 class Patient:
-    """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
+    """An observer that need not be called at every step, see `stepping.stretched`; as it stands, one that need be called at none."""
 
     def idle(self, tick: int, length: int) -> int:
         """How many of the coming steps of `length` ticks it need not see."""

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from orchestrator.clock import Clock
+from orchestrator.stepping.clock import Clock
 
 
 def test_a_million_ticks_are_exact():

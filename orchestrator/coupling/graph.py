@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from .units import Interface
-from .units.interface import Signal
+from ..units import Interface
+from ..units.interface import Signal
 
 Endpoint = tuple[str, str]  # unit, variable
 

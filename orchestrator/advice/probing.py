@@ -24,15 +24,15 @@ import numpy as np
 from components.core.errors import BadInput
 from components.core.measure import parse
 
-from .algorithms import master_of
-from .algorithms.master import Master
-from .coupling import Coupling, settle
-from .graph import Link
-from .run import opened
-from .scene import Scene
+from ..algorithms import master_of
+from ..algorithms.master import Master
+from ..coupling import Coupling, settle
+from ..coupling.graph import Link
+from ..run import opened
+from ..scene import Scene
+from ..units import Unit
+from ..units.interface import Row
 from .stability import longest_step, radius
-from .units import Unit
-from .units.interface import Row
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value

@@ -9,8 +9,8 @@ from math import isclose
 from components.core.errors import BadInput
 from components.core.measure import BASES, parse
 
+from ..units import Interface
 from .graph import Endpoint, Link
-from .units import Interface
 
 WATT = parse("W").exponents
 ANGLE = BASES.index("rad")  # N.m times rad/s is a power as well

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from components.core.errors import BadInput
-from orchestrator.clock import Clock
 from orchestrator.coupling import settle
-from orchestrator.faults import Faults
 from orchestrator.run import run
 from orchestrator.scene import read_scene
+from orchestrator.stepping.clock import Clock
+from orchestrator.stepping.faults import Faults
 
 V0 = 2.0  # m/s
 # a free mass, whose position a probe gets in mm and whose own force comes from a spring that is not there: x = V0 t

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from math import inf, isinf
 from typing import Any
 
-from .advice import Advice, Contact
-from .coupling import Coupling
-from .graph import Loop
-from .scene import Scene
+from ..coupling import Coupling
+from ..coupling.graph import Loop
+from ..scene import Scene
+from .probing import Advice, Contact
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 

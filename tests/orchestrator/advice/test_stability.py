@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from orchestrator.advice.stability import longest_step, radius
 from orchestrator.run import run
 from orchestrator.scene import read_scene
-from orchestrator.stability import longest_step, radius
 
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.5**0.5, 1.0)  # of critical damping
 # ω H of the roots' first leaving the unit circle, from the characteristic polynomials of each case by computer algebra
