@@ -26,7 +26,7 @@ FOREVER = 1_000_000  # steps
 
 
 class Patient:
-    """An observer that need not be called at every step, see `stepping.stretched`; as it stands, one that need be called at none."""
+    """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
 
     def idle(self, tick: int, length: int) -> int:
         """How many of the coming steps of `length` ticks it need not see."""
