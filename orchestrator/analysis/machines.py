@@ -144,7 +144,7 @@ def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_
         if name in values:
             turned = np.unwrap(values[name][kept]) / (ratio * TURN)
             middle = turned.size // 2
-            halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1))]
+            halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1)) if time[b] > time[a]]
             return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
     speed = recorded(result, unit, "speed")
     if not speed:

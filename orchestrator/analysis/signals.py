@@ -9,6 +9,7 @@ from scipy import signal as dsp
 
 from components.core.errors import BadInput
 
+FINER = 20  # times the samples of an uneven record: most that it is resampled to
 EDGE = (np.sqrt(2.0) - 1.0) ** 0.5  # (frequency ratio)^n at which two passes of an n-th order Butterworth lose 3 dB together
 
 
@@ -62,7 +63,8 @@ class Filter:
 def uniform(time: np.ndarray, *signals: np.ndarray) -> tuple[float, np.ndarray, list[np.ndarray]]:
     """(rate in Hz, uniform time (n,), signals (n,)): as they are if the samples are evenly spaced, else interpolated linearly.
 
-    An uneven record is resampled at its smallest spacing, so that nothing recorded is skipped.
+    An uneven record is resampled at its smallest spacing, so that nothing recorded is skipped, but to no more than `FINER`
+    times its samples: a step that ends at an event may be a millionth of the others.
     """
     steps = np.diff(time)
     if time.size < 2 or not (steps > 0.0).all():
@@ -71,7 +73,7 @@ def uniform(time: np.ndarray, *signals: np.ndarray) -> tuple[float, np.ndarray, 
     mean = span / steps.size
     if np.abs(steps - mean).max() <= 1e-6 * mean:
         return 1.0 / mean, time, list(signals)
-    n = int(np.ceil(span / steps.min() * (1.0 - 1e-9)))
+    n = int(min(np.ceil(span / steps.min() * (1.0 - 1e-9)), FINER * steps.size))
     even = time[0] + span / n * np.arange(n + 1)
     return n / span, even, [np.interp(even, time, s) for s in signals]
 

@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import bearings, generic, railway, rotor, sweeps
+from components.core.errors import BadInput
+
+from . import bearings, generic, numerics, railway, rotor, sweeps
 from .chart import Chart
 from .charts import draw_chart
-from .page import Block, Cells, Facts, Page, Section, Text, write_page
+from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from .windows import fault_windows, shaded
 
 if TYPE_CHECKING:
     from ..results import Result
@@ -21,24 +24,41 @@ SYSTEMS = {"railway": railway.blocks, "bearings": bearings.blocks, "rotor": roto
 
 
 def for_run(result: Result, directory: str | Path) -> Path:
-    """`report.html` of one run: figures of its system, all recorded signals, settings."""
+    """`report.html` of one run: figures of its system, all recorded signals, how it was computed, settings."""
     scene = result.scene
     blocks: list[Block] = []
     if result.outcome != "done":
         blocks.append(Text([f"This run failed and is shown as far as it went: {result.message}"], "warning"))
-    if warnings := result.info.get("warnings"):
-        blocks.append(Text(list(warnings), "warning"))
-    special = SYSTEMS.get(scene.analysis.get("system", ""))
-    sections = []
-    if special is not None and result.outcome == "done":
-        blocks += special(result)
-    signals = generic.time_series(result)
-    if blocks:
-        sections.append(Section("Run", blocks, badge=result.outcome))
-    sections += [Section("Signals", signals), Section("Settings", generic.run_blocks(result))]
+    said = result.info.get("warnings", ())
+    for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
+        blocks += [Text(texts, tone)] if texts else []
+    if result.outcome == "done":
+        blocks += _of_system(result)
+    computed = numerics.blocks(result)
+    signals: list[Block] = [*generic.time_series(result)]
+    if windows := fault_windows(result):
+        span = (float(result.time[0]), float(result.time[-1]))
+        blocks, signals, computed = (
+            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in made] for made in (blocks, signals, computed)
+        )
+    sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
+    sections += [Section("Signals", signals)] if signals else []
+    sections += [Section("How it was computed", computed)] if computed else []
+    sections.append(Section("Settings", generic.run_blocks(result)))
     title = scene.title or scene.name
     lead = generic.run_line(result)
     return write_page(Page(title, lead, sections), Path(directory) / "report.html")
+
+
+def _of_system(result: Result) -> list[Block]:
+    """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead."""
+    system = result.scene.analysis.get("system", "")
+    if system not in SYSTEMS:
+        return []
+    try:
+        return SYSTEMS[system](result)
+    except BadInput as error:
+        return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
 
 
 def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from components.core.errors import BadInput
+
 from ...analysis.railway import passages, statistics
 from ...analysis.signals import Filter
-from ..page import Block, Cells, Figure
+from ..page import Block, Cells, Figure, Text
 from ..style import number
 from .force import force_figure, spectrum_figure
 from .wire import uplift_figure, waves_figure, wire_figure
@@ -21,7 +23,10 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """The figures and, where no reference table takes its place, a table of the statistics."""
     made: list[Block] = list(figures(result, rows))
     if made and not rows:
-        made.append(statistics_table(result))
+        try:
+            made.append(statistics_table(result))
+        except BadInput as error:
+            made.append(Text([f"There are no statistics: {error}"], "warning"))
     return made
 
 
@@ -56,11 +61,11 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = 
     if not found:
         return []
     low_pass = low_pass or Filter()
-    made = [force_figure(result, found, rows, low_pass)]
+    made: list[Figure | None] = [force_figure(result, found, rows, low_pass)]
     if found[0].supports:
         made.append(uplift_figure(result, found, rows))
     made.append(spectrum_figure(result, found, low_pass))
     name = f"{found[0].catenary}.wire_profile.height"
     if name in result.snapshots:
         made += [wire_figure(result, found[0], name), waves_figure(result, found[0], name)]
-    return made
+    return [figure for figure in made if figure is not None]

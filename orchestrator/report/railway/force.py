@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from ...validation.case import Row
 
 LADDER = (("mean", ("mean",)), ("actual", ("max", "min")), ("mean ± 3σ", ("statistical_max", "statistical_min")))
+SAMPLES = 16  # below which a spectrum shows nothing
 HIGHEST = 35.0  # Hz, end of the spectrum's axis: the band of the filter and something beyond
 
 
@@ -46,8 +47,7 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
     """Contact force against position: raw thin, filtered strong; beside it where the numbers lie in their ranges."""
     start, end = analysis_window(result.scene)
     span = float(result.scene.analysis.get("span", end - start))
-    low = max(start - span, found[0].record.position[0])
-    high = min([end + span, *(p.record.position[-1] for p in found)])
+    low, high = _shown(found, start - span, end + span)
     ladder = [(heading, [r for r in rows if r.reference.measure in names and _closed(r)]) for heading, names in LADDER]
     ladder = [(heading, members) for heading, members in ladder if members]
     right = 0.80 if ladder else 1.0
@@ -98,6 +98,14 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
     return Figure(f"Contact force at {3.6 * found[0].speed:.0f} km/h", figure, caption)
 
 
+def _shown(found: list[Passage], low: float, high: float) -> tuple[float, float]:
+    """What there is of a stretch of the track, m; all of it where the pantographs have not come so far together."""
+    first, last = max(low, found[0].record.position[0]), min([high, *(p.record.position[-1] for p in found)])
+    if first < last:
+        return float(first), float(last)
+    return float(min(p.record.position[0] for p in found)), float(max(p.record.position[-1] for p in found))
+
+
 def _closed(row: Row) -> bool:
     return row.reference.low is not None and row.reference.high is not None
 
@@ -125,7 +133,7 @@ def _force_range(found: list[Passage], rows: list[Row], low: float, high: float)
     ]
     for p in found:
         seen = p.record.force[(p.record.position >= low) & (p.record.position <= high)]
-        values += [float(seen.min()), float(seen.max())]
+        values += [float(seen.min(initial=0.0)), float(seen.max(initial=0.0))]
     pad = 0.06 * (max(values) - min(values))
     return [min(values) - pad, max(values) + pad]
 
@@ -161,13 +169,18 @@ def _dot(i: int, row: Row) -> dict[str, Any]:
     }
 
 
-def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> Figure:
-    """Amplitude spectrum of the unfiltered contact force, with the frequencies of passing spans and droppers."""
+def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> Figure | None:
+    """Amplitude spectrum of the unfiltered contact force, with the frequencies of passing spans and droppers.
+
+    None for a run that ends before it has passed a whole span behind its run-in.
+    """
     span = float(result.scene.analysis.get("span", 0.0))
     data, start, end = [], 0.0, 0.0
     for i, p in enumerate(found):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
         start, end = _whole_spans(x, span, analysis_window(result.scene)[0])
+        if np.count_nonzero((x >= start) & (x < end)) < SAMPLES:
+            return None
         f, a = amplitude_spectrum(force[window(x, start, end)], rate)
         kept = (f > 0.0) & (f <= HIGHEST)
         fill = {"fill": "tozeroy", "fillcolor": tint(CYCLE[i], 0.12)} if len(found) == 1 else {}

@@ -87,11 +87,13 @@ def _profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, n
     return snapshot.time, np.interp(snapshot.time, passage.record.time, passage.record.position), offsets, 1e3 * snapshot.values
 
 
-def wire_figure(result: Result, passage: Passage, name: str) -> Figure:
-    """Shape of the contact wire around the pantograph at chosen times, with a slider."""
+def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
+    """Shape of the contact wire around the pantograph at chosen times, with a slider; None where none falls into the window."""
     start, end = analysis_window(result.scene)
     times, at, offsets, heights = _profile(result, passage, name)
     during = np.flatnonzero((at >= start) & (at <= end))
+    if not during.size:
+        return None
     chosen = during[np.linspace(0, during.size - 1, min(SHAPES, during.size)).round().astype(int)]
     middle = heights.shape[1] // 2
 
