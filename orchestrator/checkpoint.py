@@ -10,8 +10,10 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import struct
 import tempfile
 import warnings
+import zlib
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, replace
@@ -33,6 +35,8 @@ from .stepping.observers import Patient
 from .units import Interface, Unit
 
 FORMAT = "cosimo checkpoint 1"
+CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "units", "parts"}
+MISFITS = (ValueError, LookupError, TypeError, AttributeError, EOFError, struct.error)  # what data of another form leads to
 
 
 class Part(Protocol):
@@ -121,7 +125,7 @@ class Checkpoints(Patient):
                     file.flush()
                     os.fsync(file.fileno())
                 os.replace(name, self.path)
-            except OSError:
+            except BaseException:  # a second Ctrl-C, too
                 os.unlink(name)
                 raise
         except OSError as error:
@@ -145,12 +149,13 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
             arrays = dict(file)
         content = _arrayed(json.loads(arrays["text"].tobytes()), arrays)
         known = content["format"] == FORMAT
+        whole = known and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except OSError as error:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
-    except (BadZipFile, ValueError, KeyError, TypeError, EOFError):
-        known = False
-    if not known:
-        raise BadInput(where, shown, "a checkpoint that cosimo has written")
+    except (BadZipFile, zlib.error, NotImplementedError, *MISFITS):
+        known = whole = False
+    if not known or not whole:
+        raise BadInput(where, shown, "a checkpoint that cosimo has written" if not known else "a checkpoint that is not damaged")
     if content["version"] != version("cosimo"):
         raise BadInput(where, f"{shown}, of cosimo {content['version']}", f"one of this version, {version('cosimo')}")
     if content["digest"] != digest(scene):
@@ -160,7 +165,17 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
 
 
 def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
-    """Put units, master and parts, just initialized, where they were; raises `BadInput` for units of another kind."""
+    """Put units, master and parts, just initialized, where they were; `BadInput` for units of another kind, or a damaged file."""
+    try:
+        _restore(checkpoint, master, loop, parts)
+    except BadInput:
+        raise
+    except MISFITS as error:
+        raise BadInput("resume", f"content that does not fit the scene ({type(error).__name__}: {error})",
+                       "a checkpoint that is not damaged") from None
+
+
+def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:
     kinds = _kinds(master)
     for name, kind in checkpoint.kinds.items():
         if kinds[name] != kind:

@@ -17,7 +17,7 @@ class IterationSettings(Model):
     method: Literal["aitken", "quasi-newton", "newton"] = Field(
         default="quasi-newton", description="relaxed fixed point; secants of earlier iterations (IQN-ILS); interface Jacobian")
     tolerance: Positive = Field(default=1e-8, description="largest miss of a coupled signal, relative to its size or nominal")
-    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = 20
+    max_iterations: Annotated[int, Field(strict=True, ge=1, le=1_000_000)] = Field(default=20, description="of one macro step")
     not_converged: Literal["stop", "warn"] = Field(default="stop", description="what happens after max_iterations")
 
 
@@ -42,7 +42,9 @@ class ControlSettings(Model):
 class MasterSettings(Model):
     """The algorithm that steps the units and hands values over."""
 
-    algorithm: Literal["jacobi", "gauss-seidel", "iterative", "interface-model"] = "gauss-seidel"
+    algorithm: Literal["jacobi", "gauss-seidel", "iterative", "interface-model"] = Field(default="gauss-seidel", description=(
+        "jacobi: all units at once; gauss-seidel: each with what those before it gave; iterative: steps repeated until inputs "
+        "fit outputs, needs rollback; interface-model: contacts solved inside the step"))
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
     smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")

@@ -14,7 +14,7 @@ from components.core.errors import BadInput
 from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings
-from .model import UNIT_NAME, Model, Number, Seconds, Truth
+from .model import UNIT_NAME, Model, Number, Seconds, Sweep, Truth
 from .units import OrSubsystem, UnitSettings
 
 RANGE = ("from", "to", "points")
@@ -27,8 +27,8 @@ class ConnectionSettings(Model):
 
     source: str = Field(description="unit.output")
     target: str = Field(description="unit.input")
-    factor: Number = 1.0
-    offset: Number = 0.0
+    factor: Number = Field(default=1.0, description="times what the units of measure need")
+    offset: Number = Field(default=0.0, description="in the input's unit of measure")
     convert_units: Truth = Field(default=True, description="false: the numbers are handed over whatever the units of measure say")
 
     @property
@@ -56,16 +56,17 @@ class RecordSettings(Model):
 class SceneSettings(Model):
     """Units, connections, master, records. `scene.Scene` is what they are once checked against the units."""
 
-    title: str = ""
+    title: str = Field(default="", description="what reports are headed with")
     stop_time: Seconds = Field(description="s; every run starts at 0")
     connections: tuple[str | ConnectionSettings, ...] = Field(
         default=(), description='"unit.output -> unit.input", * at both ends for all of the same name, or a table with a factor')
-    units: dict[Annotated[str, Field(pattern=UNIT_NAME)], Annotated[UnitSettings, OrSubsystem()]] = Field(min_length=1)
+    units: dict[Annotated[str, Field(pattern=UNIT_NAME)], Annotated[UnitSettings, OrSubsystem()]] = Field(
+        min_length=1, description="by name; components, FMUs and other scenes", json_schema_extra={"additionalProperties": False})
     master: MasterSettings
     record: RecordSettings = RecordSettings()
     contacts: tuple[ContactSettings, ...] = Field(default=(), description="stiff contacts between two units")
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
-    sweep: dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]] = Field(
+    sweep: Sweep = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
     analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
     _name: str = PrivateAttr("scene")

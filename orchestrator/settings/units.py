@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from components.core.errors import BadInput
 
-from .model import Model, Positive, Value
+from .model import Model, Parameters, Positive
 
 
 class UnitSettings(Model):
@@ -19,7 +19,7 @@ class UnitSettings(Model):
     fmu: str = Field(default="", description="path to an FMU, relative to the scene's file")
     preset: str = Field(default="", description="published set of parameters of the component")
     effects: tuple[str, ...] = Field(default=(), description="optional physics to switch on")
-    parameters: dict[str, Value] = Field(default={}, description="parameters, and values of inputs that no connection drives")
+    parameters: Parameters = Field(default={}, description="parameters, and values of inputs that no connection drives")
     every: Annotated[int, Field(strict=True, ge=1, le=1_000_000_000)] = Field(
         default=1, description="steps with every n-th macro step only, over all n of them; for slow units")
     isolation: Literal["none", "process"] = Field(
@@ -58,7 +58,7 @@ class SubsystemSettings(Model):
     """
 
     scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd or .ssp file, relative to this one")
-    parameters: dict[str, Value] = Field(default={}, description="unit.parameter of the scene, in the place of its own values")
+    parameters: Parameters = Field(default={}, description="unit.parameter of the scene, in the place of its own values")
 
     @field_validator("parameters", mode="before")
     @classmethod

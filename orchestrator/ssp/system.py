@@ -5,8 +5,9 @@ Source: System Structure and Parameterization 1.0, chapter 5 (SSD); ssp-standard
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 
 from lxml import etree
@@ -23,6 +24,7 @@ FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp
 GIVES, TAKES = ("output", "calculatedParameter"), ("input", "parameter")  # kinds of connectors, as their element is seen
 TYPES = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
 DEEPEST = 32  # systems in systems; more of them is a file that contains itself
+MOST = 10_000  # elements; files that each name the next one twice would make millions
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,9 @@ class Element:
 class Document:
     """One .ssd file of a package."""
 
-    def __init__(self, package: Package, name: str):
+    def __init__(self, package: Package, name: str, numbers: Iterator[int] | None = None):
+        """`numbers`: counts the elements of all documents of a system; None for the first document."""
+        self._numbers = count(1) if numbers is None else numbers
         self.package, self.name = package, name
         self.where = package.label(name)
         self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where)
@@ -110,6 +114,9 @@ class Document:
             label = required(child, "name", self.where)
             if label in {e.name for e in elements}:
                 raise BadInput(self._at(child), f"a second element {label!r}", "names that are unique within a system")
+            if next(self._numbers) > MOST:
+                raise BadInput(self._at(child), f"a system of more than {MOST} elements", "fewer",
+                               "Do its files name one another many times?")
             read = self._system if etree.QName(child).localname == "System" else self._component
             elements.append(read(child, label, depth + 1))
         return Element(name, self._at(node), self._connectors(node), self._parameters(node, None), tuple(elements),
@@ -143,9 +150,9 @@ class Document:
             return self._system(nodes[0], name, depth)
         if kind == ARCHIVE:
             package = Package.zipped(self.package.label(place), self.package.read(place, where))
-            document = Document(package, fragment or DEFAULT)
+            document = Document(package, fragment or DEFAULT, self._numbers)
         else:
-            document = Document(self.package, self.package.inside(place, where))
+            document = Document(self.package, self.package.inside(place, where), self._numbers)
         found = document.system(depth)
         found.name = name
         return found

@@ -6,7 +6,7 @@ FMPy reads the file. Arrays of FMI 3 become their elements, "name[1]" or "name[1
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -114,9 +114,12 @@ class Description:
 
 def read(path: str, where: str) -> Description:
     """The description of an FMU; `BadInput` for what is none."""
-    if not isfile(path):  # which takes a name that no file can have for one of no file
-        raise BadInput(where, repr(path), "an FMU file")
-    return _read(path, Path(path).stat().st_mtime_ns, where)
+    try:
+        if isfile(path):  # which takes a name that no file can have for one of no file
+            return _read(path, Path(path).stat().st_mtime_ns, where)
+    except FileNotFoundError:  # it has just gone
+        pass
+    raise BadInput(where, repr(path), "an FMU file")
 
 
 @lru_cache(maxsize=64)
@@ -135,11 +138,26 @@ def _read(path: str, _changed: int, where: str) -> Description:
         if v.type == "Clock" and v.causality == "input" and v.intervalVariability != "triggered":
             raise BadInput(where, f"{path} with the clock {v.name!r}, which its importer has to tick",
                            "an FMU without such clocks; it would stand still")
+    _check_numbers(found, where)
     flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
              for plural in ("", "s")]  # FMPy knows that of FMI 2
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
     return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags), texts,
                        _requested(found, root))
+
+
+def _check_numbers(model: ModelDescription, where: str) -> None:
+    """FMPy leaves the attributes of variables as texts; `BadInput` for those that are not what their type says."""
+    for owner in (*model.modelVariables, *model.typeDefinitions):
+        read_one = READERS.get(owner.type, int)
+        for attribute in ("start", "nominal", "min", "max") if owner.type not in ("String", *NEITHER) else ():
+            words = str(getattr(owner, attribute, None) or "").split()
+            try:
+                for word in words:
+                    (float if attribute == "nominal" else read_one)(word)
+            except ValueError:
+                raise BadInput(where, f"{attribute} of {owner.name!r} is {' '.join(words)[:40]!r}",
+                               f"a value of type {owner.type}", "The FMU's model description is faulty.") from None
 
 
 def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
@@ -170,14 +188,17 @@ def _starts(v: ModelVariable, size: int, texts: Sequence[str]) -> Sequence[Any]:
     if v.type == "String":
         values: list[Any] = list(texts) or ([] if v.start is None else [v.start])
     else:
-        of: Any = {"Boolean": is_true, "Real": float, "Float32": float, "Float64": float}.get(v.type, int)
-        values = [of(word) for word in (v.start or "").split()]
+        values = [READERS.get(v.type, int)(word) for word in (v.start or "").split()]
     return values * size if len(values) == 1 else values if len(values) == size else [None] * size
 
 
 def is_true(text: Any) -> bool:
     """A truth value as XML writes it."""
     return str(text).lower() in ("true", "1")
+
+
+# how values are read that are no whole numbers
+READERS: dict[str, Callable[[str], Any]] = {"Boolean": is_true, "Real": float, "Float32": float, "Float64": float}
 
 
 def is_companion(name: str, scalars: Mapping[str, Scalar]) -> bool:

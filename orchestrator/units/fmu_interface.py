@@ -68,6 +68,8 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
     """Units of measure that the FMU defines because nobody else does."""
     found = {}
     for unit in model.unitDefinitions:
+        if unit.name is None:
+            continue
         try:
             parse(unit.name)
         except BadInput:

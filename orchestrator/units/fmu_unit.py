@@ -64,7 +64,11 @@ class FmuUnit:
         if self._alone in _once:
             raise BadInput(f"units.{name}", f"a second instance of {description.path}",
                            "one; this FMU allows no more in a process", 'Write isolation = "process".')
-        here, self._folder = os.getcwd(), take(description.path)
+        here, self._folder = os.getcwd(), ""
+        try:
+            self._folder = take(description.path)
+        except Exception as error:  # FMPy raises bare exceptions, zipfile those of many kinds
+            raise BadInput(f"units.{name}", f"{description.path} cannot be unpacked: {error}", "a sound FMU file") from None
         try:
             self._fmu = self._instantiate()
             self._usable = self._healthy = True
@@ -278,7 +282,11 @@ class FmuUnit:
         return derivatives(self._output_names, self._input_names, *self._common())
 
     def parameters(self) -> dict[str, Any]:
-        return self._values
+        """Also what nobody has set, by its start value; not what belongs to an effect that is off."""
+        effects = {n: s.start for n, s in self._scalars.items() if n.startswith("effects.")} | self._values
+        own = {n: s.start for n, s in self._scalars.items() if s.variable.causality in ("parameter", "structuralParameter")
+               and s.start is not None and effects.get(f"effects.{n.partition('.')[0]}", True)}
+        return own | self._values
 
     def work(self) -> dict[str, int]:
         return {"steps": self._steps}

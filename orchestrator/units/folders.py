@@ -8,7 +8,10 @@ the same time have folders of their own. All folders are removed when the proces
 from __future__ import annotations
 
 import atexit
+import errno
 import shutil
+import tempfile
+import zipfile
 from collections import OrderedDict
 from pathlib import Path
 from threading import Lock
@@ -23,7 +26,7 @@ _lock = Lock()
 
 
 def take(path: str) -> str:
-    """A folder with the extracted FMU file, for one unit until `give`."""
+    """A folder with the extracted FMU file, for one unit until `give`; raises what zipfile raises for a damaged file."""
     status = Path(path).stat()
     key = (str(Path(path).resolve()), status.st_mtime_ns, status.st_size)
     with _lock:
@@ -32,9 +35,24 @@ def take(path: str) -> str:
             if Path(folder).is_dir():  # nobody has tidied up the temporary folder meanwhile
                 _used[folder] = key
                 return folder
-    folder = str(extract(path))
+    folder = _extracted(path)
     with _lock:
         _used[folder] = key
+    return folder
+
+
+def _extracted(path: str) -> str:
+    """A new folder with all that is in the file; none is left behind where that fails."""
+    folder = tempfile.mkdtemp(prefix="cosimo-")
+    try:
+        with zipfile.ZipFile(path) as file:
+            size, free = sum(info.file_size for info in file.infolist()), shutil.disk_usage(folder).free
+        if size > free:
+            raise OSError(errno.ENOSPC, f"it unpacks to {size} bytes, and {tempfile.gettempdir()} has {free} left")
+        extract(path, unzipdir=folder)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
     return folder
 
 

@@ -178,10 +178,10 @@ class WorkerUnit:
         self._outputs, self._take, self._give = tuple(outputs), unpacker(len(outputs)), packer(len(inputs))
         try:
             self._parameters: dict[str, Any] = pickle.loads(self._receive())
+            self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
             raise BadInput(f"units.{self.name}", f"it cannot be started: {error.reason}",
                            "a unit that starts in a worker process") from None
-        self._ask("wire", [*inputs], [*outputs])
         self._started = True
 
     def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
@@ -261,7 +261,10 @@ class WorkerUnit:
 
     def work(self) -> dict[str, int]:
         """The unit's counters, as far as its process can still be asked, and the number of requests to it."""
-        counted = {} if self._lost or self._waiting else self._ask("work")
+        counted: dict[str, int] = {}
+        if not (self._lost or self._waiting):
+            with suppress(StepFailed):  # it has ended since its last answer, when nothing was wanted of it any more
+                counted = self._ask("work")
         return {**counted, "requests": self._requests}
 
     def close(self) -> None:

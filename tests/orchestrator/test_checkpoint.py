@@ -178,6 +178,25 @@ def test_files_that_are_no_checkpoints_are_refused(tmp_path):
             run(oscillator(), resume=file)
 
 
+@pytest.mark.parametrize("key", ["version", "name", "digest", "kinds", "tick", "t", "units", "master", "parts"])
+@pytest.mark.parametrize("wrong", [[], ["abc"]], ids=["missing", "a text"])
+def test_a_checkpoint_with_something_else_in_it_never_gives_a_traceback(key, wrong, tmp_path):
+    file = tmp_path / "run.checkpoint"
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    with np.load(file) as found:
+        arrays = dict(found)
+    content = json.loads(arrays["text"].tobytes())
+    content["mapping"] = [[k, *wrong] if k == key else [k, v] for k, v in content["mapping"] if k != key or wrong]
+    arrays["text"] = np.frombuffer(json.dumps(content).encode(), dtype=np.uint8)
+    with open(file, "wb") as out:
+        np.savez(out, **arrays)
+    if key in ("name", "t") and wrong:  # which are for messages only
+        run(oscillator(), resume=file)
+    else:
+        with pytest.raises(BadInput, match="resume: "):
+            run(oscillator(), resume=file)
+
+
 @pytest.mark.parametrize(("every", "to", "message"), [
     (0.5, None, "checkpoint_every: 0.5 alone; expected both"), (None, "a", "checkpoint_to: 'a' alone; expected both"),
     (0.0, "a", "checkpoint_every: 0 s; expected a time within the run"), (1.0, "a", "checkpoint_every: 1 s; expected"),

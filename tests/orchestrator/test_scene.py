@@ -3,6 +3,7 @@
 import copy
 from functools import reduce
 
+import jsonschema
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -11,7 +12,7 @@ from components.core.errors import BadInput
 from components.core.variables import input_
 from orchestrator.cli import main
 from orchestrator.coupling import settle
-from orchestrator.scene import Scene, load_scene, read_scene, scene_files
+from orchestrator.scene import Scene, load_scene, read_scene, read_toml, scene_files
 from tests.support import Linear, two_masses
 
 GOOD = two_masses("gauss-seidel", 1e-2, 1) | {"record": {}}
@@ -225,6 +226,20 @@ def test_schema_names_every_setting():
     schema = Scene.model_json_schema()
     assert set(schema["properties"]) == set(Scene.model_fields)
     assert schema["$defs"]["MasterSettings"]["properties"]["extrapolation"]["enum"] == [0, 1, 2]
+
+
+def test_schema_fits_what_scenes_may_say():
+    """Editors check with it: it accepts every shipped file, nested tables of parameters and sweeps too, and tells mistakes."""
+    schema = Scene.model_json_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    assert {name: [e.message for e in validator.iter_errors(read_toml(path))] for name, path in scene_files().items()} \
+        == {name: [] for name in scene_files()}
+    plain = {"stop_time": 1.0, "units": {"a": {"component": "X"}, "b": {"scene": "b.toml"}}, "master": {"step": 0.1}}
+    assert validator.is_valid(plain)
+    for wrong in ({"foo": 1}, {"master": {"step": -1.0}}, {"stop_time": "1"}, {"units": {"1a": {"component": "X"}}},
+                  {"sweep": {"a.p": []}}, {"units": {"a": {"component": "X", "parameter": {}}}}):
+        assert not validator.is_valid(plain | wrong), wrong
 
 
 def test_command_line_maps_bad_scenes_to_exit_code_2(tmp_path, capsys):

@@ -96,5 +96,15 @@ def test_descriptions_that_would_fill_the_memory_are_refused(folder, monkeypatch
         load_scene(packed(folder, system("s", component("a"))))
 
 
+def test_files_that_name_one_another_twice_over_and_over_are_refused(folder):
+    """25 files of two elements each would be 2^25 systems."""
+    twice = '<ssd:Component name="{}" type="application/x-ssp-definition" source="{}.ssd"/>'
+    for k in range(25):
+        inner = "".join(twice.format(n, k + 1) for n in "xy") if k < 24 else ""
+        (folder / f"{k}.ssd").write_text(document(f'<ssd:System name="s"><ssd:Elements>{inner}</ssd:Elements></ssd:System>'))
+    with pytest.raises(BadInput, match="more than 10000 elements"):
+        load_scene(folder / "0.ssd")
+
+
 def test_the_helpers_of_these_tests_write_valid_files():
     systems.validated(document(system("s", component("a")), systems.units()))

@@ -4,6 +4,8 @@ import math
 import os
 import sys
 import zipfile
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -342,6 +344,34 @@ def test_a_broken_library_leaves_the_working_directory_alone(tmp_path):
     with pytest.raises(BadInput, match="cannot be started"):
         open_unit("f", UnitSettings(fmu=str(path)), in_process=False)
     assert os.getcwd() == here
+
+
+def test_a_file_that_cannot_be_unpacked_is_bad_input_and_leaves_no_folder(tmp_path, monkeypatch):
+    path = tmp_path / "damaged.fmu"
+    content = bytearray(Path(native_fmu("dahlquist", 2)).read_bytes())
+    with zipfile.ZipFile(native_fmu("dahlquist", 2)) as whole:
+        library = next(i for i in whole.infolist() if i.filename.endswith(".so"))
+    content[library.header_offset + 1000] ^= 0xFF
+    path.write_bytes(content)
+    before = read_scene({"stop_time": 1.0, "units": {"f": {"fmu": str(path)}}, "master": {"step": 0.1}})
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    with pytest.raises(BadInput, match=r"units\.f: .* cannot be unpacked: Bad CRC-32"):
+        run(before)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1000))
+    with pytest.raises(BadInput, match=r"cannot be unpacked: .*it unpacks to \d+ bytes"):
+        open_unit("f", UnitSettings(fmu=native_fmu("dahlquist", 2)), in_process=False)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(("old", "new", "named"), [
+    ('start="1"', 'start="one"', "start of 'h' is 'one'"), ('nominal="5"', 'nominal="x"', "nominal of 'Length' is 'x'"),
+    ('min="0.5"', 'min="0,5"', "min of 'e' is '0,5'"),
+])
+def test_numbers_that_are_none_in_a_description_are_told_with_their_variable(old, new, named):
+    with pytest.raises(BadInput, match=named):
+        describe("f", changed("bouncing_ball", 3, old, new))
 
 
 def test_fmus_that_allow_one_instance_get_one():

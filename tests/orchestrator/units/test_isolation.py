@@ -15,6 +15,7 @@ from components.core.errors import BadInput, StepFailed
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene
 from orchestrator.units import open_unit
+from orchestrator.units.process import WorkerUnit
 from tests.orchestrator.units.exchange_fmu import exchange_fmu
 from tests.orchestrator.units.troubled import LONG
 from tests.support import two_masses
@@ -137,6 +138,33 @@ def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble
     assert list(tmp_path.iterdir()) == []
     assert result.info["units"]["a"]["parameters"]["trouble"] == trouble
     assert result.info["counters"]["units"]["a"]["requests"] > 3
+
+
+def killed_before(method, monkeypatch):
+    """Every worker of unit b dies right before a call of a method."""
+    original = getattr(WorkerUnit, method)
+
+    def call(self, *arguments):
+        if self.name == "b":
+            self._process.kill()
+            self._process.wait()
+        return original(self, *arguments)
+
+    monkeypatch.setattr(WorkerUnit, method, call)
+
+
+@pytest.mark.parametrize("method", ["parameters", "work", "close"])
+def test_a_worker_that_dies_behind_the_last_step_costs_no_result(method, monkeypatch):
+    killed_before(method, monkeypatch)
+    result = run(read_scene(troubled("none")))
+    assert result.outcome == "done"
+    assert result["b.steps"][-1] == 10
+
+
+def test_a_worker_that_dies_at_its_start_is_bad_input(monkeypatch):
+    killed_before("wire", monkeypatch)
+    with pytest.raises(BadInput, match=r"units\.b: it cannot be started: its worker process was ended by signal 9"):
+        run(read_scene(troubled("none")))
 
 
 def test_what_a_crashing_library_has_logged_and_printed_is_told():
