@@ -156,7 +156,8 @@ def run_line(result: Result) -> str:
     """The run in one line: step, master, packaging, cost."""
     info, master = result.info, result.scene.master
     kinds = sorted({KINDS.get(u.get("kind", ""), u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
-    parts = [f"{master.algorithm} at {1e3 * master.step:g} ms, extrapolation of degree {master.extrapolation}"]
+    steps = f"at {1e3 * master.step:g} ms" if master.control is None else f"with controlled steps ({master.control.method})"
+    parts = [f"{master.algorithm} {steps}, extrapolation of degree {master.extrapolation}"]
     if kinds:
         parts.append("units as " + " and ".join(kinds))
     timing = info.get("timing")

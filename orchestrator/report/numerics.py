@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..settings import IterationSettings
+from ..settings import IterationSettings, SceneSettings
 from .chart import Chart, Panel, Series
 from .charts import draw_chart
 from .page import Block, Cells, Facts, Text
@@ -32,7 +32,7 @@ def blocks(result: Result) -> list[Block]:
     if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
         made.append(steps)
     if energy := result.info.get("energy"):
-        made.append(energy_table(energy, result.scene.master.energy_correction))
+        made.append(energy_table(energy, result.scene))
     return made
 
 
@@ -47,7 +47,8 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
     if stepping := counters.get("stepping"):
         yield "macro steps", _steps(result, stepping)
         if result.scene.master.events or stepping["events"]:
-            yield "events", f"{stepping['events']}, each at the end of a macro step"
+            located = f"; located: {', '.join(result.scene.master.events)}" if result.scene.master.events else ""
+            yield "events", f"{_counted(stepping['events'], 'step')} ended at one{located}"
         if stepping["restores"]:
             yield "units taken back", f"{_times(stepping['restores'])}, to repeat a step or to make it in halves"
     if "iterations" in master:
@@ -122,15 +123,14 @@ def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
     logarithmic = bool(lengths.max() > WIDE * lengths.min())
     steps = Series("macro step", np.repeat(result.time, 2)[1:-1], 1e3 * np.repeat(lengths, 2))
     panel = Panel("macro step, ms", (steps,), logarithmic=logarithmic)
-    text = f"Each step over the time it takes: {_steps(result, counts)}."
-    if counts["events"]:
-        text += f" {_counted(counts['events'], 'step')} ended at an event."
+    text = f"{_counted(counts['accepted'], 'step')} kept, {counts['rejected']} rejected"
+    text += f"; {counts['events']} of them ended at an event." if counts["events"] else "."
     if result.scene.faults:
-        text += " A step ends where a fault begins or ends."
+        text += " A step ends where a fault begins or ends, too."
     return draw_chart(Chart("Length of the macro steps", "time, s", (panel,), text, height=200))
 
 
-def energy_table(energy: Mapping[str, Mapping[str, float]], corrected: bool) -> Cells:
+def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings) -> Cells:
     """What went through each bond, and what the coupling made of nothing on the way."""
     rows = [
         (bond, number(e["exchanged"]), number(e["created"]), _percent(e["created"] / e["exchanged"]) if e["exchanged"] else "–")
@@ -142,8 +142,10 @@ def energy_table(energy: Mapping[str, Mapping[str, float]], corrected: bool) -> 
         "would; below 0, it has damped it. Residual: created over exchanged; it falls with the macro step, and above "
         f"{100.0 * TOO_MUCH:g} % amplitudes are off by several per cent."
     )
-    if corrected:
+    if scene.master.energy_correction:
         text += " What a step has created is returned with the next ones; the numbers are what is left."
+    if scene.faults:
+        text += " What a fault adds or takes at a bond, and what a lost unit does not follow, counts as created, too."
     return Cells("Energy account", ("bond", "exchanged, J", "created, J", "residual"), rows, text, frozenset((1, 2, 3)))
 
 

@@ -22,7 +22,7 @@ WIDTH = 860  # px between the margins of a figure on a usual screen
 
 @dataclass(frozen=True)
 class Window:
-    """A fault as far as the run has seen it, s. `colour`: of the shade and the name."""
+    """A fault as far as the run has seen it, s or what stands for it. `colour`: of the shade and the name."""
 
     name: str
     begin: float
@@ -49,14 +49,14 @@ def fault_windows(result: Result) -> list[Window]:
     ]
 
 
-def shaded(figure: Figure, windows: Sequence[Window], span: tuple[float, float]) -> Figure:
-    """A figure over time with the windows shaded in all panels and their names above them; any other one as it is.
+def shaded(figure: Figure, windows: Sequence[Window], span: tuple[float, float], over: str = TIME) -> Figure:
+    """A figure with the windows shaded in all panels and their names above them; one whose x axis is not `over` as it is.
 
-    span: s, of the time axis. Names stand in as many rows as they need.
+    span: ends of the x axis, in its units as the windows. Names stand in as many rows as they need.
     """
     given = figure.figure["layout"]
     x_axes = {k: v for k, v in given.items() if k.startswith("xaxis")}
-    if not windows or not any(v["title"]["text"] == TIME for v in x_axes.values()):
+    if not windows or not any(v["title"]["text"] == over for v in x_axes.values()):
         return figure
     shapes: list[dict[str, Any]] = []
     notes: list[dict[str, Any]] = []

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from components.core.errors import BadInput
 
-from ...analysis.railway import passages, statistics
+from ...analysis.railway import Passage, passages, statistics
 from ...analysis.signals import Filter
 from ..page import Block, Cells, Figure, Text
 from ..style import number
+from ..windows import fault_windows, shaded
 from .force import force_figure, spectrum_figure
 from .wire import uplift_figure, waves_figure, wire_figure
 
@@ -26,7 +30,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
         try:
             made.append(statistics_table(result))
         except BadInput as error:
-            made.append(Text([f"There are no statistics: {error}"], "warning"))
+            made.append(Text([f"There are no statistics, and figures are of what there is: {error}"], "warning"))
     return made
 
 
@@ -61,7 +65,7 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = 
     if not found:
         return []
     low_pass = low_pass or Filter()
-    made: list[Figure | None] = [force_figure(result, found, rows, low_pass)]
+    made: list[Figure | None] = [_with_faults(result, found, force_figure(result, found, rows, low_pass))]
     if found[0].supports:
         made.append(uplift_figure(result, found, rows))
     made.append(spectrum_figure(result, found, low_pass))
@@ -69,3 +73,17 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = 
     if name in result.snapshots:
         made += [wire_figure(result, found[0], name), waves_figure(result, found[0], name)]
     return [figure for figure in made if figure is not None]
+
+
+def _with_faults(result: Result, found: Sequence[Passage], figure: Figure) -> Figure:
+    """The force with the windows of faults, at the positions where the pantograph then is; with several, it has no one place."""
+    if len(found) > 1:
+        return figure
+    axis = figure.figure["layout"]["xaxis"]
+    low, high = axis["range"]
+    record, windows = found[0].record, []
+    for window in fault_windows(result):
+        begin, end = np.interp((window.begin, window.end), record.time, record.position).clip(low, high).tolist()
+        if begin < end:
+            windows.append(replace(window, begin=begin, end=end))
+    return shaded(figure, windows, (low, high), axis["title"]["text"])

@@ -56,7 +56,8 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
     shapes.append(rectangle((start, end), (0, 1), BLUE, 0.045, xref="x", yref="paper"))
     notes.append(label("analysis window", start, 0.0, xref="x", xanchor="left", yanchor="bottom"))
     shapes += [_band(r, (0, 1), 0.13, "x domain") for r in rows if r.reference.measure in ("mean", "max", "min") and _closed(r)]
-    data, thinned = _force_traces(found, low_pass)
+    traces, thinned = _force_traces(found, low_pass)
+    data = [*traces]
     axes: dict[str, Any] = {}
     if ladder:
         ticks: dict[str, Any] = {
@@ -90,7 +91,9 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
             legend={"orientation": "h", "x": 0, "y": 1.03, "yanchor": "bottom"},
             xaxis=axis("position of the contact point, m", domain=[0, right], range=[low, high], tick0=0, dtick=0.5 * span),
             yaxis=axis(
-                "contact force, N", grid=True, range=_force_range(found, [r for _, members in ladder for r in members], low, high)
+                "contact force, N",
+                grid=True,
+                range=_force_range(traces, [r for _, members in ladder for r in members], low, high),
             ),
             **axes,
         ),
@@ -126,14 +129,14 @@ def _force_traces(found: list[Passage], low_pass: Filter) -> tuple[list[dict[str
     return data, thinned
 
 
-def _force_range(found: list[Passage], rows: list[Row], low: float, high: float) -> list[float]:
+def _force_range(traces: list[dict[str, Any]], rows: list[Row], low: float, high: float) -> list[float]:
+    """Ends of the axis: 0, what is drawn between two positions, and the ranges."""
     values = [
         0.0,
         *(e for r in rows for e in (r.reference.low, r.reference.high, r.measured) if e is not None and np.isfinite(e)),
     ]
-    for p in found:
-        seen = p.record.force[(p.record.position >= low) & (p.record.position <= high)]
-        values += [float(seen.min(initial=0.0)), float(seen.max(initial=0.0))]
+    for trace in traces:
+        values += [y for x, y in zip(trace["x"], trace["y"], strict=True) if low <= x <= high and y is not None]
     pad = 0.06 * (max(values) - min(values))
     return [min(values) - pad, max(values) + pad]
 

@@ -1,0 +1,75 @@
+"""A report of a run that ended early shows what there is, and says what there is not."""
+
+from dataclasses import replace
+from html import escape
+
+import numpy as np
+import pytest
+
+from orchestrator import report
+from orchestrator.analysis.signals import FINER, uniform
+from orchestrator.run import run
+from orchestrator.scene import load_scene, read_scene, scene_files
+from tests.support import two_masses
+
+SCENES = sorted(scene_files())
+
+
+def page(result, directory):
+    return report.for_run(result, directory).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("steps", [1, 2, 10])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
+    if steps > 1:  # natural frequencies are of the scene, however long it runs
+        monkeypatch.setattr("orchestrator.report.rotor.whirl", lambda result, record: None)
+    scene = load_scene(name)
+    step = scene.master.step
+    snapshots = {"record.snapshot_interval": step} if scene.record.snapshots else {}
+    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots}), in_process=True)
+    assert result.time.size == steps + 1
+    html = page(result, tmp_path)
+    assert "Recorded signals" in html
+    wanted = scene.analysis["system"]
+    short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history"}
+    assert short[wanted] in html
+
+
+@pytest.mark.parametrize(("stop", "there", "not_there"), [
+    (2.0, "Uplift of the contact wire", "Shape of the contact wire"),
+    (4.0, "Shape of the contact wire", "Statistics in the analysis window"),
+])  # fmt: skip
+def test_a_run_that_ends_before_or_in_its_window_shows_what_there_is(stop, there, not_there, tmp_path):
+    html = page(run(load_scene("en50318-2002").with_changes({"stop_time": stop}), in_process=True), tmp_path)
+    assert there in html
+    assert not_there not in html
+    assert "There are no statistics" in html
+    assert "Contact force at 250 km/h" in html
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2])
+def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
+    for scene in (read_scene(two_masses()), load_scene("lumped-catenary").with_changes({"stop_time": 0.01})):
+        whole = run(scene, in_process=True)
+        columns = {name: values[:rows] for name, values in whole.columns.items()}
+        partial = replace(whole, time=whole.time[:rows], columns=columns, outcome="failed", message="it broke")
+        assert "it broke" in page(partial, tmp_path)
+
+
+def test_a_unit_that_fails_in_the_run_leaves_a_report(tmp_path):
+    scene = {"stop_time": 1.0, "units": {"p": {"component": "tests.support:Probe", "parameters": {"fail_at": 0.5}}},
+             "master": {"step": 0.1}}  # fmt: skip
+    result = run(read_scene(scene), in_process=True)
+    assert result.outcome == "failed"
+    html = page(result, tmp_path)
+    assert escape(result.message) in html
+    assert 'class="badge failed"' in html
+
+
+def test_a_very_short_step_does_not_blow_up_a_record():
+    time = np.array([0.0, 0.1, 0.1 + 1e-9, 0.2, 0.3])
+    rate, even, (values,) = uniform(time, 2.0 * time)
+    assert even.size == FINER * 4 + 1
+    assert values == pytest.approx(2.0 * even)
+    assert rate == pytest.approx(FINER * 4 / 0.3)
