@@ -73,6 +73,10 @@ def _support_positions(result: Result, catenary: str, watched: list[str]) -> tup
     if not watched:
         return ()
     values = result.info["units"][catenary]["parameters"]
+    for name in ("span_length", "first_watched_support"):
+        if name not in values:
+            raise BadInput(f"units.{catenary}", f"no parameter {name!r}", "what tells where the supports of its uplifts are",
+                           f"Or do not record {catenary}.support_uplift.")
     first = values["first_watched_support"]
     return tuple(values["span_length"] * (first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
 

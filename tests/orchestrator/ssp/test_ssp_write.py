@@ -10,7 +10,9 @@ from lxml import etree
 
 from components.core.errors import BadInput
 from fmus.build import built
+from orchestrator.analysis.railway import passages
 from orchestrator.cli import main
+from orchestrator.report import for_run
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene, scene_files
 from orchestrator.settings import SceneSettings
@@ -206,6 +208,15 @@ def test_the_command_writes_and_runs_systems(tmp_path, capsys):
     info = json.loads((tmp_path / "run.json").read_text())
     assert info["units"]["p"]["parameters"]["speed"] == 50.0
     assert info["scene"]["units"]["p"]["fmu"].endswith("Pantograph.fmu")
+
+
+def test_a_packed_railway_has_the_figures_of_its_scene(tmp_path):
+    """A package names no parameter that keeps its default; the supports' positions need one of them."""
+    scene = load_scene("en50318-2002").with_changes({"stop_time": 0.5})
+    packed = run(load_scene(write(scene, tmp_path / "there.ssp")))
+    assert [p.supports for p in passages(packed)] == [p.supports for p in passages(run(scene))]
+    titles = [text.count("<figure") for text in (for_run(r, tmp_path).read_text() for r in (packed, run(scene)))]
+    assert titles[0] == titles[1] > 3
 
 
 def test_every_shipped_scene_without_contacts_can_be_packed_with_valid_files(tmp_path):
