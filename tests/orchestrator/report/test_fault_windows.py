@@ -82,5 +82,5 @@ def test_contact_force_is_shaded_where_the_pantograph_then_is():
     fault = FaultSettings(signal="pantograph.contact_force", kind="offset", value=50.0, begin=3.5, end=4.0)
     run_.scene = run_.scene.model_copy(update={"faults": (fault,)})
     force, uplift, *_ = report.railway.figures(run_)
-    assert (30.0 + 69.444 * 3.5, 30.0 + 69.444 * 4.0) == pytest.approx(rectangles(force)[-1])
+    assert rectangles(force)[-1] == pytest.approx((30.0 + 69.444 * 3.5, 30.0 + 69.444 * 4.0))
     assert not any("offset" in n["text"] for n in uplift.figure["layout"].get("annotations", ()))  # over time: with all others

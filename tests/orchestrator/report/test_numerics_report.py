@@ -86,14 +86,13 @@ def test_energy_account_has_the_numbers_of_the_run(correction):
 
 def test_iterations_are_told_a_step_with_the_worst_residual():
     settings = {"tolerance": 1e-9, "max_iterations": 30}
-    result = run(read_scene(two_masses("iterative") | {"master": {"algorithm": "iterative", "step": 1e-2, "iteration": settings}}),
-                 in_process=True)
+    master = {"algorithm": "iterative", "step": 1e-2, "iteration": settings}
+    result = run(read_scene(two_masses() | {"master": master}), in_process=True)
     text, count = facts(result)["iterations"], result.info["counters"]["master"]["iterations"]
     assert text.startswith(f"{count} in 100 steps, {count / 100:.3g} a step")
     assert "at most 1e-09" in text
     hasty = {"method": "aitken", "tolerance": 1e-9, "max_iterations": 2, "not_converged": "warn"}
-    result = run(read_scene(two_masses("iterative") | {"master": {"algorithm": "iterative", "step": 0.1, "iteration": hasty}}),
-                 in_process=True)
+    result = run(read_scene(two_masses() | {"master": master | {"step": 0.1, "iteration": hasty}}), in_process=True)
     counters = result.info["counters"]["master"]
     assert counters["unsettled_steps"] > 0
     assert facts(result)["iterations"].endswith(
