@@ -46,14 +46,15 @@ class LoopSolver:
         self.points += 1
         x = self._present()
         answer = self._answer(x)
-        residual, fresh = self._residual(x, answer), False
+        residual = self._residual(x, answer)
         if residual == np.inf:
             return  # a unit has gone astray, which the master's own look at all outputs tells
         for _ in range(LIMIT):
             if residual <= CONVERGED:
                 break
+            fresh = self.jacobian is None
             if self.jacobian is None:
-                self.jacobian, fresh = self._derivatives(x, answer), True
+                self.jacobian = self._derivatives(x, answer)
             tried, given, contraction = self._corrected(x, answer, residual, HALVINGS if fresh else 1, t)
             left = self._residual(tried, given)
             standing = left <= STANDING and contraction > 0.5

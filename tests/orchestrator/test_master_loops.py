@@ -187,14 +187,28 @@ def test_derivatives_of_the_units_are_used_where_they_have_them(wrong):
     assert (solver.evaluations == 2) == (wrong == 1.0)  # one look, one correction that is right at once
 
 
-def test_a_loop_that_cannot_be_solved_is_an_error_with_its_residual():
-    """y = u + 1 where u = y + |y| + 1: always larger than what it started from."""
+def circle(answer) -> tuple[LoopSolver, list[float]]:
+    """The loop of one unit whose output, 0 at first, is `answer` of itself, and the table that holds it."""
     unit = Given("p", 1.0, 0.0)
-    unit.update = lambda values: setattr(unit, "value", 2.0 + values[0] + abs(values[0]))
+    unit.update = lambda values: setattr(unit, "value", answer(values[0]))
     table = [0.0]
     node = Node(unit, slice(0, 1), [Link(("p", "y"), ("p", "u"), 1.0, 0.0)], [0], table, History(1), (), True)
     interface = Interface("", {"u": Signal("u", "")}, {"y": Signal("y", "", feedthrough=("u",))}, {})
-    solver = LoopSolver(Loop((("p", "y"),), ("p",)), [node], table, {("p", "y"): 0}, {"p": interface})
+    return LoopSolver(Loop((("p", "y"),), ("p",)), [node], table, {("p", "y"): 0}, {"p": interface}), table
+
+
+def test_a_kept_jacobian_that_leads_astray_is_taken_anew():
+    """The first correction leads from 0 to 1 and leaves a tenth, but behind it the slope has the other sign."""
+    solver, table = circle(lambda x: 1.0 - 2.3 * x**2 + 2.4 * x**3)
+    solver.solve(0.0)
+    roots = np.roots([2.4, -2.3, -1.0, 1.0])
+    assert np.abs(roots - table[0]).min() < 1e-10
+    assert solver.jacobians > 1
+
+
+def test_a_loop_that_cannot_be_solved_is_an_error_with_its_residual():
+    """y = u + 1 where u = y + |y| + 1: always larger than what it started from."""
+    solver, _ = circle(lambda x: 2.0 + x + abs(x))
     with pytest.raises(StepFailed, match=r"loop of p\.y .*residual of"):
         solver.solve(0.0)
 
