@@ -58,7 +58,7 @@ class History:
             return fresh, None, None
         present = self.present
         slopes = self.rows.chord(fresh, present, h)
-        if self.degree == 1 or self.count == 1:
+        if self.degree == 1 or self.count <= 1:  # none: forgotten behind the present sample, see `Slow.restart`
             return present, slopes, None
         return present, *self._bent(slopes, h, self.rows.chord(present, self.before, self.h1), self.h1, -h)
 

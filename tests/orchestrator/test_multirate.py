@@ -149,6 +149,24 @@ def test_a_run_goes_on_from_between_two_steps_of_a_slow_unit_to_the_same_bits(al
         assert resumed[name].tobytes() == whole[name].tobytes()
 
 
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("begin", [0.02, 0.04, 0.18])
+def test_an_input_that_jumps_between_two_steps_of_a_slow_unit(begin, degree):
+    """A constant that jumps from 0 to 3: the slow unit gets the jump somewhere in its step, and forgets what was before it."""
+    scene = {"stop_time": 0.4, "connections": ["p.y -> i.u_in"], "master": {"algorithm": "jacobi", "step": 0.02,
+                                                                            "extrapolation": degree},
+             "units": {"p": {"component": f"{HERE}:Power"}, "i": {"component": f"{HERE}:Integral", "every": 4}},
+             "faults": [{"kind": "override", "signal": "i.u_in", "begin": 0.0, "end": begin, "value": 0.0},
+                        {"kind": "override", "signal": "i.u_in", "begin": begin, "value": 3.0}]}
+    result = run(read_scene(scene), in_process=True)
+    assert result.outcome == "done", result.message
+    each = np.diff(result["i.x_out"][::4]) / (3.0 * 0.08)  # in steps of the slow unit, as shares of what 3 gives
+    jump = int(begin / 0.08)
+    np.testing.assert_allclose(each[:jump], 0.0, atol=1e-12)
+    assert 0.0 <= each[jump] <= 1.0 + 1e-12
+    np.testing.assert_allclose(each[jump + 1 :], 1.0, rtol=1e-12)
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_wide_connections_of_a_slow_unit_are_many_narrow_ones(degree):
     parts, where = 2, "tests.orchestrator.test_rows"
