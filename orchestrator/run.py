@@ -70,7 +70,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         heard = stack.enter_context(warnings.catch_warnings(record=True))
         warnings.simplefilter("always", UserWarning)  # what components have to say, in FMUs too: they share this interpreter
         faults = Faults(scene.faults, coupling, master, mortals, clock)
-        loop = stepping_of(scene, coupling, units, master, account, clock, faults.stops())
+        loop = stepping_of(scene, coupling, master, account, clock, faults.stops())
         parts: dict[str, Part] = {"signals": signals, "misses": misses, "faults": faults, "stepping": loop}
         parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
         interrupt, checkpoints = stack.enter_context(Interrupt(loop.halt)), None

@@ -11,6 +11,7 @@ from components.core.errors import StepFailed
 
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
+from ..algorithms.rates import Slow
 from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
 from ..algorithms.stretch import stretch_of
 from ..coupling import Coupling
@@ -38,7 +39,8 @@ class Guided(Stepping):
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
                  restarts: Sequence[Action] = (), control: Controller | None = None, estimate: Estimate | None = None,
-                 crossings: Crossings | None = None, early: Sequence[Unit] = (), resolution: int = 1, rollback: bool = True):
+                 crossings: Crossings | None = None, early: Sequence[Unit | Slow] = (), resolution: int = 1,
+                 rollback: bool = True):
         super().__init__(master, clock, stride, end, stops)
         self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
         self._restarts, self._resolution, self._rollback = restarts, resolution, rollback
@@ -87,7 +89,8 @@ class Guided(Stepping):
             self.counts["inaccurate"] += error > 1.0
             if taken == control.length:
                 self.shortest, self.longest = min(self.shortest, taken), max(self.longest, taken)
-            control.accept(taken, error, order)
+            if order:
+                control.accept(taken, error, order)
         if event:
             self.counts["events"] += 1
             for restart in self._restarts:
@@ -104,7 +107,10 @@ class Guided(Stepping):
         return max(distance // 2 // unit, 1) * unit if distance < 2 * length else length
 
     def _attempt(self, ahead: int) -> tuple[int, bool, float, int]:
-        """A step to a tick, or to the first event before it: (tick reached, whether by an event, error, order of the error)."""
+        """A step to a tick, or to the first event before it: (tick reached, whether by an event, error, its order).
+
+        The order is 0 where no error was measured: nothing follows for the next step.
+        """
         self._step(ahead)
         event, before, crossings = False, ahead, self._crossings
         while (times := [unit.event for unit in self._early if unit.event is not None]):
@@ -116,7 +122,7 @@ class Guided(Stepping):
             self._again(ahead)
         if crossings is not None and crossings.changed():
             (before, ahead), event = crossings.first(self.tick, ahead, self._resolution, self._again), True
-        error, order = 0.0, 1
+        error, order = 0.0, 0
         if self._estimate is not None and not event:
             error, order = self._estimate.measure(lambda: self._halves(ahead))
             if crossings is not None and crossings.changed():  # in the halves only
@@ -190,12 +196,15 @@ def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Cl
     return clock
 
 
-def stepping_of(scene: SceneSettings, coupling: Coupling, units: Mapping[str, Unit], master: Master,
-                account: EnergyAccount | None, clock: Clock, stops: Stops) -> Stepping:
+def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, account: EnergyAccount | None, clock: Clock,
+                stops: Stops) -> Stepping:
     """The stepping that a scene asks for: equal steps, in stretches if possible, where nothing in them has to be watched."""
     given, steppable = scene.master, account or master
+    if account is not None:  # what happens at a stop makes outputs jump
+        stops = {tick: [*acts, account.restart] for tick, acts in stops.items()}
     stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
-    early = [units[name] for name, interface in coupling.interfaces.items() if interface.may_return_early]
+    # as the master has them: a unit with a rate of its own tells an event once only, behind its own step
+    early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         halt = np.zeros(1, dtype=np.uint8)
         stretch = stretch_of(master, halt) if account is None else None

@@ -94,6 +94,14 @@ def test_energy_is_exchanged_both_ways_and_created_for_the_unit_named_first():
     assert other["created"] == pytest.approx(-one["created"], rel=1e-12)
 
 
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_energy_that_a_fault_puts_in_is_accounted_where_signals_jump(degree):
+    """A body of 1e6 kg stands still; its damper is told 10 m/s for 0.1 s: 10 N s/m * 10 m/s * 10 m/s * 0.1 s, all of it made."""
+    scene = bonded("Link", "jacobi", 0.1, degree, stop=1.0, a={"m": 1e6, "v0": 0.0}, b={"k": 0.0, "c": 10.0})
+    scene["faults"] = [{"kind": "offset", "signal": "b.velocity", "begin": 0.5, "end": 0.6, "value": 10.0}]
+    assert abs(run(read_scene(scene)).info["energy"][BOND]["created"]) == pytest.approx(100.0, rel=1e-3)
+
+
 def test_a_coupling_that_makes_much_energy_is_warned_of():
     warnings = run(read_scene(bonded("Link", "jacobi", 0.1, 0))).info["warnings"]
     assert "the coupling made 0.852 J at the bond a.v_out * b.force" in warnings[0]

@@ -7,6 +7,9 @@ from components.core.component import Component
 from components.core.errors import BadInput
 from components.core.kernels import DONE, hold_inputs
 from components.core.variables import input_, output, parameter
+from orchestrator.algorithms.polynomial import History
+from orchestrator.algorithms.rates import Slow
+from orchestrator.algorithms.step_control import Controller
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.stepping.clock import Clock
@@ -189,6 +192,50 @@ def test_an_event_between_two_ticks_is_rounded_up():
 
 def test_without_rollback_the_step_stays_and_inputs_restart_at_its_end():
     assert told(False, 0.27) == ([0.0, 0.1, 0.2, pytest.approx(0.3), 0.4, 0.5], [0.3], 1)
+
+
+def test_a_step_whose_error_was_not_measured_leaves_the_next_one_as_long():
+    unit, clock = Telling(*np.arange(0.05, 1.0, 0.1)), Clock.dividing(0.1, 1.0).finer(1000)
+    control = Controller(1000, 1, 10_000)
+    loop = Guided(unit, clock, 1000, 10_000, early=[unit], rollback=False, control=control, estimate=Faultless())
+    loop.run([])
+    assert loop.counts["events"] == loop.counts["accepted"] == 10
+    assert control.length == 1000
+
+
+class Faultless:
+    """An estimate that finds no error."""
+
+    def prepare(self, h):
+        pass
+
+    def measure(self, again):
+        return 0.0, 2
+
+
+def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
+    """It steps with every third macro step; the event in its first step shortens none of the others."""
+    unit = Telling(0.27)
+    unit.name, unit.drive, unit.get = "u", lambda *_: None, lambda: [0.0]
+    slow = Slow(unit, 3, History(0), History(0), [0.0], slice(0, 1), 10.0)
+    slow._given = [0.0]
+
+    class Only:
+        step, ends = slow.step, []
+
+        def save(self, reuse=None):
+            return slow.save(reuse)
+
+        def restore(self, saved):
+            slow.restore(saved)
+
+    clock = Clock.dividing(0.1, 0.9).finer(10**6)
+    loop = Guided(Only(), clock, 10**6, 9 * 10**6, early=[slow])
+    ends = []
+    loop.run([lambda tick, t: ends.append(t)])
+    assert loop.counts["events"] == 1
+    assert ends[:4] == pytest.approx([0.0, 0.1, 0.2, 0.27], abs=1e-12)
+    assert min(np.diff(ends)) > 0.04
 
 
 def test_two_events_of_a_unit_in_one_step():
