@@ -41,6 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except BadInput as error:
         print(f"cosimo: {error}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None
+    except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
+        place = repr(str(error.filename)) if error.filename is not None else "output"
+        print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
 
 
 def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
@@ -281,6 +285,7 @@ def sweep(
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from . import report
+    from .results import made
     from .scene import load_scene
     from .sweep import sweep as run_sweep
 
@@ -290,6 +295,7 @@ def sweep(
         changes["sweep"] = dict(map(_range_of, over))
     if changes:
         loaded = loaded.with_changes(changes)
+    made(output)  # now, not after a long sweep
     found = run_sweep(loaded, progress=True)
     written = [found.save(output), report.for_sweep(found, output)]
     failed = [o for o in found.outcomes if o != "done"]

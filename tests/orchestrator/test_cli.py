@@ -132,3 +132,18 @@ def test_build_then_check(tmp_path, capsys):
 def test_unknown_case(capsys):
     assert cosimo("validate", "en50318-2003") == 2
     assert "en50318-2002" in capsys.readouterr().err
+
+
+def test_places_that_cannot_be_written_are_one_message(scene, tmp_path, capsys):
+    """A file where a folder should be, a folder where a file should be; of a sweep before its runs."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "out" / "report.html").mkdir(parents=True)
+    taken = str(tmp_path / "file")
+    sweep = ["sweep", str(scene), "--over", "pantograph.static_force=1:2:2"]
+    for command in (["build", "Pantograph", "-o", taken], [*sweep, "-o", taken],
+                    ["run", str(scene), "--in-process", "--stop", "0.05", "-o", str(tmp_path / "out")]):
+        assert cosimo(*command) == 2
+        message = capsys.readouterr().err
+        assert message.startswith("cosimo: ")
+        assert message.count("\n") == 1
+        assert "expected a place that can be" in message
