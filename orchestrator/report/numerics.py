@@ -123,8 +123,9 @@ def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
     logarithmic = bool(lengths.max() > WIDE * lengths.min())
     steps = Series("macro step", np.repeat(result.time, 2)[1:-1], 1e3 * np.repeat(lengths, 2))
     panel = Panel("macro step, ms", (steps,), logarithmic=logarithmic)
-    text = f"{_counted(counts['accepted'], 'step')} kept, {counts['rejected']} rejected"
-    text += f"; {counts['events']} of them ended at an event." if counts["events"] else "."
+    text = f"{_counted(counts['accepted'], 'step')} kept"
+    text += f", of which {counts['events']} ended at an event" if counts["events"] else ""
+    text += f"; {counts['rejected']} rejected." if result.scene.master.control is not None else "."
     if result.scene.faults:
         text += " A step ends where a fault begins or ends, too."
     return draw_chart(Chart("Length of the macro steps", "time, s", (panel,), text, height=200))

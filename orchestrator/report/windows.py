@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from .page import Figure
-from .style import GREEN, ORANGE, PURPLE, VERMILION, label, rectangle, tint, vertical
+from .style import GREEN, PURPLE, VERMILION, label, rectangle, tint, vertical
 
 if TYPE_CHECKING:
     from ..results import Result
     from ..settings import FaultSettings
 
-COLOURS = (VERMILION, PURPLE, ORANGE, GREEN)
+COLOURS = (VERMILION, PURPLE, GREEN)  # that can be read as text
 TIME = "time, s"  # the x axis of the figures concerned
 ROW = 17  # px of a row of names above a figure
 CHARACTER = 6.2  # px, about

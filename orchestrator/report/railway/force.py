@@ -72,6 +72,7 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
             shapes += [_band(r, (i - 0.3, i + 0.3), 0.30, "x2", border=True) for r in members]
         notes.append(label("in their ranges", 0.5 * (right + 1.035), 1.0, yanchor="bottom", xanchor="center"))
 
+    marks: dict[str, Any] = {"tick0": 0, "dtick": 0.5 * span} if high - low > span else {}  # of less than a span, where they fit
     caption = f"Blue background: analysis window {start:g} to {end:g} m. Filter: {low_pass}. Thin vertical lines: supports."
     if ladder:
         caption += (
@@ -89,7 +90,7 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
             showlegend=True,
             margin={"l": 66, "r": 14, "t": 56, "b": 48},
             legend={"orientation": "h", "x": 0, "y": 1.03, "yanchor": "bottom"},
-            xaxis=axis("position of the contact point, m", domain=[0, right], range=[low, high], tick0=0, dtick=0.5 * span),
+            xaxis=axis("position of the contact point, m", domain=[0, right], range=[low, high], **marks),
             yaxis=axis(
                 "contact force, N",
                 grid=True,

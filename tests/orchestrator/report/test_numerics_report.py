@@ -67,7 +67,7 @@ def test_located_events_are_counted_and_named():
     changes = int(np.count_nonzero(np.diff(np.sign(result["a.x_out"][result["a.x_out"] != 0.0]))))
     assert changes > 0
     assert facts(result)["events"] == f"{changes} steps ended at one; located: a.x_out"
-    assert f"{changes} of them ended at an event" in block(result, "figure", "Length of the macro steps").caption
+    assert f"of which {changes} ended at an event." in block(result, "figure", "Length of the macro steps").caption
 
 
 @pytest.mark.parametrize("correction", [False, True])
