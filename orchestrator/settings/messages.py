@@ -13,7 +13,8 @@ from components.core.errors import BadInput, nearest
 EXPECTED = {
     "float_type": "a number", "string_type": "a text", "finite_number": "a finite number", "bool_type": "true or false",
     "dict_type": "a table", "model_type": "a table", "model_attributes_type": "a table", "int_type": "a whole number",
-    "tuple_type": "a list", "too_short": "at least one", "string_pattern_mismatch": "a name of letters, digits and _",
+    "tuple_type": "a list", "too_short": "at least one",
+    "string_pattern_mismatch": "a name of letters, digits and _ that starts with one of A to Z",
     "connection": '"unit.output -> unit.input" or a table',
 }
 BOUNDS = {"greater_than": "greater than", "greater_than_equal": "of at least", "less_than_equal": "of at most"}

@@ -24,8 +24,11 @@ def find(component: str, where: str) -> type[Component]:
     module, _, name = component.partition(":")
     try:
         found = getattr(import_module(module), name, None)
-    except ImportError as error:
-        raise BadInput(where, f"component {component!r}", "module:Class that can be imported", f"{error}.") from None
+    except Exception as error:  # a module may raise anything while it is imported
+        missing = isinstance(error, ModuleNotFoundError)
+        remedy = "The folder of a module of your own belongs into PYTHONPATH." if missing else ""
+        raise BadInput(where, f"component {component!r}", "module:Class that can be imported",
+                       f"{type(error).__name__}: {error}. {remedy}".strip()) from None
     if not (isinstance(found, type) and issubclass(found, Component)):
         classes = [n for n, c in vars(import_module(module)).items() if isinstance(c, type) and issubclass(c, Component)]
         raise BadInput(where, f"component {component!r}", f"a component of {module}", nearest(name, classes))

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 START = 60.0  # s that a worker may take to start, whatever the limit for its answers is
 GRACE = 3.0  # s that a worker has to end by itself
 LOG_LINES = 5
+LONGEST = 200  # characters of a unit's name that are shown
 
 
 class WorkerUnit:
@@ -75,10 +76,15 @@ class WorkerUnit:
         paths = os.pathsep.join(os.path.abspath(p) for p in sys.path)
         folder = str(self._folder)
         environment = os.environ | {"PYTHONPATH": paths, "PYTHONUNBUFFERED": "1", "TMPDIR": folder, "TEMP": folder, "TMP": folder}
-        with open(self._folder / "log", "wb") as log:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", f"{__package__}.worker", name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                stderr=log, bufsize=0, env=environment, start_new_session=True)  # a terminal's Ctrl-C does not reach it
+        try:
+            with open(self._folder / "log", "wb") as log:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-m", f"{__package__}.worker", name], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                    stderr=log, bufsize=0, env=environment, start_new_session=True)  # a terminal's Ctrl-C does not reach it
+        except OSError as error:  # too many processes or open files, a name longer than a command line ...
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise BadInput(f"units.{name[:LONGEST]}", "a worker process that the system does not start", "one that starts",
+                           f"{error.strerror}.") from None
         self._pipes = [pipe for pipe in (self._process.stdin, self._process.stdout) if pipe is not None]
         self._channel = Channel(self._pipes[1].fileno(), self._pipes[0].fileno())
         self._closed = threading.Event()

@@ -222,6 +222,17 @@ def test_shipped_scenes_are_good(name):
     assert read_scene(scene.settings(), name) == scene
 
 
+@pytest.mark.parametrize(("component", "why"), [
+    (":X", "ValueError: Empty module name"), ("..a:X", "TypeError: "), ("no_such_module:X", "ModuleNotFoundError: .* PYTHONPATH"),
+    ("faulty_module:X", "ZeroDivisionError: division by zero"),
+])
+def test_modules_that_cannot_be_imported_are_bad_input(component, why, tmp_path, monkeypatch):
+    (tmp_path / "faulty_module.py").write_text("1 / 0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(BadInput, match=rf"units\.a: component .*; expected module:Class that can be imported\. {why}"):
+        read_scene({"stop_time": 1.0, "units": {"a": {"component": component}}, "master": {"step": 0.1}})
+
+
 def test_schema_names_every_setting():
     schema = Scene.model_json_schema()
     assert set(schema["properties"]) == set(Scene.model_fields)

@@ -161,6 +161,15 @@ def test_a_worker_that_dies_behind_the_last_step_costs_no_result(method, monkeyp
     assert result["b.steps"][-1] == 10
 
 
+def test_a_worker_that_the_system_does_not_start_is_bad_input_and_leaves_no_folder(tmp_path, monkeypatch):
+    scene = read_scene(troubled("none"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "no-such-python"))
+    with pytest.raises(BadInput, match=r"units\.a: a worker process that the system does not start.*No such file"):
+        run(scene)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_worker_that_dies_at_its_start_is_bad_input(monkeypatch):
     killed_before("wire", monkeypatch)
     with pytest.raises(BadInput, match=r"units\.b: it cannot be started: its worker process was ended by signal 9"):
