@@ -4,7 +4,9 @@ A component declares its variables and effects on the class. An instance is made
 `initialize(t)`, then any number of `step(t, h)`; `refresh()` recomputes the outputs after an input was set between steps;
 `save()` and `restore()` may surround a repeated step. After `StepFailed` only `restore` is allowed.
 
-A component written for this contract gives three hooks, `_initialize`, `_step` and `_outputs`, besides its declarations.
+A component written for this contract gives three hooks, `_initialize`, `_step` and `_outputs`, besides its declarations. What
+a step changes belongs to `x`, an array: `save` keeps time, inputs, outputs and `x`, so that a step that is repeated, as
+iterations, events and step control do, or a resumed run would go on from any other attribute as it happens to be.
 """
 
 from __future__ import annotations

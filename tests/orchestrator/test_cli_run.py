@@ -142,3 +142,11 @@ def test_a_run_goes_on_from_its_checkpoint_to_the_same_bits(scene, tmp_path, cap
     assert capsys.readouterr().err.count("\n") == 1
     assert cosimo("run", scene, "--in-process", "--resume", tmp_path / "none") == 2
     assert cosimo("run", scene, "--in-process", "--resume", scene) == 2
+
+
+def test_a_module_that_is_not_found_says_where_its_folder_belongs(tmp_path, capsys):
+    (tmp_path / "scene.toml").write_text('stop_time = 1.0\n[units.a]\ncomponent = "no_such_parts:Body"\n[master]\nstep = 0.1\n')
+    with pytest.raises(SystemExit) as end:
+        main(["run", str(tmp_path / "scene.toml")])
+    assert end.value.code == 2
+    assert "PYTHONPATH" in capsys.readouterr().err
