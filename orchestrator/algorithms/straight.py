@@ -9,6 +9,7 @@ of their own a macro step takes a fifth of the time. `StraightStretch.source` is
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ class StraightStretch:
         self._width = len(master.positions)
         self.source = "\n".join(self._lines(units))
         flag: Any = halt
-        names: dict[str, Any] = {"StepFailed": StepFailed, "abs": abs, "halt": memoryview(flag)}
+        names: dict[str, Any] = {"StepFailed": StepFailed, "abs": abs, "inf": inf, "halt": memoryview(flag)}
         for k, unit in enumerate(units):
             ports = unit.ports()
             names |= {f"step{k}": unit.component.step, f"refresh{k}": unit.component.refresh, f"y{k}": ports.outputs}

@@ -25,6 +25,9 @@ class Steppable(Protocol):
         """Take back what `save` gave."""
 
 
+ROUNDING = 1_000_000_000  # less than this part of a stride is no step of its own: 3 * 1e-4 is 3.0000000000000003e-4
+
+
 class Stepping:
     """Steps of `stride` ticks from tick 0 to `end`, the last one shorter where they do not divide it.
 
@@ -91,7 +94,8 @@ def lengths(tick: int, stop: int, stride: int, last: bool) -> Iterator[tuple[int
 
     Steps end at multiples of the stride. What is left over before and after a stop that is no multiple gets no step below half
     a stride of its own, but shares two equal ones with a whole stride: a chord over a step much shorter than its neighbours
-    extrapolates the rounding of its ends. Only the `last` stop, behind which nothing is extrapolated, is met by what is left.
+    extrapolates the rounding of its ends. Only the `last` stop, behind which nothing is extrapolated, is met by what is left,
+    unless that is the rounding of a time that was computed: then the last step has it in it.
     Every step follows from tick and stop alone, so a run that is resumed on the way takes the same ones.
     """
     while (distance := stop - tick) > 0:
@@ -100,8 +104,12 @@ def lengths(tick: int, stop: int, stride: int, last: bool) -> Iterator[tuple[int
             length = distance
         elif 2 * distance < 3 * stride and not last:
             length = distance // 2
+        elif head == stride and last:
+            length, count = stride, distance // stride
+            if 0 < ROUNDING * (distance % stride) < stride:
+                length, count = (stride, count - 1) if count > 1 else (distance, 1)
         elif head == stride:
-            length, count = stride, distance // stride if last else (2 * distance - 3 * stride) // (2 * stride) + 1
+            length, count = stride, (2 * distance - 3 * stride) // (2 * stride) + 1
         else:
             length = head if 2 * head >= stride else (head + stride) // 2
         yield length, count

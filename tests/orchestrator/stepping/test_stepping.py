@@ -50,6 +50,15 @@ def test_stops_are_met_before_observers_see_them():
     assert [t for t, _ in steps] == [s for s in seen[:-1] if not isinstance(s, tuple)]
 
 
+@pytest.mark.parametrize(("step", "stop_time", "steps"),
+                         [(1e-4, 3 * 1e-4, 3), (0.1, 0.1 + 0.2, 3), (0.3, 0.1 + 0.2, 1), (1 / 30, 2 / 3, 20)])
+def test_the_rounding_of_a_computed_end_is_no_step(step, stop_time, steps):
+    """3 * 1e-4 is 3.0000000000000003e-4: without care a fourth step of 5e-20 s."""
+    taken, seen = stepped(step, stop_time)
+    assert len(taken) == steps
+    assert seen[-1] == stop_time
+
+
 def test_stops_on_the_grid_change_no_step():
     assert stepped(0.1, 1.05, [0.2, 0.7])[0] == stepped(0.1, 1.05)[0]
 
