@@ -50,6 +50,10 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
     if coupling.undriven:
         yield f"inputs at their start values: {', '.join(coupling.undriven)}"
     yield f"recorded: {', '.join(map('.'.join, coupling.signals)) or 'nothing'}"
+    undeclared = [n for group in coupling.groups if len(group) > 1 for n in group
+                  if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())]
+    if undeclared and master.algorithm in ("jacobi", "gauss-seidel"):
+        yield f"no limit of the macro step known for what does not tell which outputs follow inputs: {', '.join(undeclared)}"
     for reason in advice.unknown:
         yield f"no limit of the macro step known for {reason}"
     whole = advice.steps * advice.seconds

@@ -139,6 +139,8 @@ def _contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[s
             found.append(min((_contact(scene, pair, *mode) for mode in modes), key=lambda contact: contact.left))
         elif gains.any():
             unknown.append(f"{pair}: nothing holds {' and '.join(movers)} back at the start")
+        else:
+            unknown.append(f"{pair}: at the start the force does not follow the motion, as in an open contact")
     return tuple(found), tuple(unknown)
 
 

@@ -1,11 +1,16 @@
 """Options of `cosimo run`, and what it shows without running."""
 
 import json
+from pathlib import Path
 
 import pytest
+from pythonfmu.builder import FmuBuilder
 
+from orchestrator.advice import advise
 from orchestrator.cli import main
+from orchestrator.scene import read_scene
 
+FMUS = Path(__file__).parents[1] / "benchmarks" / "fmus"
 SCENE = """
 title = "a mass on a spring"
 stop_time = 2.0
@@ -105,6 +110,27 @@ def test_dry_run_warns_of_a_step_that_is_too_long_and_the_run_shows_it(scene, ca
     arguments = ("run", scene, "--in-process", "--step", "0.12", "--set", "spring.d=2.0")
     assert cosimo(*arguments, "--dry-run") == 0
     assert "is stable up to 0.0903 s" in capsys.readouterr().err  # 0.902731/ω for linear inputs and a tenth of critical damping
+
+
+def test_dry_run_says_for_what_it_knows_no_limit(tmp_path, capsys):
+    """A ball above a floor, whose contact is open at the start; and an FMU that does not tell what follows what."""
+    body = {"component": "tests.support:Mass"}
+    sides = {k: {"force": f"{n}.force", "position": f"{n}.x_out", "inertia": 1.0, "velocity": f"{n}.v_out"}
+             for k, n in (("first", "a"), ("second", "b"))}
+    apart = read_scene({"stop_time": 1.0, "units": {"a": body, "b": body | {"parameters": {"x0": 1.0}}}, "master": {
+        "algorithm": "jacobi", "step": 0.1}, "contacts": [{"name": "touch", "law": "unilateral", "stiffness": 1e3, **sides}]})
+    (known,) = advise(apart).unknown
+    assert "a and b against touch" in known
+    assert "open contact" in known
+
+    for name in ("msd", "ctrl"):
+        FmuBuilder.build_FMU(FMUS / f"{name}.py", dest=tmp_path)
+    mass, control = tmp_path / "Msd.fmu", tmp_path / "Ctrl.fmu"
+    (tmp_path / "circle.toml").write_text(
+        f'stop_time = 0.1\nconnections = ["m.x -> c.x", "c.force -> m.f"]\nunits.m.fmu = "{mass}"\n'
+        f'units.c.fmu = "{control}"\nmaster.step = 1e-2\n')
+    assert cosimo("run", tmp_path / "circle.toml", "--dry-run") == 0
+    assert "does not tell which outputs follow inputs: " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("option", [("-o", "out"), ("--checkpoint-every", "1"), ("--resume", "file")])
