@@ -97,6 +97,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
             message = f"interrupted at t = {clock.seconds(loop.tick):.9g} s"
             if checkpoints is not None and interrupt.taken:
                 checkpoints.write()
+                message += f". resume = {str(checkpoints.path)!r} goes on from there"
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative

@@ -20,6 +20,35 @@ from components.core.kernels import DONE, NOT_FINITE, hold_inputs
 from components.core.variables import input_, output, parameter
 
 
+class OfTime(Component):
+    """Gives functions of time; a subclass declares its outputs, and gives `_outputs`."""
+
+    def _initialize(self, t: float) -> int:
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        self._outputs(t + h)
+        return DONE
+
+
+class Integrals(Component):
+    """Integrates its inputs exactly, whatever polynomials they are; a subclass declares inputs, and outputs as many or more."""
+
+    def _initialize(self, t: float) -> int:
+        self.x = np.zeros(len(self.inputs))
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        u = self.u
+        self.x += h * (u[0] + h * (u[1] / 2.0 + h * u[2] / 3.0))
+        hold_inputs(u, h)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t: float) -> None:
+        self.y[: self.x.size] = self.x
+
+
 class Linear(Component):
     """x' = A x + B u, y = C x + D u; a step is exact for inputs that are polynomials of degree 2.
 

@@ -8,9 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from components.core.component import Component
 from components.core.errors import BadInput
-from components.core.kernels import DONE
 from components.core.variables import output
 from orchestrator.checkpoint import check_wish
 from orchestrator.run import run
@@ -18,7 +16,7 @@ from orchestrator.scene import read_scene
 from orchestrator.units import Interface
 from tests.orchestrator.bonded import bonded
 from tests.orchestrator.stepping.test_event_location import relay
-from tests.support import Linear, two_masses
+from tests.support import Linear, OfTime, two_masses
 
 
 def oscillator(algorithm: str = "jacobi", degree: int = 1, *, every: int = 1, record: dict | None = None, faults=(), **master):
@@ -28,17 +26,10 @@ def oscillator(algorithm: str = "jacobi", degree: int = 1, *, every: int = 1, re
     return read_scene({**scene, "record": record or {}, "faults": list(faults)})
 
 
-class Waves(Component):
+class Waves(OfTime):
     """More outputs than go as lists."""
 
     wave = output("m", "waves", size=30)
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[:] = np.sin((1.0 + np.arange(30)) * t)

@@ -9,13 +9,14 @@ import orchestrator.coupling.settling
 import orchestrator.run
 from components.core.component import Component
 from components.core.errors import BadInput
-from components.core.kernels import DONE, hold_inputs
+from components.core.kernels import DONE
 from components.core.variables import input_, output
 from orchestrator.coupling import settle
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.component import ComponentUnit
 from orchestrator.units.interface import WIDE, Signal
+from tests.support import Integrals
 
 HERE = "tests.orchestrator.test_discrete_signals"
 N = WIDE + 3
@@ -41,24 +42,13 @@ class Clocked(Component):
         self.y[:] = self.x[0], t
 
 
-class Both(Component):
+class Both(Integrals):
     """Integrates two inputs exactly, and hands on the first."""
 
     jumps = input_(0.0, "1", "an input")
     moves = input_(0.0, "s", "another")
     sums = output("1", "integrals", size=2)
     now = output("1", "the first input", feedthrough=("jumps",))
-
-    def _initialize(self, t):
-        self.x = np.zeros(2)
-        return DONE
-
-    def _step(self, t, h):
-        u = self.u
-        self.x += h * (u[0] + h * (u[1] / 2.0 + h * u[2] / 3.0))
-        hold_inputs(u, h)
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[:] = *self.x, self.u[0, 0]

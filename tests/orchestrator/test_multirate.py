@@ -3,55 +3,32 @@
 import numpy as np
 import pytest
 
-from components.core.component import Component
 from components.core.errors import BadInput
-from components.core.kernels import DONE, hold_inputs
 from components.core.variables import input_, output
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.component import ComponentUnit
 from tests.orchestrator.test_rows import N
-from tests.support import exact_two_masses, two_masses
+from tests.support import Integrals, OfTime, exact_two_masses, two_masses
 
 HERE = "tests.orchestrator.test_multirate"
 STATES = [("a", "x_out"), ("a", "v_out"), ("b", "x_out"), ("b", "v_out")]
 
 
-class Power(Component):
+class Power(OfTime):
     """Gives t^4, which starts so flat that a start without history costs nothing."""
 
     y = output("m", "t^4")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[0] = t**4
 
 
-class Integral(Component):
+class Integral(Integrals):
     """Integrates its input exactly, whatever polynomial it is."""
 
     u_in = input_(0.0, "m", "input")
     x_out = output("m.s", "integral")
-
-    def _initialize(self, t):
-        self.x = np.zeros(1)
-        return DONE
-
-    def _step(self, t, h):
-        u = self.u
-        self.x += h * (u[0] + h * (u[1] / 2.0 + h * u[2] / 3.0))
-        hold_inputs(u, h)
-        self._outputs(t + h)
-        return DONE
-
-    def _outputs(self, t):
-        self.y[0] = self.x[0]
 
 
 def masses(rates: dict, algorithm: str, step: float, degree: int, stop: float = 0.6) -> dict:

@@ -3,53 +3,31 @@
 import numpy as np
 import pytest
 
-from components.core.component import Component
-from components.core.kernels import DONE, hold_inputs
 from components.core.variables import input_, output
 from orchestrator.algorithms.polynomial import History
 from orchestrator.algorithms.rows import Arrays, Lists, rows_for
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.interface import WIDE
+from tests.support import Integrals, OfTime
 
 N = WIDE + 6
 
 
-class Source(Component):
+class Source(OfTime):
     """Gives many functions of time."""
 
     wave = output("m", "waves", size=N)
 
-    def _initialize(self, t):
-        self.settled = self._settled()
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
-
     def _outputs(self, t):
-        self.y[:] = np.sin((1.0 + np.arange(N)) * t) * 10.0 ** np.arange(-3, N - 3)
+        self.y[:] = np.sin((1.0 + np.arange(N)) * t) * np.logspace(-3, 9, N)
 
 
-class Sink(Component):
+class Sink(Integrals):
     """Integrates many inputs exactly."""
 
     wave = input_(0.0, "m", "waves", size=N)
     area = output("m.s", "integrals", size=N)
-
-    def _initialize(self, t):
-        self.settled, self.x = self._settled(), np.zeros(N)
-        return DONE
-
-    def _step(self, t, h):
-        self.x += h * (self.u[0] + h * (self.u[1] / 2.0 + h * self.u[2] / 3.0))
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE
-
-    def _outputs(self, t):
-        self.y[:] = self.x
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -82,6 +60,7 @@ def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
     signals = [f"b{i % 2}.area[{i}]" for i in range(1, N + 1)]
     narrow = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, **halves},
                              "connections": connections, "master": master, "record": {"signals": signals}}))
+    assert (wide.outcome, narrow.outcome) == ("done", "done")
     assert rows_for(N) is Arrays
     assert rows_for(N // 2) is Lists
     for i in range(1, N + 1):

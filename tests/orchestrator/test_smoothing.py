@@ -11,23 +11,16 @@ from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.component import ComponentUnit
 from tests.orchestrator.algorithms.oscillators import open_master
-from tests.support import exact_two_masses, two_masses
+from tests.support import OfTime, exact_two_masses, two_masses
 
 HERE = "tests.orchestrator.test_smoothing"
 STATES = [("a", "x_out"), ("a", "v_out"), ("b", "x_out"), ("b", "v_out")]
 
 
-class Wave(Component):
+class Wave(OfTime):
     """Gives sin(3 t)."""
 
     y = output("m", "wave")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t):
         self.y[0] = np.sin(3.0 * t)
