@@ -14,7 +14,7 @@ from orchestrator.checkpoint import check_wish
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units import Interface
-from tests.orchestrator.bonded import bonded
+from tests.orchestrator.algorithms.bonded import bonded
 from tests.orchestrator.stepping.test_event_location import relay
 from tests.support import Linear, OfTime, two_masses
 
@@ -39,7 +39,7 @@ def wide():
     """More inputs than go as lists; whole arrays are recorded."""
     return read_scene({
         "stop_time": 1.0, "connections": ["a.wave* -> b.wave*"], "master": {"step": 0.01, "extrapolation": 2},
-        "units": {"a": {"component": f"{__name__}:Waves"}, "b": {"component": "tests.orchestrator.test_rows:Sink"}},
+        "units": {"a": {"component": f"{__name__}:Waves"}, "b": {"component": "tests.orchestrator.algorithms.test_rows:Sink"}},
         "record": {"signals": ["b.area[1]"], "interval": 0.03, "snapshots": ["b.area"], "snapshot_interval": 0.07},
     })
 

@@ -11,7 +11,7 @@ from orchestrator import report
 from orchestrator.report import numerics
 from orchestrator.run import run
 from orchestrator.scene import read_scene
-from tests.orchestrator.bonded import BOND, bonded
+from tests.orchestrator.algorithms.bonded import BOND, bonded
 from tests.support import two_masses
 
 MILNE = {"method": "milne", "relative": 1e-3, "absolute": 1e-3}

@@ -9,7 +9,7 @@ from components.core.variables import input_, output, parameter
 from orchestrator.coupling import settle
 from orchestrator.run import run
 from orchestrator.scene import read_scene
-from tests.orchestrator.bonded import BOND, HERE, bonded, oscillation
+from tests.orchestrator.algorithms.bonded import BOND, HERE, bonded, oscillation
 from tests.support import Linear
 
 STEPS = (0.05, 0.025, 0.0125)

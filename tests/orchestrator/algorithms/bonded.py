@@ -70,7 +70,7 @@ class Tethered(Linear):
         return A, np.array([[0.0], [c / m], [-1.0]]), C, np.array([[0.0], [0.0], [0.0], [-c]]), [0.0, p["v0"], 0.0]
 
 
-HERE = "tests.orchestrator.bonded"
+HERE = "tests.orchestrator.algorithms.bonded"
 BOND = "a.v_out * b.force"
 
 

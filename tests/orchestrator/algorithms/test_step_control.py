@@ -20,7 +20,7 @@ from orchestrator.scene import read_scene
 from orchestrator.settings import MasterSettings
 from orchestrator.units import Interface
 from orchestrator.units.interface import Signal
-from tests.orchestrator.bonded import bonded
+from tests.orchestrator.algorithms.bonded import bonded
 from tests.support import Linear, exact_two_masses, two_masses
 
 STATES = ("a.x_out", "a.v_out", "b.x_out", "b.v_out")

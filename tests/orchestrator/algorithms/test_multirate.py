@@ -8,10 +8,10 @@ from components.core.variables import input_, output
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units.component import ComponentUnit
-from tests.orchestrator.test_rows import N
+from tests.orchestrator.algorithms.test_rows import N
 from tests.support import Integrals, OfTime, exact_two_masses, two_masses
 
-HERE = "tests.orchestrator.test_multirate"
+HERE = "tests.orchestrator.algorithms.test_multirate"
 STATES = [("a", "x_out"), ("a", "v_out"), ("b", "x_out"), ("b", "v_out")]
 
 
@@ -146,7 +146,7 @@ def test_an_input_that_jumps_between_two_steps_of_a_slow_unit(begin, degree):
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_wide_connections_of_a_slow_unit_are_many_narrow_ones(degree):
-    parts, where = 2, "tests.orchestrator.test_rows"
+    parts, where = 2, "tests.orchestrator.algorithms.test_rows"
     base = {"stop_time": 1.0, "master": {"algorithm": "gauss-seidel", "step": 0.05, "extrapolation": degree}}
     source = {"component": f"{where}:Source", "every": 3}
     wide = run(read_scene({**base, "units": {"a": source, "b": {"component": f"{where}:Sink"}},

@@ -51,7 +51,7 @@ def test_lists_and_arrays_give_the_same_bits(degree):
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
     """Split over units with few inputs each, the same signals go as lists."""
-    here = "tests.orchestrator.test_rows"
+    here = "tests.orchestrator.algorithms.test_rows"
     master = {"algorithm": algorithm, "step": 0.05, "extrapolation": degree}
     wide = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, "b": {"component": f"{here}:Sink"}},
                            "connections": ["a.wave* -> b.wave*"], "master": master, "record": {"signals": ["b.area"]}}))

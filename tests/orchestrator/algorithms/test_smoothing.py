@@ -13,7 +13,7 @@ from orchestrator.units.component import ComponentUnit
 from tests.orchestrator.algorithms.oscillators import open_master
 from tests.support import OfTime, exact_two_masses, two_masses
 
-HERE = "tests.orchestrator.test_smoothing"
+HERE = "tests.orchestrator.algorithms.test_smoothing"
 STATES = [("a", "x_out"), ("a", "v_out"), ("b", "x_out"), ("b", "v_out")]
 
 

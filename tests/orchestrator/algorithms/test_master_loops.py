@@ -18,7 +18,7 @@ from tests.orchestrator.algorithms.oscillators import Feedthrough
 from tests.orchestrator.units.native import native_fmu
 from tests.support import Linear
 
-HERE = "tests.orchestrator.test_master_loops"
+HERE = "tests.orchestrator.algorithms.test_master_loops"
 
 
 class Rising(Linear):

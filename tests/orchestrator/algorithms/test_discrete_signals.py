@@ -18,7 +18,7 @@ from orchestrator.units.component import ComponentUnit
 from orchestrator.units.interface import WIDE, Signal
 from tests.support import Integrals
 
-HERE = "tests.orchestrator.test_discrete_signals"
+HERE = "tests.orchestrator.algorithms.test_discrete_signals"
 N = WIDE + 3
 STEP = 0.1
 

@@ -8,7 +8,7 @@ from orchestrator.run import run
 from orchestrator.scene import read_scene
 from tests.support import Linear
 
-HERE = "tests.orchestrator.test_initial_loops"
+HERE = "tests.orchestrator.algorithms.test_initial_loops"
 GAINS = np.array([[0.0, -7.0, 0.5], [2.0, 0.0, -3.0], [0.25, 4.0, 0.0]])
 OFFSETS = np.array([1.0, -2.0, 0.5])
 
