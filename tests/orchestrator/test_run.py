@@ -91,6 +91,20 @@ def test_interrupt_takes_effect_after_the_step_and_keeps_what_was_computed(monke
     assert signal.getsignal(signal.SIGINT) is handler
 
 
+def test_an_interrupt_with_a_checkpoint_says_from_which_file_the_run_goes_on(monkeypatch, tmp_path):
+    steps, file = iter(range(100)), tmp_path / "kept"
+
+    def interrupted(self, t, h):
+        if next(steps) == 4:
+            signal.raise_signal(signal.SIGINT)
+        return 0
+
+    monkeypatch.setattr(Probe, "_step", interrupted)
+    message = run(read_scene(PROBE), checkpoint_every=0.9, checkpoint_to=file).message
+    assert message == f"interrupted at t = 0.5 s. resume = {str(file)!r} goes on from there"
+    assert file.is_file()
+
+
 def test_progress_shows_only_on_a_terminal(monkeypatch):
     for terminal in (True, False):
         stream = io.StringIO()
