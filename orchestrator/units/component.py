@@ -11,7 +11,7 @@ import numpy as np
 
 from components.catalogue import component_class
 from components.core.component import Component
-from components.core.errors import BadInput, nearest
+from components.core.errors import BadInput, StepFailed, nearest
 
 from ..settings import UnitSettings
 from .interface import WIDE, Interface, Row, Signal
@@ -162,6 +162,22 @@ class ComponentUnit:
 
     def restore(self, state: bytes) -> None:
         self.component.restore(state)
+
+    def prove(self, h: float) -> None:
+        """Raises `StepFailed` where a step from here is another one when it is repeated; leaves the component as it is."""
+        component = self.component
+        state, counts, reached = component.save(), component.counts.copy(), []
+        try:
+            for _ in range(2):
+                component.step(component.t, h)
+                reached.append(component.save())
+                component.restore(state)
+        except StepFailed:  # not this step's fault that it is too long
+            component.restore(state)
+        component.counts[:] = counts
+        if len(reached) == 2 and reached[0] != reached[1]:
+            raise StepFailed(self.name, component.t, "a step that is repeated from the same state gives another result",
+                             "Keep everything that a step changes in the component's x")
 
     def release(self, state: bytes) -> None:
         """Nothing to do: Python frees it."""

@@ -119,19 +119,18 @@ def test_a_resumed_run_writes_checkpoints_at_the_same_times(tmp_path):
 
 def test_the_first_interrupt_leaves_a_checkpoint(tmp_path, monkeypatch):
     scene, file = oscillator(), tmp_path / "run.checkpoint"
-    steps = []
+    signals = []
 
     def step(unit, t, h, _step=Linear._step):
-        steps.append(t)
-        if len(steps) == 150:
-            signal.raise_signal(signal.SIGINT)
+        if t > 0.3675 and not signals:  # in the step that ends at 0.375
+            signals.append(signal.raise_signal(signal.SIGINT))
         return _step(unit, t, h)
 
     with monkeypatch.context() as patch:
         patch.setattr(Linear, "_step", step)
         broken = run(scene, checkpoint_every=0.9, checkpoint_to=file)
     assert broken.outcome == "failed"
-    assert broken.message.startswith("interrupted at t = 0.37")
+    assert broken.message.startswith("interrupted at t = 0.375 s")
     same(run(scene), run(scene, resume=file))
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from components.core.errors import BadInput
+from components.core.variables import output
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene, scene_files
-from tests.support import Probe, two_masses
+from tests.support import OfTime, Probe, two_masses
 
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "tests.support:Probe"}}, "master": {"step": 0.1}}
 
@@ -193,3 +194,26 @@ def test_missed_inputs_are_those_of_the_extrapolation():
         missed = run(read_scene(scene)).info["input_misses"]
         # whole periods, but one sample in 29 and a start of lower degree
         assert missed["p.length"] == pytest.approx((2.0 * np.sin(0.05)) ** power, rel=0.05)
+
+
+class Forgetful(OfTime):
+    """Counts its steps where `save` does not look."""
+
+    steps = output("1", "steps")
+    taken = 0
+
+    def _outputs(self, t):
+        self.y[0] = self.taken
+
+    def _step(self, t, h):
+        self.taken += 1
+        return super()._step(t, h)
+
+
+def test_components_that_cannot_repeat_a_step_are_found_where_steps_are_repeated(tmp_path):
+    data = {"stop_time": 1.0, "units": {"f": {"component": "tests.orchestrator.test_run:Forgetful"}}, "master": {"step": 0.1}}
+    scene = read_scene(data)
+    assert run(scene)["f.steps"][-1] == 10.0
+    located = read_scene({**data, "master": {"step": 0.1, "events": ["f.steps"]}})
+    for result in (run(located), run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "checkpoint")):
+        assert result.message.startswith("f failed at t = 0 s: a step that is repeated from the same state gives another result")
