@@ -176,6 +176,8 @@ def run(
     changes |= _effects(loaded, effects or []) | dict(_change(loaded, text) for text in values or [])
     if changes:
         loaded = loaded.with_changes(changes)
+    if in_process and all(unit.fmu for unit in loaded.units.values()):
+        raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
         for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume)):
             if value is not None:

@@ -97,6 +97,14 @@ def test_bad_options(pantograph, option, value, named, capsys):
     assert (out, err.count("\n")) == ("", 1)
 
 
+def test_in_process_is_refused_where_it_would_have_no_effect(tmp_path, capsys):
+    fmu = FmuBuilder.build_FMU(FMUS / "msd.py", dest=tmp_path)
+    scene = tmp_path / "fmus.toml"
+    scene.write_text(f'stop_time = 1.0\nunits.m.fmu = "{Path(fmu).name}"\nmaster.step = 0.1\n')
+    assert cosimo("run", scene, "--in-process") == 2
+    assert "--in-process: a scene of FMUs only" in capsys.readouterr().err
+
+
 def test_dry_run_shows_the_settled_scene_and_its_limit(scene, capsys):
     assert cosimo("run", scene, "--in-process", "--dry-run") == 0
     out, err = capsys.readouterr()
