@@ -9,8 +9,6 @@ from typing import Any
 
 from components.core.errors import BadInput, nearest
 
-from .ssp.read import read as read_system
-
 SHIPPED = Path(__file__).parent / "scenes"
 SYSTEMS = (".ssd", ".ssp")
 
@@ -35,6 +33,8 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
 def read_file(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The data of a scene's file, and remarks about what of it could not be used; faults are one `BadInput`."""
     if path.suffix in SYSTEMS:
+        from .ssp.read import read as read_system  # loads what only systems need
+
         system = read_system(path)
         return system.data, system.remarks
     return read_toml(path), ()

@@ -8,20 +8,17 @@ import numpy as np
 
 from components.core.errors import StepFailed
 
-from ..units.component import ComponentUnit
 from ..units.fmi2 import Fmi2CoSimulation
 from ..units.machine import Machine
 from .compiled import Now, Plan, march
 from .gauss_seidel import GaussSeidel
 from .initial import RUNAWAY
-from .jacobi import Jacobi
-from .master import Master, Node
-from .polynomial import History
-from .straight import StraightStretch, beyond
+from .master import Master
+from .straight import beyond
 
 
 class Stretch:
-    """Macro steps of a master in compiled code, with the same bits; made by `stretch_of`.
+    """Macro steps of a master in compiled code, with the same bits; made by `fmu_stretch`.
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
     changes a master there need not know of this.
@@ -113,18 +110,8 @@ class Stretch:
             node.reached, node.fresh = (None, take(now.fresh[at])) if led else (take(now.reached[at]), None)
 
 
-def stretch_of(master: Master, halt: np.ndarray) -> Stretch | StraightStretch | None:
-    """Stretches for a master; None where the scene needs what they do not have.
-
-    `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
-    """
-    nodes = master.nodes
-    plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
-    if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
-        return None
-    if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
-        narrow = isinstance(master.signals, list)
-        return StraightStretch(master, components, halt) if narrow and len(components) == len(nodes) else None
-    units = [node.unit for node in nodes if isinstance(node.unit, Fmi2CoSimulation)]
+def fmu_stretch(master: Master, halt: np.ndarray) -> Stretch | None:
+    """The stretches of a master whose units are FMUs; None where one of them needs Python. `halt`: as in `stretch_of`."""
+    units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
     machines = [machine for unit in units if (machine := unit.machine()) is not None]
-    return Stretch(master, units, machines, halt) if len(machines) == len(nodes) else None
+    return Stretch(master, units, machines, halt) if len(machines) == len(master.nodes) else None

@@ -13,14 +13,13 @@ from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.rates import Slow
 from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
-from ..algorithms.stretch import stretch_of
 from ..coupling import Coupling
 from ..settings import ControlSettings, SceneSettings
 from ..units import Unit
 from .clock import Clock
 from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
-from .stretched import Stretched
+from .stretched import Stretched, stretch_of
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none

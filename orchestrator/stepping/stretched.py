@@ -9,6 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..algorithms import Master
+from ..algorithms.gauss_seidel import GaussSeidel
+from ..algorithms.jacobi import Jacobi
+from ..algorithms.node import Node
+from ..algorithms.polynomial import History
+from ..algorithms.straight import StraightStretch
+from ..units.component import ComponentUnit
 from .clock import Clock
 from .loop import Observer, Stepping, Stops, lengths
 
@@ -16,7 +22,7 @@ PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar
 
 
 class Stretched(Stepping):
-    """Equal steps in stretches of a master, see `algorithms.stretch`; all observers are `Patient`.
+    """Equal steps in stretches of a master, see `algorithms.straight` and `algorithms.stretch`; all observers are `Patient`.
 
     The observers see what they would have seen step by step.
     """
@@ -65,3 +71,20 @@ class Stretched(Stepping):
         self.tick = ticks[done]
         if failure is not None:
             raise failure
+
+
+def stretch_of(master: Master, halt: np.ndarray) -> Any:
+    """Stretches for a master, of components in this process or of FMUs; None where the scene needs what they do not have.
+
+    `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
+    """
+    nodes = master.nodes
+    plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
+    if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
+        return None
+    if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
+        narrow = isinstance(master.signals, list)
+        return StraightStretch(master, components, halt) if narrow and len(components) == len(nodes) else None
+    from ..algorithms.stretch import fmu_stretch  # loads what only FMUs need
+
+    return fmu_stretch(master, halt)
