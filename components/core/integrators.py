@@ -31,45 +31,54 @@ def outputs(t, x, u, y, p, *effects):
     raise NotImplementedError
 
 
+def rk4_step(t, s, d, x, end, u, work, p, *effects):
+    """One step of the classic fourth-order Runge-Kutta method, from x at t + s to `end` at t + s + d; both may be one array.
+
+    u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (6, max(len(x), m)).
+    """
+    nx, nu = x.size, u.shape[1]
+    k1, k2, k3, k4, xs = work[0, :nx], work[1, :nx], work[2, :nx], work[3, :nx], work[4, :nx]
+    us = work[5, :nu]
+    for j in range(nu):
+        us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+    derivatives(t + s, x, us, k1, p, *effects)
+    middle = s + 0.5 * d
+    for j in range(nu):
+        us[j] = u[0, j] + middle * (u[1, j] + middle * u[2, j])
+    for j in range(nx):
+        xs[j] = x[j] + 0.5 * d * k1[j]
+    derivatives(t + middle, xs, us, k2, p, *effects)
+    for j in range(nx):
+        xs[j] = x[j] + 0.5 * d * k2[j]
+    derivatives(t + middle, xs, us, k3, p, *effects)
+    for j in range(nu):
+        us[j] = u[0, j] + (s + d) * (u[1, j] + (s + d) * u[2, j])
+    for j in range(nx):
+        xs[j] = x[j] + d * k3[j]
+    derivatives(t + s + d, xs, us, k4, p, *effects)
+    for j in range(nx):
+        end[j] = x[j] + d / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+
+
 def rk4(t, h, n, x, u, y, work, counts, p, *effects):
     """The classic fourth-order Runge-Kutta method: n equal steps from t to t + h, then the outputs.
 
     u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (6, max(len(x), m)).  counts: steps, derivative calls.
     """
-    nx, nu = x.size, u.shape[1]
-    k1, k2, k3, k4, xs = work[0, :nx], work[1, :nx], work[2, :nx], work[3, :nx], work[4, :nx]
-    us = work[5, :nu]
     d = h / n
     for i in range(n):
-        s = i * d
-        for j in range(nu):
-            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        derivatives(t + s, x, us, k1, p, *effects)
-        s += 0.5 * d
-        for j in range(nu):
-            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        for j in range(nx):
-            xs[j] = x[j] + 0.5 * d * k1[j]
-        derivatives(t + s, xs, us, k2, p, *effects)
-        for j in range(nx):
-            xs[j] = x[j] + 0.5 * d * k2[j]
-        derivatives(t + s, xs, us, k3, p, *effects)
-        s = (i + 1) * d
-        for j in range(nu):
-            us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        for j in range(nx):
-            xs[j] = x[j] + d * k3[j]
-        derivatives(t + s, xs, us, k4, p, *effects)
-        for j in range(nx):
-            x[j] += d / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+        rk4_step(t, i * d, d, x, x, u, work, p, *effects)
     counts[0] += n
     counts[1] += 4 * n
     hold_inputs(u, h)
     outputs(t + h, x, u[0], y, p, *effects)
-    for j in range(nx):
+    for j in range(x.size):
         if not math.isfinite(x[j]):
             return NOT_FINITE
     return DONE
+
+
+rk4.parts = ("rk4_step",)  # type: ignore[attr-defined]
 
 
 class OdeComponent(Component):

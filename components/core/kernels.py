@@ -55,7 +55,10 @@ def bind(template, module: str, **names):
     """A kernel made from `template` with some of its global names replaced, cached under `module`'s name.
 
     Numba never finds a cached kernel that takes another kernel as an argument; one that calls it as a global it does.
+    Templates that the template calls stand in its attribute `parts`, and are bound with it.
     """
+    for part in getattr(template, "parts", ()):
+        names[part] = bind(template.__globals__[part], module, **names)
     qualname = f"{template.__name__}_{module.replace('.', '_')}"
     bound = types.FunctionType(template.__code__, {**template.__globals__, **names}, qualname)
     bound.__qualname__, bound.__module__, bound.__doc__ = qualname, template.__module__, template.__doc__

@@ -168,7 +168,11 @@ def test_work_is_counted(configuration):
     component.step(h, h)
     assert component.work["steps"] == 2 * once["steps"]
     if isinstance(component, OdeComponent):
-        assert component.work["derivative_calls"] == 4 * component.work["steps"]  # stages of RK4
+        work = component.work
+        if work.get("events"):  # cut substeps are made again
+            assert work["derivative_calls"] > 4 * work["steps"]
+        else:
+            assert work["derivative_calls"] == 4 * work["steps"]  # stages of RK4
 
 
 @configurations
