@@ -13,6 +13,7 @@ from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE
 from ..core.variables import input_, output, parameter
 from .elements import Disk, circular_section, solid_disk
+from .frame import FrameRotation, add_frame_load, turning_frame
 from .integration import add_imbalance, advance_rotor, make_solver, rotor_outputs
 from .model import (
     DOFS,
@@ -124,6 +125,7 @@ class BeamRotor(Component):
     linear_supports = LinearSupports
     bearing_a = BearingA
     bearing_b = BearingB
+    frame_rotation = FrameRotation
 
     presets = {
         "Friswell 5.9.1": Preset(
@@ -169,6 +171,8 @@ class BeamRotor(Component):
             stiffness = stiffness + speed_at(t, p.start_speed, run_up) * self._circulatory
         load = self._load.copy()
         load[self._watched : self._watched + 2] += self.u[0, :2]
+        if self._frame is not None:
+            add_frame_load(0.0, speed_at(t, p.start_speed, run_up), self._frame, self.u, load)
         q, force = equilibrium(stiffness, load, self._ports, self.u, p.start_fall)
         angle, speed = p.start_angle % TURN, speed_at(t, p.start_speed, run_up)
         if self._imbalance is not None:
@@ -182,7 +186,7 @@ class BeamRotor(Component):
 
     def _build(self) -> None:
         """Bands, constant load, ports and unbalance of the settled parameters."""
-        p, gyroscopic, disks, unbalance, internal, gravity, _, supports, *bearings = self.settled
+        p, gyroscopic, disks, unbalance, internal, gravity, _, supports, *bearings, frame = self.settled
         if p.inner_diameter >= p.outer_diameter:
             came = f"inner_diameter = {p.inner_diameter:g} m"
             raise BadInput(self.name, came, f"less than the outer diameter of {p.outer_diameter:g} m")
@@ -223,11 +227,15 @@ class BeamRotor(Component):
             add_disk(mass, node, Disk(disks.mass[k], disks.polar_inertia[k], disks.diametral_inertia[k]))
             if self._gyroscopic is not None:
                 add_disk_gyroscopic(self._gyroscopic, node, disks.polar_inertia[k])
+        held = np.zeros((0, 5))
         if supports is not None:
-            for k, position in enumerate(supports.position):
-                j = DOFS * nearest_node(nodes, position)
-                stiffness[[j, j + 1], HALF] += supports.stiffness_x[k], supports.stiffness_y[k]
-                damping[[j, j + 1], HALF] += supports.damping_x[k], supports.damping_y[k]
+            at_supports = [nearest_node(nodes, position) for position in supports.position]
+            held = np.column_stack((at_supports, supports.stiffness_x, supports.stiffness_y, supports.damping_x,
+                                    supports.damping_y))
+            for node, k_x, k_y, c_x, c_y in held:
+                j = DOFS * int(node)
+                stiffness[[j, j + 1], HALF] += k_x, k_y
+                damping[[j, j + 1], HALF] += c_x, c_y
         self._mass, self._damping, self._stiffness, self.nodes = mass, damping, stiffness, nodes
         self._load = np.zeros(mass.shape[0])
         if gravity is not None:
@@ -241,6 +249,9 @@ class BeamRotor(Component):
         ports = [(nearest_node(nodes, b.position), b.u, b.y) for b in bearings]
         self._ports = np.array(ports, dtype=np.int64).reshape(-1, 3)
         self._watched = DOFS * nearest_node(nodes, p.watched_position)
+        self._frame = None
+        if frame is not None and self._gyroscopic is not None:  # it requires that effect
+            self._frame = turning_frame(frame, self._gyroscopic, nodes, held, self._ports)
 
     def _step(self, t: float, h: float) -> int:
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
@@ -249,12 +260,12 @@ class BeamRotor(Component):
             p, method = self.settled[0], generalized_alpha(h / n, self.settled[0].spectral_radius)
             solver = make_solver(method, self._mass, self._damping, self._stiffness, len(self._ports))
             self._arguments = (p.start_speed, self._watched, self._load, method, solver, self._ports, self._gyroscopic,
-                               self._circulatory, self._imbalance, self.settled[6])
+                               self._circulatory, self._imbalance, self.settled[6], self._frame)
         return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, *self._arguments)
 
     def _outputs(self, t: float) -> None:
-        rotor_outputs(t, self.x, self.y, self._load.size, self.settled[0].start_speed, self._watched, self._ports,
-                      self.settled[6])
+        rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.settled[0].start_speed, self._watched, self._ports,
+                      self.settled[6], self._frame)
 
     def matrices(self) -> Matrices:
         """Dense matrices of the equation of motion, without what attaches to ports; of an initialized rotor.

@@ -15,6 +15,7 @@ import numpy as np
 from ..core.banded import factor_general, solve_general
 from ..core.generalized_alpha import Method
 from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from .frame import add_frame_load, frame_outputs
 from .model import HALF, WIDTH
 from .ports import add_loads, add_tangents, follow_tangents, port_outputs
 from .spin import acceleration_at, angle_after, speed_at
@@ -55,11 +56,12 @@ def velocity_shares(method):
 
 @kernel
 def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver, ports, gyroscopic, circulatory, imbalance,
-                  run_up):
+                  run_up, frame):
     """n equal steps from t to t + h, then the outputs.
 
     x: displacement, velocity, acceleration, (N,) each, angle.  load: (N,) constant forces.  gyroscopic, circulatory: (N, 15)
-    per rad/s, or None.  imbalance: (k, 3) first degree of freedom, kg.m, rad; or None.  counts: steps, factorizations.
+    per rad/s, or None.  imbalance: (k, 3) first degree of freedom, kg.m, rad; or None.  frame: `Frame` or None.
+    counts: steps, factorizations.
     """
     N = load.size
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
@@ -76,6 +78,8 @@ def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver
         b[watched] += u[0, 0] + s * (u[1, 0] + s * u[2, 0])
         b[watched + 1] += u[0, 1] + s * (u[1, 1] + s * u[2, 1])
         add_loads(s, ports, u, b)
+        if frame is not None:
+            add_frame_load(s, now, frame, u, b)
         if imbalance is not None:
             angle = angle_after(x[3 * N], start, (1.0 - af) * d, speed, run_up)
             add_imbalance(angle, now, acceleration_at(t + s, speed, run_up), imbalance, b)
@@ -89,7 +93,7 @@ def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver
         x[3 * N] = angle_after(x[3 * N], start, d, speed, run_up)
     counts[0] += n
     hold_inputs(u, h)
-    rotor_outputs(t + h, x, y, N, speed, watched, ports, run_up)
+    rotor_outputs(t + h, x, u, y, N, speed, watched, ports, run_up, frame)
     total = 0.0
     for j in range(N):
         total += q[j]
@@ -157,9 +161,11 @@ def add_imbalance(angle, speed, acceleration, imbalance, b):
 
 
 @kernel
-def rotor_outputs(t, x, y, N, speed, watched, ports, run_up):
-    """Motion of the watched node (its first degree of freedom is given), speed and angle, then the ports."""
+def rotor_outputs(t, x, u, y, N, speed, watched, ports, run_up, frame):
+    """Motion of the watched node (its first degree of freedom is given), speed and angle, then the ports and the frame."""
     now = speed_at(t, speed, run_up)
     y[0], y[1], y[2], y[3] = x[watched], x[watched + 1], x[N + watched], x[N + watched + 1]
     y[4], y[5] = now, x[3 * N]
     port_outputs(ports, x[:N], x[N : 2 * N], now, y)
+    if frame is not None:
+        frame_outputs(frame, ports, x[:N], x[N : 2 * N], u, y)
