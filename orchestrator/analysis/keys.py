@@ -35,7 +35,7 @@ class RecurrenceKeys(Model):
 class AnalysisKeys(Model):
     """What every system reads."""
 
-    system: str = Field(default="", description="railway, bearings or rotor: which figures the report has")
+    system: str = Field(default="", description="railway, bearings, rotor or wind_pump: which figures the report has")
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
     section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
 
@@ -74,7 +74,19 @@ class RotorKeys(AnalysisKeys):
         return self
 
 
-KEYS: dict[str, type[AnalysisKeys]] = {"railway": RailwayKeys, "bearings": BearingKeys, "rotor": RotorKeys}
+class WindPumpKeys(AnalysisKeys):
+    """Figures of wind pumps."""
+
+    average: NotNegative = Field(default=0.0, description="s, moving mean of speeds and powers; none without it")
+    standstill: Positive = Field(default=0.1, description="rad/s, below which a shaft counts as standing")
+
+
+KEYS: dict[str, type[AnalysisKeys]] = {
+    "railway": RailwayKeys,
+    "bearings": BearingKeys,
+    "rotor": RotorKeys,
+    "wind_pump": WindPumpKeys,
+}
 
 
 def keys_of(analysis: Mapping[str, Any]) -> type[AnalysisKeys]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from components.core.errors import BadInput
 
-from . import bearings, generic, numerics, railway, rotor, sweeps
+from . import bearings, generic, numerics, railway, rotor, sweeps, wind_pump
 from .chart import Chart
 from .charts import draw_chart
 from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
@@ -20,7 +20,12 @@ if TYPE_CHECKING:
     from ..validation.case import CaseResult
 
 # By the system a case has, or a scene names in its [analysis].
-SYSTEMS = {"railway": railway.blocks, "bearings": bearings.blocks, "rotor": rotor.blocks}
+SYSTEMS = {
+    "railway": railway.blocks,
+    "bearings": bearings.blocks,
+    "rotor": rotor.blocks,
+    "wind_pump": wind_pump.blocks,
+}
 
 
 def for_run(result: Result, directory: str | Path) -> Path:
