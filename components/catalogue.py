@@ -18,6 +18,15 @@ CATALOGUE = {
     "BearingTemperatures": "bearings.temperatures",
     "JeffcottRotor": "rotor.jeffcott",
     "BeamRotor": "rotor.beam",
+    "GimbalBody": "two_axis_joint.gimbal",
+    "TwoLinkChain": "two_axis_joint.chain",
+    "PlanarLink": "two_axis_joint.link",
+    "CompliantJoint": "two_axis_joint.compliant_joint",
+    "RovHull": "rov.hull",
+    "AddedMassForce": "rov.added_mass",
+    "Thruster": "rov.thruster",
+    "WaterCurrent": "rov.current",
+    "InertialConverter": "wind_pump.converter",
 }
 
 

@@ -1,0 +1,109 @@
+"""The current of the water around a vehicle, the same at every place and depth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.variables import output, parameter
+
+TURN = 2.0 * math.pi
+
+
+class Tide(Effect):
+    """A sinusoidal part: amplitude * sin(2 pi t / period + phase) along its own direction. 6.2 h is half a day of the moon."""
+
+    amplitude = parameter(0.2, "m/s", "amplitude of the sinusoidal part")
+    period = parameter(44714.0, "s", "period", low=1e-3)
+    phase = parameter(0.0, "rad", "phase at time 0")
+    direction = parameter(0.0, "rad", "where it sets at its positive peak, from north over east")
+
+
+class Ramp(Effect):
+    """The mean current grows from 0 as 3 s² - 2 s³ in the share s of a duration, without a jump of its acceleration."""
+
+    start_time = parameter(0.0, "s", "time at which it begins to grow")
+    duration = parameter(10.0, "s", "time it takes", low=1e-3)
+
+
+class Gust(Effect):
+    """A single gust, amplitude (1 - cos(2 pi s)) / 2 in the share s of its duration."""
+
+    amplitude = parameter(0.2, "m/s", "highest speed of the gust")
+    start_time = parameter(10.0, "s", "time at which it begins")
+    duration = parameter(5.0, "s", "time it takes", low=1e-3)
+    direction = parameter(0.0, "rad", "where it sets, from north over east")
+
+
+class WaterCurrent(Component):
+    """Velocity and acceleration of the water in north, east and down; a function of time alone.
+
+    A vehicle needs the acceleration, too, which pulls at its added mass. Without effects it is 0.
+    """
+
+    title = "Current of the water"
+    system = "rov"
+    counters = ("steps",)
+    default_step = 0.02
+    default_stop = 60.0
+
+    tide = Tide
+    ramp = Ramp
+    gust = Gust
+
+    speed = parameter(0.3, "m/s", "mean horizontal speed", low=0.0)
+    direction = parameter(0.0, "rad", "where the mean current sets, from north over east")
+    downwelling = parameter(0.0, "m/s", "mean vertical speed, positive downwards")
+
+    velocity_north = output("m/s", "velocity to the north")
+    velocity_east = output("m/s", "velocity to the east")
+    velocity_down = output("m/s", "velocity downwards")
+    acceleration_north = output("m/s2", "acceleration to the north", nominal=0.1)
+    acceleration_east = output("m/s2", "acceleration to the east", nominal=0.1)
+    acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1)
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        self.x = np.zeros(0)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        self.counts[0] += 1
+        hold_inputs(self.u, h)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t: float) -> None:
+        water(t, self.y, *self.settled)
+
+
+@kernel
+def water(t, y, p, tide, ramp, gust):
+    """Velocity and acceleration at time t; y: (6,)."""
+    share, rate = 1.0, 0.0
+    if ramp is not None:
+        s = min(max((t - ramp.start_time) / ramp.duration, 0.0), 1.0)
+        share, rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / ramp.duration
+    north, east = p.speed * math.cos(p.direction), p.speed * math.sin(p.direction)
+    y[0], y[1], y[2] = share * north, share * east, share * p.downwelling
+    y[3], y[4], y[5] = rate * north, rate * east, rate * p.downwelling
+    if tide is not None:
+        w = TURN / tide.period
+        add(y, tide.direction, tide.amplitude * math.sin(w * t + tide.phase), w * tide.amplitude * math.cos(w * t + tide.phase))
+    if gust is not None:
+        s = min(max((t - gust.start_time) / gust.duration, 0.0), 1.0)
+        w = TURN / gust.duration
+        add(y, gust.direction, 0.5 * gust.amplitude * (1.0 - math.cos(TURN * s)), 0.5 * w * gust.amplitude * math.sin(TURN * s))
+
+
+@kernel
+def add(y, direction, speed, acceleration):
+    """Add a horizontal part that sets in a direction to the velocity and the acceleration in y, (6,)."""
+    north, east = math.cos(direction), math.sin(direction)
+    y[0] += speed * north
+    y[1] += speed * east
+    y[3] += acceleration * north
+    y[4] += acceleration * east
