@@ -95,12 +95,16 @@ class OdeComponent(Component):
         """What the kernels get as `p, *effects`. Override it to hand over what follows from the parameters instead of them."""
         return self._settled()
 
+    def internal_step(self) -> float:
+        """Longest internal step, s. Override it where an effect asks for a shorter one than the parameter `substep`."""
+        return float(self.get("substep"))
+
     def initial_state(self) -> np.ndarray:
         """State at the start for the present inputs and `self.settled`, shape (n,)."""
         raise NotImplementedError
 
     def _initialize(self, t: float) -> int:
-        self._substep = float(self.get("substep"))
+        self._substep = self.internal_step()
         if self._substep > (limit := self.stable_step()):
             # with a unilateral contact the run would stay finite, and be wrong without a word
             raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
