@@ -26,7 +26,13 @@ CATALOGUE = {
     "AddedMassForce": "rov.added_mass",
     "Thruster": "rov.thruster",
     "WaterCurrent": "rov.current",
+    "WindTurbine": "wind_pump.turbine",
+    "Wind": "wind_pump.wind",
+    "FixedTransmission": "wind_pump.fixed",
+    "AveragedConverter": "wind_pump.averaged",
     "InertialConverter": "wind_pump.converter",
+    "PistonPump": "wind_pump.piston_pump",
+    "WaterPipe": "wind_pump.pipe",
 }
 
 

@@ -1,0 +1,338 @@
+"""A body on two crossed axes: gimbal, pan and tilt head, universal joint."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import BadInput, StepFailed
+from ..core.events import EventComponent, rk4_events
+from ..core.integrators import rk4
+from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.variables import choice, input_, output, parameter
+from .gimbal_equations import (
+    ALPHA,
+    BETA,
+    CONTACT,
+    INNER,
+    OUTER,
+    VERTICAL,
+    accelerations,
+    axis_guard,
+    axis_mode,
+    body_rates,
+    bristle_rates,
+    drives,
+    outer_momentum,
+    reactions_of_base,
+)
+
+VANISHING = 1e-9  # least inertia about the outer axis over that about the inner one
+LIMIT = 2.78  # of RK4, largest eigenvalue times step
+
+
+class Gravity(Effect):
+    """Weight of a body whose center of mass is beside the crossing of the axes; it hangs at angles zero."""
+
+    mass = parameter(2.0, "kg", "mass of the body", low=0.0)
+    distance = parameter(0.15, "m", "distance of the center of mass from the crossing of the axes, along body z", low=0.0)
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
+
+
+class Rotor(Effect):
+    """A rotor of constant momentum about the body's axis, as in a gyroscope; it does no work."""
+
+    spin_momentum = parameter(0.5, "kg.m2/s", "momentum of the rotor about the body's axis, relative to the body")
+
+
+class Viscous(Effect):
+    """Viscous damping in both axes."""
+
+    outer_coefficient = parameter(0.02, "N.m.s/rad", "damping of the outer axis", low=0.0)
+    inner_coefficient = parameter(0.02, "N.m.s/rad", "damping of the inner axis", low=0.0)
+
+
+class SmoothedFriction(Effect):
+    """Dry friction as level * tanh(rate / width): cheap, and it creeps where real friction would stick."""
+
+    excludes = ("lugre_friction", "stick_friction")
+    outer_level = parameter(0.05, "N.m", "friction of the outer axis", low=0.0)
+    inner_level = parameter(0.05, "N.m", "friction of the inner axis", low=0.0)
+    width = parameter(0.01, "rad/s", "rate over which the friction changes sign", low=1e-9)
+
+
+class LugreFriction(Effect):
+    """Dry friction by elastic bristles (LuGre); their fastest relaxation is held to one per substep."""
+
+    excludes = ("smoothed_friction", "stick_friction")
+    outer_level = parameter(0.05, "N.m", "kinetic friction of the outer axis", low=1e-9)
+    inner_level = parameter(0.05, "N.m", "kinetic friction of the inner axis", low=1e-9)
+    static_ratio = parameter(1.5, "1", "static over kinetic friction", low=1.0)
+    stiffness = parameter(200.0, "N.m/rad", "stiffness of the bristles", low=0.0)
+    damping = parameter(2.0, "N.m.s/rad", "damping of the bristles", low=0.0)
+    stribeck = parameter(0.01, "rad/s", "rate over which friction falls from static to kinetic", low=1e-9)
+
+
+class StickFriction(Effect):
+    """Dry friction with exact standstill: an axis at rest stays so until the static level is passed, found as an event."""
+
+    excludes = ("smoothed_friction", "lugre_friction")
+    outer_level = parameter(0.05, "N.m", "kinetic friction of the outer axis", low=0.0)
+    inner_level = parameter(0.05, "N.m", "kinetic friction of the inner axis", low=0.0)
+    static_ratio = parameter(1.0, "1", "static over kinetic friction", low=1.0)
+
+    outer_stuck = output("1", "1 while the outer axis stands, 0 while it turns")
+    inner_stuck = output("1", "1 while the inner axis stands, 0 while it turns")
+
+
+class Stops(Effect):
+    """Elastic stops with hysteresis: stiffness * depth * (1 + d * rate into the stop), never pulling.
+
+    Source of the law: Hunt and Crossley, ASME Journal of Applied Mechanics 42 (1975) 440-445.
+    """
+
+    outer_lower = parameter(-2.9, "rad", "lower stop of the outer axis")
+    outer_upper = parameter(2.9, "rad", "upper stop of the outer axis")
+    inner_lower = parameter(-1.3, "rad", "lower stop of the inner axis")
+    inner_upper = parameter(1.3, "rad", "upper stop of the inner axis")
+    stiffness = parameter(1000.0, "N.m/rad", "stiffness of a stop", low=0.0)
+    dissipation = parameter(0.2, "s/rad", "d, growth of the torque with the rate into the stop", low=0.0)
+
+
+class BaseMotion(Effect):
+    """The base turns about the vertical, and its point under the crossing of the axes accelerates; off, it is at rest.
+
+    Components in base axes, x and y horizontal, z down; these axes turn with the base.
+    """
+
+    requires = ("gravity",)
+    rate = input_(0.0, "rad/s", "rate of the base about the vertical, from x to y")
+    acceleration = input_(0.0, "rad/s2", "angular acceleration of the base about the vertical")
+    acceleration_x = input_(0.0, "m/s2", "acceleration of the crossing of the axes along x")
+    acceleration_y = input_(0.0, "m/s2", "acceleration of the crossing of the axes along y")
+    acceleration_z = input_(0.0, "m/s2", "acceleration of the crossing of the axes along z, downwards")
+
+
+class Payload(Effect):
+    """A port in body axes for something that turns in or on the body: it gets the body's rates and gives a moment."""
+
+    moment_x = input_(0.0, "N.m", "moment on the body about the body's x")
+    moment_y = input_(0.0, "N.m", "moment on the body about the inner axis")
+    moment_z = input_(0.0, "N.m", "moment on the body about the body's axis")
+
+    rate_x = output("rad/s", "angular velocity of the body about its x", feedthrough=("base_motion.rate",))
+    rate_y = output("rad/s", "angular velocity of the body about the inner axis", feedthrough=("base_motion.rate",))
+    rate_z = output("rad/s", "angular velocity of the body about its axis", feedthrough=("base_motion.rate",))
+
+
+_TORQUES = ("outer_torque", "inner_torque", *(f"payload.moment_{axis}" for axis in "xyz"),
+            *(f"base_motion.{n}" for n in ("rate", "acceleration", "acceleration_x", "acceleration_y", "acceleration_z")))
+
+
+class Reactions(Effect):
+    """Force and moment of the base on the joint in base axes, by Newton's and Euler's laws; frame without weight."""
+
+    requires = ("gravity",)
+    force_x = output("N", "force of the base on the joint along x", feedthrough=_TORQUES)
+    force_y = output("N", "force of the base on the joint along y", feedthrough=_TORQUES)
+    force_z = output("N", "force of the base on the joint along z, downwards", feedthrough=_TORQUES, nominal=10.0)
+    moment_x = output("N.m", "moment of the base on the joint about x", feedthrough=_TORQUES)
+    moment_y = output("N.m", "moment of the base on the joint about y", feedthrough=_TORQUES)
+    moment_z = output("N.m", "moment of the base on the joint about z", feedthrough=_TORQUES)
+
+
+class GimbalBody(EventComponent):
+    """A rigid body on two crossed axes: the outer one, angle alpha, lies in the base, the inner one, angle beta, in a frame.
+
+        outer axis vertical:    J alpha'' + (I_x - I_z) sin 2beta alpha' beta' = T_outer
+                                I_y beta'' - (I_x - I_z) sin beta cos beta alpha'² = T_inner - m g l sin beta
+                                J = J_o + I_x sin² beta + I_z cos² beta
+        outer axis horizontal:  J alpha'' - (I_x - I_z) sin 2beta alpha' beta' = T_outer - m g l sin alpha cos beta
+                                I_y beta'' + (I_x - I_z) sin beta cos beta alpha'² = T_inner - m g l cos alpha sin beta
+                                J = J_o + I_x cos² beta + I_z sin² beta
+
+    I_y: moment of inertia about the inner axis, I_z: about the body's axis, which hangs down at angles zero and carries the
+    center of mass and the rotor, I_x: about the third, all for the crossing of the axes; J_o: of the frame. A body on a joint of
+    two degrees of freedom is the subject of Akulenko, Bolotnik, Leshchenko and Palii (2020), known to us by its abstract; the
+    equations are Lagrange's, written here for this arrangement of the axes. Default numbers are a choice of ours.
+    """
+
+    title = "Body on two crossed axes"
+    system = "two_axis_joint"
+    default_stop = 5.0
+    guards_count = 2
+
+    gravity = Gravity
+    rotor = Rotor
+    viscous = Viscous
+    smoothed_friction = SmoothedFriction
+    lugre_friction = LugreFriction
+    stick_friction = StickFriction
+    stops = Stops
+    base_motion = BaseMotion
+    payload = Payload
+    reactions = Reactions
+
+    axis_orientation = choice("vertical", ("vertical", "horizontal"), "direction of the outer axis")
+    frame_inertia = parameter(0.02, "kg.m2", "moment of inertia of the frame about the outer axis", low=0.0)
+    cross_inertia = parameter(0.03, "kg.m2", "moment of inertia of the body about its x, across the other two", low=0.0)
+    inner_inertia = parameter(0.05, "kg.m2", "moment of inertia of the body about the inner axis", low=1e-12)
+    axial_inertia = parameter(0.06, "kg.m2", "moment of inertia of the body about its own axis", low=0.0)
+    start_outer_angle = parameter(0.0, "rad", "angle of the outer axis at the start")
+    start_inner_angle = parameter(0.5, "rad", "angle of the inner axis at the start")
+    start_outer_rate = parameter(0.0, "rad/s", "rate of the outer axis at the start")
+    start_inner_rate = parameter(0.0, "rad/s", "rate of the inner axis at the start")
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    outer_torque = input_(0.0, "N.m", "torque of the drive on the outer axis")
+    inner_torque = input_(0.0, "N.m", "torque of the drive on the inner axis")
+
+    outer_angle = output("rad", "angle of the outer axis")
+    inner_angle = output("rad", "angle of the inner axis")
+    outer_rate = output("rad/s", "rate of the outer axis")
+    inner_rate = output("rad/s", "rate of the inner axis")
+    outer_momentum = output("kg.m2/s", "angular momentum about the outer axis", nominal=0.1, feedthrough=("base_motion.rate",))
+
+    presets = {
+        "inertial motion": Preset(
+            {"frame_inertia": 0.02, "inner_inertia": 0.05, "cross_inertia": 0.03, "axial_inertia": 0.06},
+            "numbers of ours: the largest moment about the body's axis, so that it is stable in its turning", "inferred"),
+        "governor": Preset(
+            {"frame_inertia": 0.02, "inner_inertia": 0.06, "cross_inertia": 0.06, "axial_inertia": 0.02, "gravity.mass": 2.0,
+             "gravity.distance": 0.15, "start_inner_angle": 0.0},
+            "numbers of ours: a slender body that rises when it turns faster than 8.58 rad/s", "inferred", ("gravity",)),
+    }
+
+    def _initialize(self, t: float) -> int:
+        p, _, _, _, _, _, _, stops, *_ = self._settled()
+        smallest = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
+        if smallest < VANISHING * p.inner_inertia:
+            raise BadInput(self.name, f"an inertia about the outer axis that falls to {smallest:g} kg.m2",
+                           f"at least {VANISHING * p.inner_inertia:.3g} kg.m2 at every inner angle",
+                           "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock).")
+        if stops is not None:
+            for axis in ("outer", "inner"):
+                lower, upper = self.get(f"stops.{axis}_lower"), self.get(f"stops.{axis}_upper")
+                if not lower < upper:
+                    raise BadInput(self.name, f"stops of the {axis} axis at {lower:g} and {upper:g} rad", "first the lower")
+        return super()._initialize(t)
+
+    def initial_state(self) -> np.ndarray:
+        """Angles and rates of the parameters, bristles relaxed (x: alpha, beta, alpha', beta'[, two bristles or two modes])."""
+        p, gravity, rotor, viscous, _, lugre, stick, stops, base, payload, _ = self.settled
+        x = [p.start_outer_angle, p.start_inner_angle, p.start_outer_rate, p.start_inner_rate]
+        if lugre is not None or stick is not None:
+            x += [0.0, 0.0]
+        state = np.array(x)
+        if stick is not None:
+            _, outer, inner = drives(state, self.u[0], p, gravity, rotor, viscous, stops, base, payload)
+            state[CONTACT:] = axis_mode(0, outer, inner, state, stick), axis_mode(1, outer, inner, state, stick)
+        return state
+
+    def energy(self) -> float:
+        """Energy of motion relative to the ground, of the weight where there is gravity, of bristles and stops, J."""
+        p, gravity, _, _, _, lugre, _, stops, base, *_ = self.settled
+        alpha, beta = self.x[:2]
+        rates = np.array(body_rates(self.x, self.u[0], p, base))
+        turning = self.x[OUTER] + (self.u[0, base.u] if base is not None and p.axis_orientation == VERTICAL else 0.0)
+        energy = p.frame_inertia * turning**2 + rates**2 @ (p.cross_inertia, p.inner_inertia, p.axial_inertia)
+        if lugre is not None:
+            energy += lugre.stiffness * (self.x[CONTACT:] ** 2).sum()
+        if stops is not None:
+            outer = max(alpha - stops.outer_upper, stops.outer_lower - alpha, 0.0)
+            inner = max(beta - stops.inner_upper, stops.inner_lower - beta, 0.0)
+            energy += stops.stiffness * (outer**2 + inner**2)
+        energy *= 0.5
+        if gravity is not None:
+            down = math.cos(beta) * (1.0 if p.axis_orientation == VERTICAL else math.cos(alpha))
+            energy -= gravity.mass * gravity.acceleration * gravity.distance * down
+        return float(energy)
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
+        p, gravity, rotor, viscous, smoothed, lugre, _, stops, *_ = self._settled()
+        fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
+        stiffness, damping = np.zeros(2), np.zeros(2)
+        stiffness[1] = abs(p.cross_inertia - p.axial_inertia) * fastest**2
+        if gravity is not None:
+            stiffness += gravity.mass * gravity.acceleration * gravity.distance
+        if viscous is not None:
+            damping += viscous.outer_coefficient, viscous.inner_coefficient
+        if smoothed is not None:
+            damping += smoothed.outer_level / smoothed.width, smoothed.inner_level / smoothed.width
+        if lugre is not None:
+            stiffness, damping = stiffness + lugre.stiffness, damping + lugre.damping
+        if stops is not None:
+            stiffness += stops.stiffness
+        D = np.diag(damping)
+        if rotor is not None:
+            D += np.array([[0.0, 1.0], [-1.0, 0.0]]) * rotor.spin_momentum
+        inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
+        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
+        largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
+        return LIMIT / largest if largest > 0.0 else math.inf
+
+    def _step(self, t: float, h: float) -> int:
+        if "stick_friction" in self.on:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return gimbal_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+    def _check(self, status: int) -> None:
+        if status == NOT_FINITE:
+            raise StepFailed(self.name, self.t, "an axis turns by over a radian within a substep, or the state is not finite",
+                             "Reduce substep; where the inertia about the outer axis nearly vanishes, give the frame inertia")
+        super()._check(status)
+
+
+@kernel
+def gimbal_derivatives(t, x, u, dx, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+    """dx/dt of x = (alpha, beta, alpha', beta'[, bristles or modes]); not a number where the substep cannot follow."""
+    dx[ALPHA], dx[BETA] = x[OUTER], x[INNER]
+    dx[OUTER], dx[INNER] = accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload)
+    if max(abs(x[OUTER]), abs(x[INNER])) * p.substep > 1.0:
+        dx[OUTER] = math.nan
+    if lugre is not None:
+        dx[CONTACT], dx[CONTACT + 1] = bristle_rates(x, p, lugre)
+    if stick is not None:
+        dx[CONTACT] = dx[CONTACT + 1] = 0.0
+
+
+@kernel
+def gimbal_guards(t, x, u, g, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+    """What keeps the modes of the two axes."""
+    _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
+    g[0], g[1] = axis_guard(0, outer, inner, x, stick), axis_guard(1, outer, inner, x, stick)
+
+
+@kernel
+def gimbal_switch(which, t, x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+    """An axis has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
+    x[OUTER + which] = 0.0
+    _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
+    x[CONTACT + which] = axis_mode(which, outer, inner, x, stick)
+
+
+@kernel
+def gimbal_outputs(t, x, u, y, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+    """Angles, rates, momentum, and what the effects add."""
+    y[0], y[1], y[2], y[3] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
+    y[4] = outer_momentum(x, u, p, rotor, base)
+    if stick is not None:
+        y[stick.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
+        y[stick.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0
+    if payload is not None:
+        y[payload.y], y[payload.y + 1], y[payload.y + 2] = body_rates(x, u, p, base)
+    if reactions is not None:
+        first, second = accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload)
+        k = reactions.y
+        y[k], y[k + 1], y[k + 2], y[k + 3], y[k + 4], y[k + 5] = reactions_of_base(
+            x, u, first, second, p, gravity, rotor, base, payload)
+
+
+GimbalBody.advance = bind(rk4_events, __name__, derivatives=gimbal_derivatives, guards=gimbal_guards, switch=gimbal_switch,
+                          outputs=gimbal_outputs)
+GimbalBody.output_kernel = gimbal_outputs
+gimbal_smooth = bind(rk4, __name__, derivatives=gimbal_derivatives, outputs=gimbal_outputs)

@@ -1,0 +1,216 @@
+"""Equations of the gimbal, for numbers only: what the two axes feel, the accelerations, and the reactions of the base.
+
+Body axes: y is the inner axis, z points from the crossing of the axes to the center of mass and is the rotor's axis, x
+completes them. The outer axis lies in the body's x-z plane; its direction (c, 0, s) is all that tells a vertical outer axis
+(c = -sin beta, s = cos beta) from a horizontal one (c = cos beta, s = sin beta), except for gravity.
+Base axes: x and y horizontal, z down; a horizontal outer axis is x, a vertical one is z, and the inner axis is y at alpha = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_mode
+from ..core.kernels import kernel
+
+ALPHA, BETA, OUTER, INNER, CONTACT = range(5)  # of the state: angles, rates, and the bristles or modes of both axes
+VERTICAL = 0  # of the choice of the outer axis
+
+
+@kernel
+def axis_in_body(beta, orientation):
+    """(c, s): the outer axis in body axes is (c, 0, s)."""
+    if orientation == VERTICAL:
+        return -math.sin(beta), math.cos(beta)
+    return math.cos(beta), math.sin(beta)
+
+
+@kernel
+def frame_rates(x, u, p, base):
+    """Rates of the frame about the outer axis, the inner axis and the third, and what of their derivatives no angle's is.
+
+    In a frame at rest this is (alpha', 0, 0, 0, 0, 0).
+    """
+    if base is None:
+        return x[OUTER], 0.0, 0.0, 0.0, 0.0, 0.0
+    rate, acceleration = u[base.u], u[base.u + 1]
+    if p.axis_orientation == VERTICAL:
+        return x[OUTER] + rate, 0.0, 0.0, acceleration, 0.0, 0.0
+    sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
+    about_y, about_z = rate * sine, rate * cosine
+    return (x[OUTER], about_y, about_z, 0.0,
+            acceleration * sine + about_z * x[OUTER], acceleration * cosine - about_y * x[OUTER])
+
+
+@kernel
+def body_rates(x, u, p, base):
+    """Angular velocity of the body in body axes, rad/s."""
+    c, s = axis_in_body(x[BETA], p.axis_orientation)
+    about_outer, about_inner, about_third, _, _, _ = frame_rates(x, u, p, base)
+    return c * about_outer - s * about_third, about_inner + x[INNER], s * about_outer + c * about_third
+
+
+@kernel
+def body_moment(x, u, alpha_2, beta_2, p, rotor, base):
+    """Moment that the body's motion takes, I w' + w x (I w + h), in body axes, at the given accelerations of the angles."""
+    c, s = axis_in_body(x[BETA], p.axis_orientation)
+    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
+    wx, wy, wz = c * about_outer - s * about_third, about_inner + x[INNER], s * about_outer + c * about_third
+    outer_1 += alpha_2
+    wx_1 = c * outer_1 - s * third_1 - x[INNER] * wz
+    wz_1 = s * outer_1 + c * third_1 + x[INNER] * wx
+    wy_1 = inner_1 + beta_2
+    lx, ly, lz = p.cross_inertia * wx, p.inner_inertia * wy, p.axial_inertia * wz
+    if rotor is not None:
+        lz += rotor.spin_momentum
+    mx = p.cross_inertia * wx_1 + wy * lz - wz * ly
+    my = p.inner_inertia * wy_1 + wz * lx - wx * lz
+    mz = p.axial_inertia * wz_1 + wx * ly - wy * lx
+    return mx, my, mz
+
+
+@kernel
+def specific_force(u, gravity, base):
+    """Gravity less the acceleration of the base, in base axes, m/s²."""
+    if base is None:
+        return 0.0, 0.0, gravity.acceleration
+    return -u[base.u + 2], -u[base.u + 3], gravity.acceleration - u[base.u + 4]
+
+
+@kernel
+def stop_torque(angle, rate, lower, upper, stiffness, dissipation):
+    """Torque of the stops on an axis: stiffness * depth * (1 + dissipation * rate into the stop), never pulling."""
+    depth, into = angle - upper, rate
+    if angle < lower:
+        depth, into = lower - angle, -rate
+    if depth <= 0.0:
+        return 0.0
+    torque = max(stiffness * depth * (1.0 + dissipation * into), 0.0)
+    return torque if angle < lower else -torque
+
+
+@kernel
+def drives(x, u, p, gravity, rotor, viscous, stops, base, payload):
+    """(inertia about the outer axis, torques that set the outer and the inner axis in motion, dry friction apart).
+
+    inertia * alpha'' = first torque - friction, inner_inertia * beta'' = second torque - friction.
+    """
+    c, s = axis_in_body(x[BETA], p.axis_orientation)
+    outer_1 = frame_rates(x, u, p, base)[3]
+    mx, my, mz = body_moment(x, u, 0.0, 0.0, p, rotor, base)
+    inertia = p.frame_inertia + p.cross_inertia * c * c + p.axial_inertia * s * s
+    outer, inner = u[0] - c * mx - s * mz - p.frame_inertia * outer_1, u[1] - my
+    if gravity is not None:
+        fx, fy, fz = specific_force(u, gravity, base)
+        moment = gravity.mass * gravity.distance
+        sa, ca, sb, cb = math.sin(x[ALPHA]), math.cos(x[ALPHA]), math.sin(x[BETA]), math.cos(x[BETA])
+        if p.axis_orientation == VERTICAL:
+            outer += moment * (fy * ca - fx * sa) * sb
+            inner += moment * ((fx * ca + fy * sa) * cb - fz * sb)
+        else:
+            outer -= moment * (fy * ca + fz * sa) * cb
+            inner += moment * (fx * cb + (fy * sa - fz * ca) * sb)
+    if viscous is not None:
+        outer -= viscous.outer_coefficient * x[OUTER]
+        inner -= viscous.inner_coefficient * x[INNER]
+    if stops is not None:
+        outer += stop_torque(x[ALPHA], x[OUTER], stops.outer_lower, stops.outer_upper, stops.stiffness, stops.dissipation)
+        inner += stop_torque(x[BETA], x[INNER], stops.inner_lower, stops.inner_upper, stops.stiffness, stops.dissipation)
+    if payload is not None:
+        outer += c * u[payload.u] + s * u[payload.u + 2]
+        inner += u[payload.u + 1]
+    return inertia, outer, inner
+
+
+@kernel
+def bristle_rates(x, p, lugre):
+    """Rates of the bristles' deflections at both axes, followed no faster than the substep allows."""
+    k, ratio, fastest = lugre.stiffness, lugre.static_ratio, 1.0 / p.substep
+    outer, inner = lugre.outer_level, lugre.inner_level
+    return (lugre_rate(x[OUTER], x[CONTACT], k, outer, ratio * outer, lugre.stribeck, fastest),
+            lugre_rate(x[INNER], x[CONTACT + 1], k, inner, ratio * inner, lugre.stribeck, fastest))
+
+
+@kernel
+def accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload):
+    """(alpha'', beta''), dry friction included."""
+    inertia, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
+    if smoothed is not None:
+        outer -= smoothed_friction(x[OUTER], smoothed.outer_level, smoothed.width)
+        inner -= smoothed_friction(x[INNER], smoothed.inner_level, smoothed.width)
+    if lugre is not None:
+        first, second = bristle_rates(x, p, lugre)
+        outer -= lugre_force(x[OUTER], x[CONTACT], first, lugre.stiffness, lugre.damping, 0.0)
+        inner -= lugre_force(x[INNER], x[CONTACT + 1], second, lugre.stiffness, lugre.damping, 0.0)
+    if stick is not None:
+        outer -= stick_friction(x[CONTACT], outer, stick.outer_level)
+        inner -= stick_friction(x[CONTACT + 1], inner, stick.inner_level)
+    return outer / inertia, inner / p.inner_inertia
+
+
+@kernel
+def outer_momentum(x, u, p, rotor, base):
+    """Angular momentum of body and frame about the outer axis, kg.m²/s."""
+    c, s = axis_in_body(x[BETA], p.axis_orientation)
+    wx, _, wz = body_rates(x, u, p, base)
+    momentum = p.frame_inertia * frame_rates(x, u, p, base)[0] + c * p.cross_inertia * wx + s * p.axial_inertia * wz
+    if rotor is not None:
+        momentum += s * rotor.spin_momentum
+    return momentum
+
+
+@kernel
+def body_to_base(vx, vy, vz, x, p):
+    """A vector of body axes in base axes."""
+    sa, ca, sb, cb = math.sin(x[ALPHA]), math.cos(x[ALPHA]), math.sin(x[BETA]), math.cos(x[BETA])
+    fx, fz = cb * vx + sb * vz, cb * vz - sb * vx
+    if p.axis_orientation == VERTICAL:
+        return ca * fx - sa * vy, sa * fx + ca * vy, fz
+    return fx, ca * vy - sa * fz, sa * vy + ca * fz
+
+
+@kernel
+def reactions_of_base(x, u, alpha_2, beta_2, p, gravity, rotor, base, payload):
+    """(force, moment about the crossing of the axes) of the base on the joint, in base axes, by Newton's and Euler's laws.
+
+    The frame has inertia about the outer axis only, and no weight.
+    """
+    mx, my, mz = body_moment(x, u, alpha_2, beta_2, p, rotor, base)
+    wx, wy, wz = body_rates(x, u, p, base)
+    c, s = axis_in_body(x[BETA], p.axis_orientation)
+    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
+    wx_1 = c * (outer_1 + alpha_2) - s * third_1 - x[INNER] * wz
+    d = gravity.distance
+    ax, ay, az = body_to_base(d * (inner_1 + beta_2 + wx * wz), d * (wy * wz - wx_1), -d * (wx * wx + wy * wy), x, p)
+    gx, gy, gz = specific_force(u, gravity, base)
+    rx, ry, rz = body_to_base(0.0, 0.0, gravity.mass * d, x, p)
+    if payload is not None:
+        mx -= u[payload.u]
+        my -= u[payload.u + 1]
+        mz -= u[payload.u + 2]
+    # the frame: (outer, inner, third) moments of an inertia about its own axis alone
+    turn = p.frame_inertia * (outer_1 + alpha_2)
+    second, third = p.frame_inertia * about_outer * about_third, -p.frame_inertia * about_outer * about_inner
+    mx += c * turn - s * third
+    my += second
+    mz += s * turn + c * third
+    mx, my, mz = body_to_base(mx, my, mz, x, p)
+    m = gravity.mass
+    return (m * (ax - gx), m * (ay - gy), m * (az - gz),
+            mx - ry * gz + rz * gy, my - rz * gx + rx * gz, mz - rx * gy + ry * gx)
+
+
+@kernel
+def axis_guard(which, outer, inner, x, stick):
+    """What keeps the mode of one axis, see `stick_guard`."""
+    if which == 0:
+        return stick_guard(x[CONTACT], x[OUTER], outer, stick.static_ratio * stick.outer_level)
+    return stick_guard(x[CONTACT + 1], x[INNER], inner, stick.static_ratio * stick.inner_level)
+
+
+@kernel
+def axis_mode(which, outer, inner, x, stick):
+    """Mode of one axis at its present rate, see `stick_mode`."""
+    if which == 0:
+        return stick_mode(x[OUTER], outer, stick.static_ratio * stick.outer_level)
+    return stick_mode(x[INNER], inner, stick.static_ratio * stick.inner_level)
