@@ -1,0 +1,1 @@
+"""Remotely operated underwater vehicle."""

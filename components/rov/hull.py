@@ -1,0 +1,330 @@
+"""Hull of an underwater vehicle with six thrusters: a rigid body in water, in six degrees of freedom."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import BadInput
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind
+from ..core.rotation import quaternion_of_angles, to_body, to_world
+from ..core.variables import input_, output, parameter
+from .arrangement import columns, wrench_matrix, y_arrangement
+from .hull_equations import Hull, hull_derivatives, hull_outputs, settled_outputs
+
+POSITIONS, DIRECTIONS = map(columns, y_arrangement())
+AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+TOP_SPEED, TOP_RATE = 2.0, 2.0  # m/s, rad/s: up to these the default step is stable; faster than the vehicles of the presets
+
+
+class AddedMass(Effect):
+    """Water that moves with the hull: its inertia, inverted together with the hull's own."""
+
+    surge = parameter(5.5, "kg", "added mass along x", low=0.0)
+    sway = parameter(12.7, "kg", "added mass along y", low=0.0)
+    heave = parameter(14.57, "kg", "added mass along z", low=0.0)
+    roll = parameter(0.12, "kg.m2", "added inertia about x", low=0.0)
+    pitch = parameter(0.12, "kg.m2", "added inertia about y", low=0.0)
+    yaw = parameter(0.12, "kg.m2", "added inertia about z", low=0.0)
+
+
+class Coriolis(Effect):
+    """Coriolis and centripetal forces of the hull and, where there is added mass, of the water, Munk's moment among them.
+
+    Off, the equations hold for slow motion only.
+    """
+
+
+class LinearDrag(Effect):
+    """Drag in proportion to the speed through the water."""
+
+    surge = parameter(4.03, "N.s/m", "drag along x per speed", low=0.0)
+    sway = parameter(6.22, "N.s/m", "drag along y per speed", low=0.0)
+    heave = parameter(5.18, "N.s/m", "drag along z per speed", low=0.0)
+    roll = parameter(0.07, "N.m.s", "drag moment about x per rate", low=0.0)
+    pitch = parameter(0.07, "N.m.s", "drag moment about y per rate", low=0.0)
+    yaw = parameter(0.07, "N.m.s", "drag moment about z per rate", low=0.0)
+
+
+class QuadraticDrag(Effect):
+    """Drag in proportion to the square of the speed through the water, of each axis for itself."""
+
+    surge = parameter(18.18, "N.s2/m2", "drag along x per speed squared", low=0.0)
+    sway = parameter(21.66, "N.s2/m2", "drag along y per speed squared", low=0.0)
+    heave = parameter(36.99, "N.s2/m2", "drag along z per speed squared", low=0.0)
+    roll = parameter(1.55, "N.m.s2", "drag moment about x per rate squared", low=0.0)
+    pitch = parameter(1.55, "N.m.s2", "drag moment about y per rate squared", low=0.0)
+    yaw = parameter(1.55, "N.m.s2", "drag moment about z per rate squared", low=0.0)
+
+
+class Restoring(Effect):
+    """Weight at the centre of gravity and buoyancy at the centre of buoyancy, fully submerged."""
+
+    weight = parameter(112.8, "N", "weight", low=0.0)
+    buoyancy = parameter(114.8, "N", "buoyancy", low=0.0)
+    centre_of_buoyancy_x = parameter(0.0, "m", "centre of buoyancy ahead of the origin")
+    centre_of_buoyancy_y = parameter(0.0, "m", "centre of buoyancy to starboard of the origin")
+    centre_of_buoyancy_z = parameter(0.0, "m", "centre of buoyancy below the origin")
+
+
+class Current(Effect):
+    """Water that moves, the same everywhere: drag and added mass see the motion relative to it."""
+
+    velocity_north = input_(0.0, "m/s", "velocity of the water to the north")
+    velocity_east = input_(0.0, "m/s", "velocity of the water to the east")
+    velocity_down = input_(0.0, "m/s", "velocity of the water downwards")
+    acceleration_north = input_(0.0, "m/s2", "acceleration of the water to the north; acts on the added mass")
+    acceleration_east = input_(0.0, "m/s2", "acceleration of the water to the east; acts on the added mass")
+    acceleration_down = input_(0.0, "m/s2", "acceleration of the water downwards; acts on the added mass")
+
+
+class TetherLoad(Effect):
+    """A force at a point of the hull, in world axes, and that point's motion: where a tether attaches."""
+
+    attachment_x = parameter(-0.2, "m", "attachment ahead of the origin; a choice of ours")
+    attachment_y = parameter(0.0, "m", "attachment to starboard of the origin")
+    attachment_z = parameter(-0.1, "m", "attachment below the origin; a choice of ours")
+
+    force_north = input_(0.0, "N", "force of the tether on the hull to the north", nominal=10.0)
+    force_east = input_(0.0, "N", "force of the tether on the hull to the east", nominal=10.0)
+    force_down = input_(0.0, "N", "force of the tether on the hull downwards", nominal=10.0)
+
+    position_north = output("m", "position of the attachment to the north")
+    position_east = output("m", "position of the attachment to the east")
+    position_down = output("m", "position of the attachment downwards")
+    velocity_north = output("m/s", "velocity of the attachment to the north")
+    velocity_east = output("m/s", "velocity of the attachment to the east")
+    velocity_down = output("m/s", "velocity of the attachment downwards")
+
+
+FLOW = tuple(f"current.velocity_{way}" for way in ("north", "east", "down"))
+LOADS = (*(f"thrust[{i}]" for i in range(1, 7)), *FLOW,
+         *(f"current.acceleration_{way}" for way in ("north", "east", "down")),
+         *(f"tether.force_{way}" for way in ("north", "east", "down")),
+         *(f".{what}_{axis}" for what in ("force", "moment") for axis in "xyz"))
+
+
+class External(Effect):
+    """A further force and moment on the hull, in body axes, and the accelerations that answer at once."""
+
+    force_x = input_(0.0, "N", "force ahead", nominal=10.0)
+    force_y = input_(0.0, "N", "force to starboard", nominal=10.0)
+    force_z = input_(0.0, "N", "force downwards in body axes", nominal=10.0)
+    moment_x = input_(0.0, "N.m", "moment about x")
+    moment_y = input_(0.0, "N.m", "moment about y")
+    moment_z = input_(0.0, "N.m", "moment about z")
+
+    acceleration_x = output("m/s2", "rate of change of the surge speed", feedthrough=LOADS)
+    acceleration_y = output("m/s2", "rate of change of the sway speed", feedthrough=LOADS)
+    acceleration_z = output("m/s2", "rate of change of the heave speed", feedthrough=LOADS)
+    angular_acceleration_x = output("rad/s2", "rate of change of the roll rate", feedthrough=LOADS)
+    angular_acceleration_y = output("rad/s2", "rate of change of the pitch rate", feedthrough=LOADS)
+    angular_acceleration_z = output("rad/s2", "rate of change of the yaw rate", feedthrough=LOADS)
+
+
+def coefficients(effect: str, *values: float) -> dict[str, float]:
+    """The six numbers of an effect by name."""
+    return {f"{effect}.{axis}": value for axis, value in zip(AXES, values, strict=True)}
+
+
+WATER = ("added_mass", "coriolis", "linear_drag", "quadratic_drag", "restoring")
+
+
+class RovHull(OdeComponent):
+    """Position p in world axes (north, east, down), attitude q, velocities nu = (v, w) in body axes (ahead, starboard, down).
+
+        p' = R(q) v,   q' = q (0, w) / 2,   nu_r = nu - (R'(q) v_c, 0)
+        (M_RB + M_A) nu' = T F + tau - C_RB(nu) nu - C_A(nu_r) nu_r - D nu_r - D2 |nu_r| nu_r - g(q) + M_A (R' v_c)'
+        C nu = (w x P, w x H + v x P)  with  (P, H) = M nu
+
+    F: six thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of the water, uniform in
+    space; tau: tether and external loads. Each term below the rigid body's inertia is an effect. In accelerating water the
+    force of the pressure gradient on the displaced volume is left out, as in the source.
+    Source of the equations: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, Wiley 2011, chapters 6 to 8.
+    Source of the thrusters' places: Kabanov, Kramar, Ermakov, Drones 5 (2021) 113; see `arrangement`. Mass and drag of their
+    vehicle were not found, and the numbers of a BlueROV2 of Wu (2018) stand in for them: the default vehicle is like theirs
+    in its thrusters, not a model of it.
+    The quaternion has norm 1 at the end of every macro step. Within 0.1 degrees of the vertical roll keeps its last value and
+    yaw takes the rest, with `attitude_valid` 0.
+    """
+
+    title = "Hull of an underwater vehicle with six thrusters"
+    system = "rov"
+    default_step = 0.02
+    default_stop = 10.0
+
+    added_mass = AddedMass
+    coriolis = Coriolis
+    linear_drag = LinearDrag
+    quadratic_drag = QuadraticDrag
+    restoring = Restoring
+    current = Current
+    tether = TetherLoad
+    external = External
+
+    mass = parameter(11.5, "kg", "mass", low=1e-6)
+    inertia_x = parameter(0.16, "kg.m2", "moment of inertia about x through the origin", low=1e-9)
+    inertia_y = parameter(0.16, "kg.m2", "moment of inertia about y through the origin", low=1e-9)
+    inertia_z = parameter(0.16, "kg.m2", "moment of inertia about z through the origin", low=1e-9)
+    centre_of_gravity_x = parameter(0.0, "m", "centre of gravity ahead of the origin")
+    centre_of_gravity_y = parameter(0.0, "m", "centre of gravity to starboard of the origin")
+    centre_of_gravity_z = parameter(0.02, "m", "centre of gravity below the origin")
+    thruster_x = parameter(POSITIONS[0], "m", "place of the thruster ahead of the origin", size=6)
+    thruster_y = parameter(POSITIONS[1], "m", "place of the thruster to starboard of the origin", size=6)
+    thruster_z = parameter(POSITIONS[2], "m", "place of the thruster below the origin", size=6)
+    thruster_direction_x = parameter(DIRECTIONS[0], "1", "direction of a positive thrust on the hull, ahead", size=6)
+    thruster_direction_y = parameter(DIRECTIONS[1], "1", "direction of a positive thrust on the hull, to starboard", size=6)
+    thruster_direction_z = parameter(DIRECTIONS[2], "1", "direction of a positive thrust on the hull, downwards", size=6)
+    start_position_north = parameter(0.0, "m", "position to the north at the start")
+    start_position_east = parameter(0.0, "m", "position to the east at the start")
+    start_depth = parameter(0.0, "m", "depth at the start")
+    start_roll = parameter(0.0, "rad", "roll at the start")
+    start_pitch = parameter(0.0, "rad", "pitch at the start")
+    start_yaw = parameter(0.0, "rad", "yaw at the start, 0 to the north, positive to the east")
+    start_surge = parameter(0.0, "m/s", "speed over ground ahead at the start")
+    start_sway = parameter(0.0, "m/s", "speed over ground to starboard at the start")
+    start_heave = parameter(0.0, "m/s", "speed over ground downwards in body axes at the start")
+    start_roll_rate = parameter(0.0, "rad/s", "angular velocity about x at the start")
+    start_pitch_rate = parameter(0.0, "rad/s", "angular velocity about y at the start")
+    start_yaw_rate = parameter(0.0, "rad/s", "angular velocity about z at the start")
+    substep = parameter(0.01, "s", "longest internal step", low=1e-9, high=1.0)
+
+    thrust = input_(0.0, "N", "thrust of the thruster on the hull along its direction", nominal=10.0, size=6)
+
+    position_north = output("m", "position of the origin to the north")
+    position_east = output("m", "position of the origin to the east")
+    depth = output("m", "depth of the origin")
+    quaternion_w = output("1", "attitude, body axes to world axes: scalar part of the quaternion")
+    quaternion_x = output("1", "attitude: x of the quaternion")
+    quaternion_y = output("1", "attitude: y of the quaternion")
+    quaternion_z = output("1", "attitude: z of the quaternion")
+    surge = output("m/s", "speed over ground ahead")
+    sway = output("m/s", "speed over ground to starboard")
+    heave = output("m/s", "speed over ground downwards in body axes")
+    roll_rate = output("rad/s", "angular velocity about x")
+    pitch_rate = output("rad/s", "angular velocity about y")
+    yaw_rate = output("rad/s", "angular velocity about z")
+    roll = output("rad", "roll, in (-pi, pi]")
+    pitch = output("rad", "pitch, positive bow up, in [-pi/2, pi/2]")
+    yaw = output("rad", "yaw, in (-pi, pi]")
+    attitude_valid = output("1", "1 where roll and yaw can be told apart, 0 within 0.1 degrees of the vertical")
+    axial_speed = output("m/s", "speed of the hull at the thruster, along its direction, through the water", size=6,
+                         feedthrough=FLOW)
+
+    presets = {
+        "Wu 2018, BlueROV2 Heavy": Preset(
+            {"mass": 11.5, "inertia_x": 0.16, "inertia_y": 0.16, "inertia_z": 0.16, "centre_of_gravity_z": 0.02,
+             **coefficients("added_mass", 5.5, 12.7, 14.57, 0.12, 0.12, 0.12),
+             **coefficients("linear_drag", 4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
+             **coefficients("quadratic_drag", 18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
+             "restoring.weight": 112.8, "restoring.buoyancy": 114.8},
+            "Wu (2018), as copied in the repositories OsloMet-OceanLab/BlueROV2 and CentraleNantesROV/bluerov2; thrusters in the "
+            "Y-arrangement, which is not that vehicle's", "verbatim", WATER),
+        "von Benzon 2022, BlueROV2 Heavy": Preset(
+            {"mass": 13.5, "inertia_x": 0.26, "inertia_y": 0.23, "inertia_z": 0.37, "centre_of_gravity_z": 0.0,
+             **coefficients("added_mass", 6.36, 7.12, 18.68, 0.189, 0.135, 0.222),
+             **coefficients("linear_drag", 13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
+             **coefficients("quadratic_drag", 141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
+             "restoring.weight": 13.5 * 9.82, "restoring.buoyancy": 1000.0 * 0.0134 * 9.82,
+             "restoring.centre_of_buoyancy_z": -0.01},
+            "von Benzon et al. (2022), as copied in the repository ViktorNfa/bluerov2_dynamics, whose comments note missing "
+            "minus signs of added mass and damping, the angle of thruster 3 and one sign of the Coriolis matrix in print; here "
+            "the matrix follows from the masses. Another copy has 6.3567, 7.1206, 18.6863, 0.1858, 0.1348, 0.2215 as added mass. "
+            "Thrusters in the Y-arrangement, which is not that vehicle's", "verbatim", WATER),
+        "Li 2020, BlueROV2": Preset(
+            {**coefficients("linear_drag", 1.31, 9.14, 2.015, 0.0, 0.0, 0.0),
+             **coefficients("quadratic_drag", 38.17, 129.6, 243.2, 0.0, 0.0, 4.86)},
+            "drag of Li et al. (2020), as copied in the repository CentraleNantesROV/bluerov2, which notes that the paper has no "
+            "added mass; drag about x and y is missing too and 0 here. Mass and inertia are those of Wu (2018)", "verbatim",
+            ("coriolis", "linear_drag", "quadratic_drag")),
+    }
+
+    def _masses(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rigid body's and added mass matrix about the origin, (6, 6) each; `BadInput` where no body has such numbers."""
+        p, added = self._settled()[:2]
+        centre, inertia = _centre(p), np.diag([p.inertia_x, p.inertia_y, p.inertia_z])
+        S = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
+        about_centre = inertia + p.mass * S @ S
+        if (least := float(np.linalg.eigvalsh(about_centre)[0])) <= 0.0:
+            raise BadInput(self.name, f"moments of inertia that leave {least:.3g} kg.m2 about the centre of gravity",
+                           "positive ones", "The inertia is about the origin: that about the centre of gravity plus mass "
+                           "times the square of the distance.")
+        rigid = np.block([[p.mass * np.eye(3), -p.mass * S], [p.mass * S, inertia]])
+        return rigid, np.diag(_six(added) if added is not None else np.zeros(6))
+
+    def settle(self) -> tuple[Any, ...]:
+        """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
+        p, added, coriolis, linear, quadratic, restoring, *ports = self._settled()
+        self.rigid_mass, self.water_mass = self._masses()
+        positions = np.c_[p.thruster_x, p.thruster_y, p.thruster_z]
+        directions = np.c_[p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z]
+        inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
+        hull = Hull(p.mass, _centre(p), np.diag(self.rigid_mass)[3:].copy(), inverse,
+                    np.ascontiguousarray(wrench_matrix(positions, directions, self.name)))
+        water = [_six(effect) if effect is not None else None for effect in (added, linear, quadratic)]
+        weights = None
+        if restoring is not None:
+            weights = np.array([restoring.weight - restoring.buoyancy, *_righting(p, restoring)])
+        return hull, water[0], coriolis, water[1], water[2], weights, *ports
+
+    def initial_state(self) -> np.ndarray:
+        """The pose and the velocities given (x: position, quaternion, velocities, roll)."""
+        p = self._settled()[0]
+        attitude = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
+        return np.array([p.start_position_north, p.start_position_east, p.start_depth, *attitude, *_start_velocities(p),
+                         math.remainder(p.start_roll, 2.0 * math.pi)])
+
+    def energy(self) -> float:
+        """Energy of the hull's motion, of the water's relative to the current, and of weight and buoyancy, J."""
+        x, restoring, current = self.x, self._settled()[5], self.settled[6]
+        velocity, q = x[7:13], tuple(x[3:7])
+        relative = velocity.copy()
+        if current is not None:
+            relative[:3] -= to_body(*q, *self.u[0, current.u : current.u + 3])
+        total = 0.5 * (velocity @ self.rigid_mass @ velocity + relative @ self.water_mass @ relative)
+        if restoring is not None:
+            down = to_world(*q, *_righting(self._settled()[0], restoring))[2]
+            total -= (restoring.weight - restoring.buoyancy) * x[2] + down
+        return float(total)
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
+        p, _, _, linear, quadratic, restoring, *_ = self._settled()
+        inverse = np.linalg.inv(sum(self._masses()))
+        fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
+        drag = _six(linear) if linear is not None else np.zeros(6)
+        drag = drag + 2.0 * fastest * _six(quadratic) if quadratic is not None else drag
+        stiffness = np.zeros(6)
+        if restoring is not None:
+            stiffness[3:] = math.hypot(*_righting(p, restoring))
+        A = np.block([[np.zeros((6, 6)), np.eye(6)], [-inverse * stiffness, -inverse * drag]])
+        return float(2.78 / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
+
+
+def _six(effect: Any) -> np.ndarray:
+    """The six coefficients of an effect, (6,)."""
+    return np.array([getattr(effect, axis) for axis in AXES])
+
+
+def _start_velocities(p: Any) -> np.ndarray:
+    """Velocities at the start in body axes, (6,)."""
+    return np.array([p.start_surge, p.start_sway, p.start_heave, p.start_roll_rate, p.start_pitch_rate, p.start_yaw_rate])
+
+
+def _centre(p: Any) -> np.ndarray:
+    """Centre of gravity, (3,), m."""
+    return np.array([p.centre_of_gravity_x, p.centre_of_gravity_y, p.centre_of_gravity_z])
+
+
+def _righting(p: Any, restoring: Any) -> np.ndarray:
+    """Weight times its place less buoyancy times its place, (3,), N m: the moment is this times the downward direction."""
+    buoyancy = np.array([restoring.centre_of_buoyancy_x, restoring.centre_of_buoyancy_y, restoring.centre_of_buoyancy_z])
+    return restoring.weight * _centre(p) - restoring.buoyancy * buoyancy
+
+
+RovHull.advance = bind(rk4, __name__, derivatives=hull_derivatives, outputs=settled_outputs)
+RovHull.output_kernel = hull_outputs
