@@ -26,6 +26,7 @@ CATALOGUE = {
     "AddedMassForce": "rov.added_mass",
     "Thruster": "rov.thruster",
     "WaterCurrent": "rov.current",
+    "RovController": "rov.controller",
     "WindTurbine": "wind_pump.turbine",
     "Wind": "wind_pump.wind",
     "FixedTransmission": "wind_pump.fixed",

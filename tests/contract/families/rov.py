@@ -5,6 +5,7 @@ from __future__ import annotations
 from . import Facts
 
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")
 PUSHED = {"thrust[1]": 3.0, "thrust[2]": -5.0, "thrust[4]": 8.0, "thrust[5]": 2.0}
 NO_WEIGHT = {"restoring.weight": 0.0, "restoring.buoyancy": 0.0}
 
@@ -51,5 +52,13 @@ FACTS: dict[str, Facts] = {
         strengths={"tide.amplitude": ({}, 1e-3), "gust.amplitude": ({}, 1e-3)},
         structural=frozenset({"ramp"}),
         form=frozenset({"tide.period", "tide.phase", "tide.direction", "gust.start_time", "gust.duration", "gust.direction"}),
+    ),
+    "RovController": Facts(
+        plain=(("inverse_curve", "manoeuvre"), {"period": 2e-3, "manoeuvre.time[2]": 10.0, "manoeuvre.pitch[2]": 1.0}, 20),
+        disturbance={"position_north": 0.3, "depth": -0.2, "quaternion_x": 0.1, "yaw_rate": 0.05},
+        step=0.02,
+        strengths={f"manoeuvre.{way}[2]": ({"manoeuvre.time[2]": 2.0}, 1e-4) for way in WAYS},
+        structural=frozenset({"inverse_curve"}),
+        form=frozenset({"manoeuvre.time"}),
     ),
 }

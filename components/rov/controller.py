@@ -1,0 +1,297 @@
+"""Station keeping in six degrees of freedom: a sampled PID controller of pose, and the allocation of its wrench to thrusters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.errors import BadInput
+from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from ..core.rotation import quaternion_of_angles, to_body, to_world
+from ..core.variables import input_, output, parameter
+from .allocation import THRUSTERS, allocate, allocations, chosen
+from .arrangement import columns, wrench_matrix, y_arrangement
+from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_command
+
+POSES = 8
+WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")
+POSITIONS, DIRECTIONS = (columns(table) for table in y_arrangement())
+# the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale
+NEXT, COMMANDS, INTEGRALS, ERRORS, SCALE, STATES = 0, 1, 7, 13, 19, 20
+
+
+class InverseCurve(Effect):
+    """Commands from the inverse of the thrusters' static curve, which steps over its dead band; off: in proportion to the limits.
+
+    Numbers: T200 at 16 V, those of the effect `static_curve` of a thruster.
+    """
+
+    command = parameter(T200_COMMAND, "1", "command of a row, not decreasing", size=ROWS, low=-1.0, high=1.0)
+    thrust = parameter(T200_THRUST, "N", "thrust of a row, not decreasing", size=ROWS, nominal=10.0)
+
+
+class Manoeuvre(Effect):
+    """The set point moves through poses that are added to the constant one; each leg as 3 s² - 2 s³, at rest at both ends.
+
+    Before the first time the first pose holds, after the last the last. Rows of equal time are a jump. A table with fewer
+    rows than the arrays leaves the rest at 0. Angles are interpolated as roll, pitch and yaw.
+    """
+
+    time = parameter(0.0, "s", "time of a pose, not decreasing", size=POSES)
+    north = parameter(0.0, "m", "way to the north from the constant set point", size=POSES)
+    east = parameter(0.0, "m", "way to the east from it", size=POSES)
+    depth = parameter(0.0, "m", "way down from it", size=POSES)
+    roll = parameter(0.0, "rad", "roll added to it", size=POSES)
+    pitch = parameter(0.0, "rad", "pitch added to it", size=POSES)
+    yaw = parameter(0.0, "rad", "yaw added to it", size=POSES)
+
+
+class RovController(Component):
+    """PID controller of position and attitude with allocation to six thrusters, sampled, its commands held in between.
+
+        force  = R' (I_p) + K_p R' (p_set - p) + K_v (R' p_set' - v),    I_p' = R K_i R' (p_set - p) + anti-windup
+        moment = I_a + K_a e + K_w (w_set - w),                          I_a' = K_j e + anti-windup
+
+    R turns body axes into north, east, down; e is the rotation vector from the present attitude to the wanted one, on the
+    shorter way whichever sign the quaternion has. The integral of the position lives in north, east, down, where currents
+    do. What limits and lost thrusters keep back of the wrench flows back into the integrals (back-calculation), so that they do
+    not wind up. Samples are taken at the start and at whole multiples of the period; outputs at such an instant are its own.
+
+    Defaults: gains for about 1.2 rad/s in position and 3 rad/s in attitude of a vehicle of 11.5 kg with its added mass, the
+    Y-arrangement, T200 thrusters; all but the arrangement and the thrusters are choices of ours.
+    """
+
+    title = "Controller of an underwater vehicle"
+    system = "rov"
+    counters = ("steps", "samples")
+    default_step = 0.02
+    default_stop = 10.0
+
+    inverse_curve = InverseCurve
+    manoeuvre = Manoeuvre
+
+    period = parameter(0.02, "s", "time between samples", low=1e-5)
+    set_north = parameter(0.0, "m", "set point to the north")
+    set_east = parameter(0.0, "m", "set point to the east")
+    set_depth = parameter(0.0, "m", "set point of the depth")
+    set_roll = parameter(0.0, "rad", "set point of the roll")
+    set_pitch = parameter(0.0, "rad", "set point of the pitch")
+    set_yaw = parameter(0.0, "rad", "set point of the heading")
+    position_gain = parameter((24.0, 34.0, 37.0), "N/m", "force per error, along surge, sway, heave", size=3, low=0.0,
+                              nominal=10.0)
+    velocity_gain = parameter((35.0, 50.0, 55.0), "N.s/m", "force per error of the velocity", size=3, low=0.0, nominal=10.0)
+    position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3,
+                                       low=0.0)
+    attitude_gain = parameter(2.5, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
+    rate_gain = parameter(1.4, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
+    attitude_integral_gain = parameter(1.0, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
+    unwinding_time = parameter(1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3)
+    priority = parameter((1.0, 1.0, 10.0, 1.0, 1.0, 50.0), "1",
+                         "weight of an axis's error where not all can be had; surge, sway, heave per N, roll, pitch, yaw per N.m",
+                         size=6, low=1e-6)
+    forward_limit = parameter(51.44, "N", "largest thrust ahead that is asked of a thruster", low=1e-6, nominal=10.0)
+    reverse_limit = parameter(39.90, "N", "largest thrust astern", low=1e-6, nominal=10.0)
+    thruster_x = parameter(POSITIONS[0], "m", "place of a thruster, ahead", size=THRUSTERS)
+    thruster_y = parameter(POSITIONS[1], "m", "place of a thruster, to starboard", size=THRUSTERS)
+    thruster_z = parameter(POSITIONS[2], "m", "place of a thruster, down", size=THRUSTERS)
+    thruster_direction_x = parameter(DIRECTIONS[0], "1", "direction of thrust, ahead", size=THRUSTERS)
+    thruster_direction_y = parameter(DIRECTIONS[1], "1", "direction of thrust, to starboard", size=THRUSTERS)
+    thruster_direction_z = parameter(DIRECTIONS[2], "1", "direction of thrust, down", size=THRUSTERS)
+
+    position_north = input_(0.0, "m", "position to the north")
+    position_east = input_(0.0, "m", "position to the east")
+    depth = input_(0.0, "m", "depth")
+    quaternion_w = input_(1.0, "1", "attitude, body to north, east, down")
+    quaternion_x = input_(0.0, "1", "attitude")
+    quaternion_y = input_(0.0, "1", "attitude")
+    quaternion_z = input_(0.0, "1", "attitude")
+    surge = input_(0.0, "m/s", "velocity ahead")
+    sway = input_(0.0, "m/s", "velocity to starboard")
+    heave = input_(0.0, "m/s", "velocity down the body's axis")
+    roll_rate = input_(0.0, "rad/s", "rate of roll")
+    pitch_rate = input_(0.0, "rad/s", "rate of pitch")
+    yaw_rate = input_(0.0, "rad/s", "rate of yaw")
+    available = input_(1.0, "1", "1 where the thruster is there, 0 where it has failed", size=THRUSTERS)
+
+    command = output("1", "command of a thruster, -1 to 1", size=THRUSTERS)
+    error_north = output("m", "wanted position less the present one, to the north, at the last sample")
+    error_east = output("m", "the same to the east")
+    error_down = output("m", "the same downwards")
+    error_roll = output("rad", "rotation from the present attitude to the wanted one, about the body's x")
+    error_pitch = output("rad", "the same about y")
+    error_yaw = output("rad", "the same about z")
+    scale = output("1", "share of the wanted wrench that the limits of the thrusters allow")
+
+    def settle(self) -> tuple[Any, ...]:
+        """What the kernel gets: the control law, then the effects; curve and table of poses are checked."""
+        p, inverse, manoeuvre = self._settled()
+        if inverse is not None:
+            check_curve(inverse.command, inverse.thrust, f"{self.name}: inverse_curve")
+        course = None if manoeuvre is None else self._course(manoeuvre)
+        positions = np.stack((p.thruster_x, p.thruster_y, p.thruster_z), axis=1)
+        directions = np.stack((p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z), axis=1)
+        matrix = wrench_matrix(positions, directions, self.name)
+        law = Law(
+            p.period, np.array([p.set_north, p.set_east, p.set_depth, p.set_roll, p.set_pitch, p.set_yaw]),
+            np.concatenate((p.position_gain, p.attitude_gain)), np.concatenate((p.velocity_gain, p.rate_gain)),
+            np.concatenate((p.position_integral_gain, p.attitude_integral_gain)), p.unwinding_time,
+            np.ascontiguousarray(matrix), allocations(matrix, p.priority), p.forward_limit, p.reverse_limit)
+        return law, inverse, course
+
+    def _course(self, manoeuvre: Any) -> Course:
+        """Times and poses of the manoeuvre, its last row repeated to the end; an earlier time that is not 0 is refused."""
+        poses = np.stack([getattr(manoeuvre, way) for way in WAYS], axis=1)
+        falls = np.flatnonzero(np.diff(manoeuvre.time) < 0.0)
+        end = int(falls[0]) if falls.size else POSES - 1
+        if manoeuvre.time[end + 1 :].any() or poses[end + 1 :].any():
+            came = f"time[{end + 1}] = {manoeuvre.time[end]:g} s, then {manoeuvre.time[end + 1]:g} s"
+            raise BadInput(f"{self.name}: manoeuvre", came, "times that do not decrease, and zeros behind the last row")
+        rows = np.minimum(np.arange(POSES), end)
+        return Course(manoeuvre.time[rows], poses[rows])
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self.settle()
+        self._work = np.zeros((6, max(self.u.shape[1], POSES)))
+        self.x = np.zeros(STATES)
+        first = math.ceil(t / self.settled[0].period * (1.0 - 1e-12))
+        self.x[NEXT] = first + 1 if math.isclose(first * self.settled[0].period, t, rel_tol=1e-12, abs_tol=1e-12) else first
+        control_sample(t, self.u[0], self.x, self._work, *self.settled)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        return control(t, h, self.u, self.x, self.y, self._work, self.counts, *self.settled)
+
+    def _outputs(self, t: float) -> None:
+        self.y[:] = self.x[COMMANDS:INTEGRALS].tolist() + self.x[ERRORS:].tolist()
+
+
+@kernel_tuple
+class Law(NamedTuple):
+    """The control law for the kernels; gains (6,): surge, sway, heave, roll, pitch, yaw."""
+
+    period: float
+    set_point: np.ndarray  # (6,) north, east, depth, roll, pitch, yaw
+    gain: np.ndarray
+    rate_gain: np.ndarray
+    integral_gain: np.ndarray
+    unwinding_time: float
+    matrix: np.ndarray  # (6, 6), wrench per thrust
+    allocations: np.ndarray  # (64, 6, 6), thrusts per wrench
+    forward_limit: float
+    reverse_limit: float
+
+
+@kernel_tuple
+class Course(NamedTuple):
+    """Times, (8,), and poses, (8, 6), of a manoeuvre for the kernels."""
+
+    time: np.ndarray
+    pose: np.ndarray
+
+
+NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
+    "position_north", "quaternion_w", "surge", "roll_rate", "available[1]"
+)
+
+
+@kernel
+def wanted(t, set_point, course, pose, rate):
+    """Set point at time t: pose (6,), and its rate of change, (6,), angles as roll, pitch, yaw."""
+    for j in range(6):
+        pose[j], rate[j] = set_point[j], 0.0
+    if course is not None:
+        i = 0
+        while i < POSES and course.time[i] <= t:
+            i += 1
+        before, after = max(i - 1, 0), min(i, POSES - 1)
+        length = course.time[after] - course.time[before]
+        share, share_rate = 0.0, 0.0
+        if length > 0.0:
+            s = (t - course.time[before]) / length
+            share, share_rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / length
+        for j in range(6):
+            way = course.pose[after, j] - course.pose[before, j]
+            pose[j] += course.pose[before, j] + share * way
+            rate[j] = share_rate * way
+
+
+@kernel
+def turn_between(w, x, y, z, a, b, c, d):
+    """Rotation vector from the attitude (w, x, y, z) to the attitude (a, b, c, d), in the axes of the first, rad.
+
+    Both signs of either quaternion are one attitude and give one answer, at most half a turn long.
+    """
+    ew = w * a + x * b + y * c + z * d
+    ex = w * b - x * a - y * d + z * c
+    ey = w * c - y * a - z * b + x * d
+    ez = w * d - z * a - x * c + y * b
+    if ew < 0.0:
+        ew, ex, ey, ez = -ew, -ex, -ey, -ez
+    size = math.sqrt(ex * ex + ey * ey + ez * ez)
+    scale = 2.0 * math.atan2(size, ew) / size if size > 0.0 else 0.0
+    return scale * ex, scale * ey, scale * ez
+
+
+@kernel
+def control_sample(t, u, x, work, law, inverse, course):
+    """One sample at time t with the inputs u, (m,): commands, integrals and errors in x."""
+    pose, rate, wrench, thrust, given = work[1], work[2], work[3], work[4], work[5]
+    wanted(t, law.set_point, course, pose, rate)
+    qw, qx, qy, qz = u[QUATERNION], u[QUATERNION + 1], u[QUATERNION + 2], u[QUATERNION + 3]
+    x[ERRORS], x[ERRORS + 1], x[ERRORS + 2] = pose[0] - u[NORTH], pose[1] - u[NORTH + 1], pose[2] - u[NORTH + 2]
+    a, b, c, d = quaternion_of_angles(pose[3], pose[4], pose[5])
+    x[ERRORS + 3], x[ERRORS + 4], x[ERRORS + 5] = turn_between(qw, qx, qy, qz, a, b, c, d)
+
+    e = to_body(qw, qx, qy, qz, x[ERRORS], x[ERRORS + 1], x[ERRORS + 2])
+    v = to_body(qw, qx, qy, qz, rate[0], rate[1], rate[2])
+    f = to_body(qw, qx, qy, qz, x[INTEGRALS], x[INTEGRALS + 1], x[INTEGRALS + 2])
+    # angular velocity of the wanted attitude in its own axes, then in the world's, then in the body's
+    sr, cr, sp, cp = math.sin(pose[3]), math.cos(pose[3]), math.sin(pose[4]), math.cos(pose[4])
+    turn = to_world(a, b, c, d, rate[3] - rate[5] * sp, rate[4] * cr + rate[5] * cp * sr, rate[5] * cp * cr - rate[4] * sr)
+    turn = to_body(qw, qx, qy, qz, turn[0], turn[1], turn[2])
+    for j in range(3):
+        wrench[j] = f[j] + law.gain[j] * e[j] + law.rate_gain[j] * (v[j] - u[SURGE + j])
+        k = j + 3
+        wrench[k] = x[INTEGRALS + k] + law.gain[k] * x[ERRORS + k] + law.rate_gain[k] * (turn[j] - u[ROLL_RATE + j])
+
+    table = law.allocations[chosen(u, AVAILABLE)]
+    x[SCALE] = allocate(wrench, table, law.matrix, law.forward_limit, law.reverse_limit, thrust, given)
+    for i in range(THRUSTERS):
+        if inverse is not None:
+            x[COMMANDS + i] = curve_command(thrust[i], inverse.command, inverse.thrust)
+        else:
+            x[COMMANDS + i] = thrust[i] / (law.forward_limit if thrust[i] > 0.0 else law.reverse_limit)
+
+    for j in range(6):
+        given[j] = (given[j] - wrench[j]) / law.unwinding_time
+    gained = to_world(qw, qx, qy, qz, law.integral_gain[0] * e[0] + given[0], law.integral_gain[1] * e[1] + given[1],
+                      law.integral_gain[2] * e[2] + given[2])
+    for j in range(3):
+        x[INTEGRALS + j] += law.period * gained[j]
+        x[INTEGRALS + 3 + j] += law.period * (law.integral_gain[3 + j] * x[ERRORS + 3 + j] + given[3 + j])
+
+
+@kernel
+def control(t, h, u, x, y, work, counts, law, inverse, course):
+    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
+    now = work[0]
+    while x[NEXT] * law.period <= t + h + 1e-9 * law.period:
+        s = min(max(x[NEXT] * law.period - t, 0.0), h)
+        for j in range(u.shape[1]):
+            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        control_sample(x[NEXT] * law.period, now, x, work, law, inverse, course)
+        x[NEXT] += 1.0
+        counts[1] += 1
+    counts[0] += 1
+    hold_inputs(u, h)
+    for i in range(THRUSTERS):
+        y[i] = x[COMMANDS + i]
+    for j in range(7):
+        y[THRUSTERS + j] = x[ERRORS + j]
+    for j in range(STATES):
+        if not math.isfinite(x[j]):
+            return NOT_FINITE
+    return DONE
