@@ -89,7 +89,7 @@ def rk4_events(t, h, n, k, x, u, y, work, counts, p, *effects):
                 rk4_step(t, s, cut, x, end, u, work, p, *effects)
                 counts[1] += 4
                 low = cut
-                first, _ = lowest_guard(t, s + cut, end, u, g, us, p, *effects)
+                first, now = lowest_guard(t, s + cut, end, u, g, us, p, *effects)  # it may be another that falls
             taken = 0.0
             if first > 0.0:
                 high, low_value, high_value, side = left, first, last, 0

@@ -29,7 +29,20 @@ FACTS: dict[str, Facts] = {
         },
         form=frozenset({"gravity.distance", "gravity.acceleration", "smoothed_friction.width", "stick_friction.static_ratio",
                         "stops.outer_lower", "stops.inner_lower", "stops.outer_upper", "stops.inner_upper", "stops.dissipation",
-                        *(f"lugre_friction.{n}" for n in ("outer_level", "inner_level", "static_ratio", "stribeck"))}),
+                        *(f"lugre_friction.{n}" for n in ("outer_level", "inner_level", "static_ratio", "stribeck_rate"))}),
+    ),
+    "TorqueMotor": Facts(
+        plain=(("inductance", "saturation"), {}, 20),
+        disturbance={"voltage": 6.0, "rate": 2.0},
+        structural=frozenset({"inductance"}),  # tends to none with the inductance, but in steps that become as short
+        form=frozenset({ "saturation.voltage", "saturation.current"}),
+    ),
+    "GimbalController": Facts(
+        plain=(("scan",), {}, 20),
+        disturbance={"outer_angle": 1e-3, "inner_angle": -2e-3, "outer_rate": 0.01},
+        strengths={f"scan.{axis}_amplitude": ({f"scan.{other}_amplitude": 0.0}, 1e-5)
+                   for axis, other in (("outer", "inner"), ("inner", "outer"))},
+        form=frozenset(f"scan.{axis}_{what}" for axis in ("outer", "inner") for what in ("frequency", "phase")),
     ),
     "TwoLinkChain": Facts(
         plain=(("gravity", "viscous", "stick_friction", "stops", "reactions"), {"start_second_angle": 0.3}, 20),
@@ -47,7 +60,8 @@ FACTS: dict[str, Facts] = {
             "lugre_friction.damping": ({"lugre_friction.stiffness": 0.0}, 1e-4),
         },
         structural=frozenset({"reactions"}),
-        form=frozenset({"smoothed_friction.width", "stick_friction.static_ratio", "stops.lower", "stops.upper", "stops.dissipation",
+        form=frozenset({"smoothed_friction.width", "stick_friction.static_ratio",
+                        *(f"stops.{n}" for n in ("lower", "upper", "dissipation")),
                         *(f"lugre_friction.{n}" for n in ("first_level", "second_level", "static_ratio", "stribeck_rate"))}),
     ),
     "PlanarLink": Facts(

@@ -1,0 +1,230 @@
+"""Two links in a plane, one behind the other: a double pendulum, or without gravity a horizontal manipulator."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import BadInput
+from ..core.events import EventComponent, rk4_events
+from ..core.kernels import bind
+from ..core.variables import input_, output, parameter
+from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_outputs, chain_switch, mass_matrix
+
+FRICTION = ("smoothed_friction", "lugre_friction", "stick_friction")
+
+
+class Gravity(Effect):
+    """Weight, against y: the chain hangs. Without it the plane is horizontal."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
+
+
+class Viscous(Effect):
+    """Damping in the joints in proportion to their rates; the second joint's rate is that of the links against each other."""
+
+    first = parameter(0.1, "N.m.s/rad", "damping of the first joint", low=0.0)
+    second = parameter(0.05, "N.m.s/rad", "damping of the second joint", low=0.0)
+
+
+class SmoothedFriction(Effect):
+    """Dry friction as level * tanh(rate / width): quick, but a joint under load creeps instead of standing."""
+
+    excludes = ("lugre_friction", "stick_friction")
+
+    first_level = parameter(0.1, "N.m", "friction torque of the first joint", low=0.0)
+    second_level = parameter(0.1, "N.m", "friction torque of the second joint", low=0.0)
+    width = parameter(0.01, "rad/s", "rate at which the friction has 76 % of its level", low=1e-9)
+
+
+class LuGreFriction(Effect):
+    """Dry friction by bristles (Canudas de Wit and others, 1995): joints stand on a stiff spring and break loose."""
+
+    excludes = ("smoothed_friction", "stick_friction")
+
+    first_level = parameter(0.1, "N.m", "kinetic friction torque of the first joint", low=0.0)
+    second_level = parameter(0.1, "N.m", "kinetic friction torque of the second joint", low=0.0)
+    static_ratio = parameter(1.5, "1", "static over kinetic friction", low=1.0)
+    stribeck_rate = parameter(0.01, "rad/s", "rate over which static falls to kinetic friction", low=1e-9)
+    stiffness = parameter(1000.0, "N.m/rad", "stiffness of the bristles", low=0.0)
+    damping = parameter(2.0, "N.m.s/rad", "damping of the bristles", low=0.0)
+
+
+class StickFriction(Effect):
+    """Dry friction with exact standstill: a joint at rest stays there to the last bit until the static level is reached."""
+
+    excludes = ("smoothed_friction", "lugre_friction")
+
+    first_level = parameter(0.1, "N.m", "kinetic friction torque of the first joint", low=0.0)
+    second_level = parameter(0.1, "N.m", "kinetic friction torque of the second joint", low=0.0)
+    static_ratio = parameter(1.0, "1", "static over kinetic friction", low=1.0)
+
+
+class Stops(Effect):
+    """Elastic stops of the second joint, stiffness * depth * (1 + dissipation * rate of the depth), never pulling."""
+
+    lower = parameter(-math.pi / 2.0, "rad", "lower stop of the second link's angle against the first")
+    upper = parameter(math.pi / 2.0, "rad", "upper stop of the second link's angle against the first")
+    stiffness = parameter(1000.0, "N.m/rad", "stiffness of the stops", low=0.0)
+    dissipation = parameter(0.1, "s/rad", "losses of the stops; about 3 (1 - restitution) / (2 rate of the impact)", low=0.0)
+
+
+TORQUES = ("first_torque", "second_torque")
+
+
+class Reactions(Effect):
+    """Loads of the joints by Newton's and Euler's equations: of the ground on the first link, of the first on the second."""
+
+    first_x = output("N", "force of the ground on the first link along x", nominal=10.0, feedthrough=TORQUES)
+    first_y = output("N", "force of the ground on the first link along y", nominal=10.0, feedthrough=TORQUES)
+    first_moment = output("N.m", "torque of the ground on the first link, motor and losses together", feedthrough=TORQUES)
+    second_x = output("N", "force of the first link on the second along x", nominal=10.0, feedthrough=TORQUES)
+    second_y = output("N", "force of the first link on the second along y", nominal=10.0, feedthrough=TORQUES)
+    second_moment = output("N.m", "torque of the first link on the second, motor and losses together", feedthrough=TORQUES)
+
+
+class TwoLinkChain(EventComponent):
+    """Two rigid links in a plane with rotary joints; angles from the downward vertical (from -y), positive from x to y.
+
+        M a + h + D w + G = (T1 - T2, T2),   a, w: accelerations and rates of the absolute angles th1, th2
+        M = [[I1 + m1 a1² + m2 l1², m2 l1 a2 cos(th1 - th2)], [.., I2 + m2 a2²]]
+        h = m2 l1 a2 sin(th1 - th2) (w2², -w1²),    D = [[d1 + d2, -d2], [-d2, d2]]
+        G = g ((m1 a1 + m2 l1) sin th1, m2 a2 sin th2)
+
+    I is about the centre of mass, a its distance from the joint before. The motor T2 acts on the second link and back on the
+    first; its rate, for the power, is `relative_rate`. The double pendulum is chaotic: from a high start two runs that differ
+    in rounding part after some seconds, and what remains comparable is energy and angular momentum.
+    The equations are classical. Akulenko, Bolotnik, Leshchenko, Palii (2020) treat a body on a two-axis joint with damping; of
+    that paper only the abstract was at hand, and no number here is from it. Numbers of friction and stops are a choice of ours.
+    """
+
+    title = "Two-link chain"
+    system = "two_axis_joint"
+    default_stop = 10.0
+    guards_count = 2
+
+    gravity = Gravity
+    viscous = Viscous
+    smoothed_friction = SmoothedFriction
+    lugre_friction = LuGreFriction
+    stick_friction = StickFriction
+    stops = Stops
+    reactions = Reactions
+
+    first_mass = parameter(1.0, "kg", "mass of the first link", low=0.0)
+    first_length = parameter(1.0, "m", "distance of the second joint from the first", low=1e-9)
+    first_centre = parameter(1.0, "m", "distance of the first link's centre of mass from the first joint", low=0.0)
+    first_inertia = parameter(0.0, "kg.m2", "moment of inertia of the first link about its centre of mass", low=0.0)
+    second_mass = parameter(1.0, "kg", "mass of the second link", low=0.0)
+    second_length = parameter(1.0, "m", "distance of the tip from the second joint", low=1e-9)
+    second_centre = parameter(1.0, "m", "distance of the second link's centre of mass from the second joint", low=0.0)
+    second_inertia = parameter(0.0, "kg.m2", "moment of inertia of the second link about its centre of mass", low=0.0)
+    start_first_angle = parameter(0.0, "rad", "first link's angle at the start")
+    start_second_angle = parameter(0.0, "rad", "second link's angle at the start, absolute as the first one's")
+    start_first_rate = parameter(0.0, "rad/s", "first link's rate at the start")
+    start_second_rate = parameter(0.0, "rad/s", "second link's rate at the start, absolute")
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    first_torque = input_(0.0, "N.m", "motor torque in the first joint", nominal=1.0)
+    second_torque = input_(0.0, "N.m", "motor torque in the second joint, on the second link", nominal=1.0)
+
+    first_angle = output("rad", "angle of the first link")
+    second_angle = output("rad", "angle of the second link, absolute")
+    first_rate = output("rad/s", "rate of the first link, and of its joint", nominal=3.0)
+    second_rate = output("rad/s", "rate of the second link, absolute", nominal=3.0)
+    relative_angle = output("rad", "angle of the second link against the first")
+    relative_rate = output("rad/s", "rate of the second joint", nominal=3.0)
+    tip_x = output("m", "place of the tip, horizontal")
+    tip_y = output("m", "place of the tip, upwards")
+    tip_velocity_x = output("m/s", "velocity of the tip along x", nominal=3.0)
+    tip_velocity_y = output("m/s", "velocity of the tip along y", nominal=3.0)
+    angular_momentum = output("N.m.s", "angular momentum about the first joint", nominal=3.0)
+    mechanical_energy = output("J", "kinetic energy, height above the hanging chain, bending of the stops", nominal=10.0)
+
+    presets = {
+        "equal point masses": Preset(
+            {"first_mass": 1.0, "second_mass": 1.0, "first_length": 1.0, "second_length": 1.0, "first_centre": 1.0,
+             "second_centre": 1.0, "first_inertia": 0.0, "second_inertia": 0.0},
+            "textbook double pendulum of equal masses and lengths, here 1 kg and 1 m", "computed", ("gravity",)),
+        "equal rods": Preset(
+            {"first_mass": 1.0, "second_mass": 1.0, "first_length": 1.0, "second_length": 1.0, "first_centre": 0.5,
+             "second_centre": 0.5, "first_inertia": 1.0 / 12.0, "second_inertia": 1.0 / 12.0},
+            "textbook double pendulum of uniform rods, here 1 kg and 1 m", "computed", ("gravity",)),
+        "proportional damping": Preset(
+            {"first_mass": 1.0, "second_mass": 1.0, "first_length": 1.0, "second_length": 1.0, "first_centre": 1.0,
+             "second_centre": 1.0, "first_inertia": 0.0, "second_inertia": 0.0, "viscous.first": 0.05, "viscous.second": 0.05},
+            "equal point masses with equal joint dampers: D = d (2 K / g - M), whose small motion has an exact solution",
+            "computed", ("gravity", "viscous")),
+    }  # fmt: skip
+
+    def initial_state(self) -> np.ndarray:
+        """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
+        p, *_, lugre, stick, stops, _ = self.settled
+        self._check_inertia()
+        first, second = p.start_first_angle, p.start_second_angle - p.start_first_angle
+        if stops is not None and not stops.lower <= second <= stops.upper:
+            raise BadInput(self.name, f"the second link at {second:g} rad against the first at the start",
+                           f"an angle between its stops, {stops.lower:g} and {stops.upper:g} rad")
+        x = [first, second, p.start_first_rate, p.start_second_rate - p.start_first_rate]
+        if lugre is None and stick is None:
+            return np.array(x)
+        state = np.array([*x, 0.0, 0.0])
+        if stick is not None:
+            state[4:] = np.sign(state[2:4])
+            g = np.empty(2)
+            for _ in range(4):  # of two joints at rest none, one or both break loose at once
+                chain_guards(self.t, state, self.u[0], g, *self.settled)
+                if g.min() >= 0.0:
+                    break
+                chain_switch(int(g.argmin()), self.t, state, self.u[0], *self.settled)
+        return state
+
+    def _check_inertia(self) -> None:
+        p = self.settled[0]
+        m11, _, m22, stretched = mass_matrix(0.0, p)
+        if stretched <= 1e-12 * m11 * m22:  # also both zero
+            came = "links without inertia: the mass matrix of the stretched chain is singular"
+            raise BadInput(self.name, came, "a mass or an inertia at both links that does not vanish",
+                           "Give first_inertia, or second_inertia, or a first_mass away from the joint.")
+
+    def energy(self) -> float:
+        """Kinetic energy, height above the hanging chain and bending of the stops, J; bristles are not counted."""
+        p, gravity, *_, stops, _ = self.settled
+        return float(chain_energy(self.x, p, gravity, stops))
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
+
+        Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
+        """
+        p, gravity, viscous, smoothed, lugre, _, stops, _ = self._settled()
+        m11, m12, m22, determinant = mass_matrix(0.0, p)
+        g = abs(gravity.acceleration) if gravity is not None else 0.0
+        second = p.second_mass * p.second_centre
+        turning = max(p.start_first_rate**2, p.start_second_rate**2) + 4.0 * g / (p.first_length + p.second_length)
+        k = g * np.array([[p.first_mass * p.first_centre + p.second_mass * p.first_length + second, second], [second, second]])
+        k[1, 1] += second * p.first_length * turning
+        c = np.zeros(2)
+        if viscous is not None:
+            c += viscous.first, viscous.second
+        if smoothed is not None:
+            c += np.array([smoothed.first_level, smoothed.second_level]) / smoothed.width
+        if lugre is not None:
+            k += lugre.stiffness * np.eye(2)
+            c += lugre.damping
+        if stops is not None:
+            k[1, 1] += stops.stiffness
+        if determinant <= 0.0:
+            return math.inf  # refused by `initial_state`
+        inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant
+        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse * c]])
+        largest = float(np.abs(np.linalg.eigvals(A)).max())
+        return 2.78 / largest if largest > 0.0 else math.inf
+
+
+TwoLinkChain.advance = bind(
+    rk4_events, __name__, derivatives=chain_derivatives, outputs=chain_outputs, guards=chain_guards, switch=chain_switch
+)
+TwoLinkChain.output_kernel = chain_outputs

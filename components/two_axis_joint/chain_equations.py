@@ -1,0 +1,191 @@
+"""Equations of the two-link chain, in the coordinates of its joints.
+
+State x = (q1, q2, q1', q2'[, s1, s2]): the first link's angle from the downward vertical, the second link's angle against the
+first, their rates, and for each joint a bristle's deflection (LuGre) or a mode (exact standstill). Friction acts in one joint
+each, so these coordinates make it diagonal; the absolute angles are q1 and q1 + q2.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_mode
+from ..core.kernels import kernel
+
+
+@kernel
+def mass_matrix(q2, p):
+    """(m11, m12, m22, determinant) of the symmetric mass matrix of (q1, q2), kg.m2.
+
+    The determinant is a sum of what cannot be negative: the difference of products loses all digits in a stretched chain of
+    point masses.
+    """
+    own = p.first_inertia + p.first_mass * p.first_centre * p.first_centre
+    carried = p.second_mass * p.first_length * p.first_length
+    second = p.second_inertia + p.second_mass * p.second_centre * p.second_centre
+    coupling = p.second_mass * p.first_length * p.second_centre
+    cosine, sine = math.cos(q2), math.sin(q2)
+    determinant = own * second + carried * p.second_inertia + coupling * coupling * sine * sine
+    return own + carried + 2.0 * coupling * cosine + second, coupling * cosine + second, second, determinant
+
+
+@kernel
+def stop_torque(q2, rate, stops):
+    """Torque of the stops on the second joint: a spring, with losses in proportion to its force (Hunt and Crossley, 1975)."""
+    depth = q2 - stops.upper if q2 > stops.upper else q2 - stops.lower if q2 < stops.lower else 0.0
+    return -stops.stiffness * depth * max(0.0, 1.0 + math.copysign(stops.dissipation, depth) * rate)
+
+
+@kernel
+def loads(x, u, p, gravity, viscous, smoothed, stops):
+    """Torques that move the two joints, N.m: motors, inertia, weight, and every loss that is a function of the state."""
+    first = x[2]
+    second = x[2] + x[3]
+    inertial = p.second_mass * p.first_length * p.second_centre * math.sin(x[1])
+    b2 = u[1] - inertial * first * first
+    b1 = u[0] - u[1] + b2 + inertial * second * second
+    if gravity is not None:
+        weight = p.second_mass * p.second_centre * gravity.acceleration * math.sin(x[0] + x[1])
+        b1 -= (p.first_mass * p.first_centre + p.second_mass * p.first_length) * gravity.acceleration * math.sin(x[0]) + weight
+        b2 -= weight
+    if viscous is not None:
+        b1 -= viscous.first * x[2]
+        b2 -= viscous.second * x[3]
+    if smoothed is not None:
+        b1 -= smoothed_friction(x[2], smoothed.first_level, smoothed.width)
+        b2 -= smoothed_friction(x[3], smoothed.second_level, smoothed.width)
+    if stops is not None:
+        b2 += stop_torque(x[1], x[3], stops)
+    return b1, b2
+
+
+@kernel
+def bristle_rate(rate, z, level, substep, lugre):
+    """Rate of one joint's bristles; without friction there are none."""
+    if level == 0.0:
+        return 0.0
+    return lugre_rate(rate, z, lugre.stiffness, level, lugre.static_ratio * level, lugre.stribeck_rate, 1.0 / substep)
+
+
+@kernel
+def bristle_torque(rate, z, bristle, level, lugre):
+    """Friction of one joint's bristles."""
+    if level == 0.0:
+        return 0.0
+    return lugre_force(rate, z, bristle, lugre.stiffness, lugre.damping, 0.0)
+
+
+@kernel
+def static_level(level, stick):
+    """Torque that a joint at rest bears; the margin keeps rounding from breaking loose a joint that bears just its level."""
+    return (1.0 + 1e-9) * stick.static_ratio * level
+
+
+@kernel
+def motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops):
+    """(q1'', q2'', c1, c2); c: rates of the bristles, or the torques that set joints at rest in motion, friction apart."""
+    m11, m12, m22, determinant = mass_matrix(x[1], p)
+    b1, b2 = loads(x, u, p, gravity, viscous, smoothed, stops)
+    c1 = c2 = 0.0
+    if lugre is not None:
+        c1 = bristle_rate(x[2], x[4], lugre.first_level, p.substep, lugre)
+        c2 = bristle_rate(x[3], x[5], lugre.second_level, p.substep, lugre)
+        b1 -= bristle_torque(x[2], x[4], c1, lugre.first_level, lugre)
+        b2 -= bristle_torque(x[3], x[5], c2, lugre.second_level, lugre)
+    if stick is not None:
+        if x[4] == 0.0 and x[5] == 0.0:
+            return 0.0, 0.0, b1, b2
+        if x[4] == 0.0:
+            a2 = (b2 - stick_friction(x[5], 0.0, stick.second_level)) / m22
+            return 0.0, a2, b1 - m12 * a2, 0.0
+        b1 -= stick_friction(x[4], 0.0, stick.first_level)
+        if x[5] == 0.0:
+            a1 = b1 / m11
+            return a1, 0.0, 0.0, b2 - m12 * a1
+        b2 -= stick_friction(x[5], 0.0, stick.second_level)
+    return (m22 * b1 - m12 * b2) / determinant, (m11 * b2 - m12 * b1) / determinant, c1, c2
+
+
+@kernel
+def chain_derivatives(t, x, u, dx, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+    """dx/dt; modes of standstill do not change between events."""
+    a1, a2, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+    dx[0], dx[1], dx[2], dx[3] = x[2], x[3], a1, a2
+    if lugre is not None:
+        dx[4], dx[5] = c1, c2
+    if stick is not None:
+        dx[4], dx[5] = 0.0, 0.0
+
+
+@kernel
+def chain_guards(t, x, u, g, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+    """Of each joint: its rate in the direction it slides, or at rest what is missing to break loose."""
+    g[0], g[1] = 1.0, 1.0
+    if stick is not None:
+        _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+        g[0] = stick_guard(x[4], x[2], c1, static_level(stick.first_level, stick))
+        g[1] = stick_guard(x[5], x[3], c2, static_level(stick.second_level, stick))
+
+
+@kernel
+def chain_switch(which, t, x, u, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+    """A joint comes to rest, turns back, or breaks loose; the other one keeps its mode, and its own guard sees the change."""
+    if stick is not None:
+        rested = x[4 + which] == 0.0
+        x[2 + which] = 0.0
+        x[4 + which] = 0.0
+        _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+        drive = c1 if which == 0 else c2
+        if rested:
+            x[4 + which] = math.copysign(1.0, drive)
+        else:
+            level = stick.first_level if which == 0 else stick.second_level
+            x[4 + which] = stick_mode(0.0, drive, static_level(level, stick))
+
+
+@kernel
+def chain_energy(x, p, gravity, stops):
+    """Kinetic energy, height above the hanging chain, and bending of the stops, J."""
+    m11, m12, m22, _ = mass_matrix(x[1], p)
+    energy = 0.5 * (m11 * x[2] * x[2] + m22 * x[3] * x[3]) + m12 * x[2] * x[3]
+    if gravity is not None:
+        first = p.first_mass * p.first_centre + p.second_mass * p.first_length
+        second = p.second_mass * p.second_centre
+        energy += gravity.acceleration * (first * (1.0 - math.cos(x[0])) + second * (1.0 - math.cos(x[0] + x[1])))
+    if stops is not None:
+        depth = max(x[1] - stops.upper, stops.lower - x[1], 0.0)
+        energy += 0.5 * stops.stiffness * depth * depth
+    return energy
+
+
+@kernel
+def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+    """Angles and rates, the tip, angular momentum and energy; with `reactions` the loads of the joints."""
+    second, rate = x[0] + x[1], x[2] + x[3]
+    s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
+    y[0], y[1], y[2], y[3] = x[0], second, x[2], rate
+    y[4], y[5] = x[1], x[3]
+    y[6] = p.first_length * s1 + p.second_length * s2
+    y[7] = -p.first_length * c1 - p.second_length * c2
+    y[8] = p.first_length * c1 * x[2] + p.second_length * c2 * rate
+    y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
+    m11, m12, _, _ = mass_matrix(x[1], p)
+    y[10] = m11 * x[2] + m12 * x[3]
+    y[11] = chain_energy(x, p, gravity, stops)
+    if reactions is not None:
+        a1, a2, _, _ = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+        a2 += a1
+        weight = gravity.acceleration if gravity is not None else 0.0
+        along1, up1 = a1 * c1 - x[2] * x[2] * s1, a1 * s1 + x[2] * x[2] * c1  # of a point at unit distance from the joint
+        along2, up2 = a2 * c2 - rate * rate * s2, a2 * s2 + rate * rate * c2
+        second_x = p.second_mass * (p.first_length * along1 + p.second_centre * along2)
+        second_y = p.second_mass * (p.first_length * up1 + p.second_centre * up2 + weight)
+        first_x = second_x + p.first_mass * p.first_centre * along1
+        first_y = second_y + p.first_mass * (p.first_centre * up1 + weight)
+        moment = p.second_inertia * a2 + p.second_centre * (second_x * c2 + second_y * s2)
+        y[reactions.y], y[reactions.y + 1] = first_x, first_y
+        y[reactions.y + 2] = (
+            moment + p.first_inertia * a1 + p.first_centre * (first_x * c1 + first_y * s1)
+            + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
+        )
+        y[reactions.y + 3], y[reactions.y + 4], y[reactions.y + 5] = second_x, second_y, moment

@@ -1,0 +1,170 @@
+"""One link of a planar chain as a body of its own: forces at its two ends in, motion of both ends out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.errors import BadInput
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+
+LOADS = ("base_force_x", "base_force_y", "base_torque", "tip_force_x", "tip_force_y", "tip_torque")
+
+
+class Pinned(Effect):
+    """The base is held by a joint without friction: the link only turns. Forces on the base go into the joint."""
+
+    reaction_x = output("N", "force of the joint on the base along x", nominal=10.0, feedthrough=LOADS)
+    reaction_y = output("N", "force of the joint on the base along y", nominal=10.0, feedthrough=LOADS)
+
+
+class Gravity(Effect):
+    """Weight, against y."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity")
+
+
+class PlanarLink(OdeComponent):
+    """A rigid link in a plane, free or pinned; its angle from the downward vertical (from -y), positive from x to y.
+
+        m xc'' = sum F_x,    m yc'' = sum F_y - m g,    n = (cos th, sin th)
+        I th'' = (L - a) n·F_tip - a n·F_base + T_base + T_tip
+        pinned:  (I + m a²) th'' = L n·F_tip - m g a sin th + T_base + T_tip
+
+    Motion out, forces in: joints between links are massless components with a compliance, such as `CompliantJoint`. The
+    interface then carries all of the joint's stiffness, sqrt(k (1/m_1 + 1/m_2)) in rad/s as it is seen at the two ends.
+    """
+
+    title = "Planar link"
+    system = "two_axis_joint"
+    default_stop = 10.0
+
+    pinned = Pinned
+    gravity = Gravity
+
+    mass = parameter(1.0, "kg", "mass of the link", low=1e-12)
+    length = parameter(1.0, "m", "distance of the tip from the base", low=0.0)
+    centre = parameter(0.5, "m", "distance of the centre of mass from the base, along the link")
+    inertia = parameter(1.0 / 12.0, "kg.m2", "moment of inertia about the centre of mass; a uniform rod's by default", low=0.0)
+    start_x = parameter(0.0, "m", "place of the base at the start, horizontal; pinned: for good")
+    start_y = parameter(0.0, "m", "place of the base at the start, upwards; pinned: for good")
+    start_angle = parameter(0.0, "rad", "angle at the start")
+    start_velocity_x = parameter(0.0, "m/s", "velocity of the base at the start along x; of a free link")
+    start_velocity_y = parameter(0.0, "m/s", "velocity of the base at the start along y; of a free link")
+    start_rate = parameter(0.0, "rad/s", "rate at the start")
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    base_force_x = input_(0.0, "N", "force on the base along x", nominal=10.0)
+    base_force_y = input_(0.0, "N", "force on the base along y", nominal=10.0)
+    base_torque = input_(0.0, "N.m", "torque on the link at the base", nominal=1.0)
+    tip_force_x = input_(0.0, "N", "force on the tip along x", nominal=10.0)
+    tip_force_y = input_(0.0, "N", "force on the tip along y", nominal=10.0)
+    tip_torque = input_(0.0, "N.m", "torque on the link at the tip", nominal=1.0)
+
+    base_x = output("m", "place of the base, horizontal")
+    base_y = output("m", "place of the base, upwards")
+    base_velocity_x = output("m/s", "velocity of the base along x", nominal=3.0)
+    base_velocity_y = output("m/s", "velocity of the base along y", nominal=3.0)
+    tip_x = output("m", "place of the tip, horizontal")
+    tip_y = output("m", "place of the tip, upwards")
+    tip_velocity_x = output("m/s", "velocity of the tip along x", nominal=3.0)
+    tip_velocity_y = output("m/s", "velocity of the tip along y", nominal=3.0)
+    angle = output("rad", "angle of the link")
+    rate = output("rad/s", "rate of the link", nominal=3.0)
+    mechanical_energy = output("J", "kinetic energy, and height above the origin where there is gravity", nominal=10.0)
+
+    def initial_state(self) -> np.ndarray:
+        """The pose and rates given (x: angle, rate and, of a free link, place and velocity of the centre of mass)."""
+        p, pinned, _ = self.settled
+        inertia = p.inertia + (p.mass * p.centre**2 if pinned is not None else 0.0)
+        if inertia == 0.0:
+            raise BadInput(self.name, "a link without inertia about its " + ("joint" if pinned is not None else "centre of mass"),
+                           "a positive one", "Give inertia.")
+        if pinned is not None:
+            if p.start_velocity_x != 0.0 or p.start_velocity_y != 0.0:
+                came = f"a start velocity of ({p.start_velocity_x:g}, {p.start_velocity_y:g}) m/s at a pinned base"
+                raise BadInput(self.name, came, "none", "Leave it out, or the effect 'pinned'.")
+            return np.array([p.start_angle, p.start_rate])
+        sine, cosine = math.sin(p.start_angle), math.cos(p.start_angle)
+        return np.array([
+            p.start_angle, p.start_rate, p.start_x + p.centre * sine, p.start_y - p.centre * cosine,
+            p.start_velocity_x + p.centre * cosine * p.start_rate, p.start_velocity_y + p.centre * sine * p.start_rate,
+        ])  # fmt: skip
+
+    def energy(self) -> float:
+        """Kinetic energy, J, and with gravity that of the height above the origin."""
+        p, pinned, gravity = self.settled
+        return float(link_energy(self.x, p, pinned, gravity))
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
+        p, pinned, gravity = self._settled()
+        if pinned is None or gravity is None:
+            return math.inf
+        inertia = p.inertia + p.mass * p.centre**2
+        moment = abs(p.mass * gravity.acceleration * p.centre)
+        return 2.78 * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
+
+
+@kernel
+def link_derivatives(t, x, u, dx, p, pinned, gravity):
+    """dx/dt of x = (angle, rate[, x, y, x', y' of the centre of mass])."""
+    sine, cosine = math.sin(x[0]), math.cos(x[0])
+    torque = u[2] + u[5]
+    dx[0] = x[1]
+    if pinned is not None:
+        torque += p.length * (cosine * u[3] + sine * u[4])
+        if gravity is not None:
+            torque -= p.mass * gravity.acceleration * p.centre * sine
+        dx[1] = torque / (p.inertia + p.mass * p.centre * p.centre)
+    else:
+        torque += (p.length - p.centre) * (cosine * u[3] + sine * u[4]) - p.centre * (cosine * u[0] + sine * u[1])
+        dx[1] = torque / p.inertia
+        dx[2], dx[3] = x[4], x[5]
+        dx[4], dx[5] = (u[0] + u[3]) / p.mass, (u[1] + u[4]) / p.mass
+        if gravity is not None:
+            dx[5] -= gravity.acceleration
+
+
+@kernel
+def link_energy(x, p, pinned, gravity):
+    """Kinetic energy, and with gravity that of the height above the origin, J."""
+    if pinned is not None:
+        energy = 0.5 * (p.inertia + p.mass * p.centre * p.centre) * x[1] * x[1]
+        height = p.start_y - p.centre * math.cos(x[0])
+    else:
+        energy = 0.5 * (p.inertia * x[1] * x[1] + p.mass * (x[4] * x[4] + x[5] * x[5]))
+        height = x[3]
+    if gravity is not None:
+        energy += p.mass * gravity.acceleration * height
+    return energy
+
+
+@kernel
+def link_outputs(t, x, u, y, p, pinned, gravity):
+    """Motion of both ends, angle, rate and energy; pinned: the joint's force."""
+    sine, cosine = math.sin(x[0]), math.cos(x[0])
+    if pinned is not None:
+        y[0], y[1], y[2], y[3] = p.start_x, p.start_y, 0.0, 0.0
+    else:
+        y[0], y[1] = x[2] - p.centre * sine, x[3] + p.centre * cosine
+        y[2], y[3] = x[4] - p.centre * cosine * x[1], x[5] - p.centre * sine * x[1]
+    y[4], y[5] = y[0] + p.length * sine, y[1] - p.length * cosine
+    y[6], y[7] = y[2] + p.length * cosine * x[1], y[3] + p.length * sine * x[1]
+    y[8], y[9] = x[0], x[1]
+    y[10] = link_energy(x, p, pinned, gravity)
+    if pinned is not None:
+        torque = u[2] + u[5] + p.length * (cosine * u[3] + sine * u[4])
+        weight = p.mass * gravity.acceleration if gravity is not None else 0.0
+        acceleration = (torque - weight * p.centre * sine) / (p.inertia + p.mass * p.centre * p.centre)
+        turning = x[1] * x[1]
+        y[pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[0] - u[3]
+        y[pinned.y + 1] = p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[1] - u[4]
+
+
+PlanarLink.advance = bind(rk4, __name__, derivatives=link_derivatives, outputs=link_outputs)
+PlanarLink.output_kernel = link_outputs
