@@ -1,0 +1,1 @@
+"""Wind pump: turbine, transmissions with a driven shaft, pumps, pipe."""

@@ -1,0 +1,157 @@
+"""Inertial converter in the mean over a revolution of its crank: the torque it passes on, without crank, lever and clutches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.events import EventComponent, rk4_events
+from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
+from ..core.variables import input_, output, parameter
+from .driven_shaft import (
+    MeshFriction,
+    mesh_loss,
+    shaft_acceleration,
+    shaft_guard,
+    shaft_mode,
+    speed_ratio,
+)
+
+
+class AveragedConverter(EventComponent):
+    """The mean torque of `InertialConverter` with rigid clutches, at the crank's speed w1 = n w_t and the driven shaft's w:
+
+        T2 = k1 w1² - k2 w1 w,  T1 = n T2 w / w1 = n (k1 w1 - k2 w) w,  k1 = 2/pi rho m a b r,  k2 = 2/pi rho² (m b² + m_y)
+
+    up to w = w1 k1 / k2, where the clutches no longer engage. a = 1 + b; the other letters as there. At stall it gives k1 w1²
+    and takes nothing: a turbine starts against no load. Nothing is divided by a speed, so standstill of either side is an
+    ordinary state; the driven shaft stands exactly while T2 is below the load, and never turns back (`driven_shaft`).
+    It holds where the speeds change little within half a revolution of the crank. The mean inertia that crank and lever put on
+    the turbine, n² (J1 + m a² r² / 2), belongs to the turbine's.
+    Source: the mean is an own derivation, see `InertialConverter`, whose defaults these are.
+    """
+
+    title = "Inertial converter in the mean over a revolution"
+    system = "wind_pump"
+    default_step = 5e-2
+    default_stop = 60.0
+
+    mesh_friction = MeshFriction
+
+    gear_ratio = parameter(6.0, "1", "speed of the crank over that of the turbine", low=1e-3)
+    crank_radius = parameter(0.05, "m", "radius of the crank", low=1e-6)
+    lever_ratio = parameter(1.0, "1", "b, arm from crank pin to mass over arm from slider to crank pin", low=1e-3)
+    lever_mass = parameter(20.0, "kg", "mass at the free end of the lever", low=1e-9)
+    slider_mass = parameter(0.25, "kg", "mass of the guided end of the lever", low=0.0)
+    clutch_arm = parameter(0.05, "m", "arm at which the slider turns the clutches", low=1e-6)
+    driven_inertia = parameter(1.0, "kg.m2", "moment of inertia of the driven shaft and what it turns", low=1e-9)
+    driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
+    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
+    largest_turbine_speed = parameter(50.0, "rad/s", "turbine speed beyond which a run fails; it sets the stable step", low=1e-3)
+    substep = parameter(2e-2, "s", "longest internal step", low=1e-9, high=10.0)
+
+    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
+    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
+
+    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
+    speed = output("rad/s", "speed of the driven shaft")
+    driving_torque = output("N.m", "mean torque of the clutches on the driven shaft", nominal=10.0,
+                            feedthrough=("turbine_speed",))
+    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
+                   feedthrough=("turbine_speed",))
+    dissipation = output("W", "power lost in bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
+
+    def coefficients(self) -> tuple[float, float]:
+        """(k1, k2) in kg m² of the mean torque k1 w1² - k2 w1 w."""
+        return mean_coefficients(self._settled()[0])
+
+    def initial_state(self) -> np.ndarray:
+        """Speed of the driven shaft as given, and its mode."""
+        p = self.settled[0]
+        driving, _ = mean_torques(p.start_speed, self.u[0], p)
+        return np.array([p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
+
+    def energy(self) -> float:
+        """Energy of the driven shaft's rotation, J."""
+        return 0.5 * self.settled[0].driven_inertia * float(self.x[0]) ** 2
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / |eigenvalue| at the largest turbine speed, s."""
+        p = self._settled()[0]
+        slope = self.coefficients()[1] * p.gear_ratio * p.largest_turbine_speed
+        return 2.78 * p.driven_inertia / (slope + p.driven_damping)
+
+
+TURBINE_SPEED, LOAD = AveragedConverter.input_indices("turbine_speed", "load_torque")
+TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = AveragedConverter.output_indices(
+    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
+)
+SPEED, MODE = 0, 1
+
+
+@kernel
+def mean_coefficients(p):
+    """(k1, k2), kg m²."""
+    share = 2.0 / math.pi * p.clutch_arm
+    k1 = share * p.lever_mass * (1.0 + p.lever_ratio) * p.lever_ratio * p.crank_radius
+    return k1, share * p.clutch_arm * (p.lever_mass * p.lever_ratio**2 + p.slider_mass)
+
+
+@kernel
+def mean_torques(speed, u, p):
+    """(torque on the driven shaft, torque that brakes the turbine by it), N.m; turned backwards, a crank shakes as well."""
+    k1, k2 = mean_coefficients(p)
+    crank = p.gear_ratio * u[TURBINE_SPEED]
+    per_speed = max(k1 * abs(crank) - k2 * speed, 0.0)
+    return per_speed * abs(crank), math.copysign(p.gear_ratio * per_speed * speed, crank)
+
+
+@kernel
+def averaged_derivatives(t, x, u, dx, p, mesh):
+    """dx/dt of x = (speed of the driven shaft, mode)."""
+    driving, _ = mean_torques(x[SPEED], u, p)
+    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
+    dx[MODE] = 0.0
+
+
+@kernel
+def averaged_guards(t, x, u, g, p, mesh):
+    """That of the driven shaft."""
+    driving, _ = mean_torques(x[SPEED], u, p)
+    g[0] = shaft_guard(x[MODE], x[SPEED], driving, u[LOAD])
+
+
+@kernel
+def averaged_switch(which, t, x, u, p, mesh):
+    """The driven shaft stops or starts."""
+    x[SPEED] = 0.0
+    driving, _ = mean_torques(0.0, u, p)
+    x[MODE] = shaft_mode(0.0, driving, u[LOAD])
+
+
+@kernel
+def averaged_outputs(t, x, u, y, p, mesh):
+    """Torques, speed, ratio, power lost."""
+    driving, on_turbine = mean_torques(x[SPEED], u, p)
+    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], mesh)
+    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
+    y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
+    y[DISSIPATION_OUT] = p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+
+
+_advance = bind(rk4_events, __name__, derivatives=averaged_derivatives, guards=averaged_guards, switch=averaged_switch,
+                outputs=averaged_outputs)
+
+
+@kernel
+def averaged_advance(t, h, n, k, x, u, y, work, counts, p, mesh):
+    """`rk4_events`, refused for a turbine that is faster than the stable step allows for."""
+    status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh)
+    if status == DONE and abs(u[0, TURBINE_SPEED]) > p.largest_turbine_speed:
+        return OUT_OF_RANGE
+    return status
+
+
+AveragedConverter.advance = averaged_advance
+AveragedConverter.output_kernel = averaged_outputs

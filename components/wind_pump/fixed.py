@@ -1,0 +1,120 @@
+"""Gear of fixed ratio with a compliant shaft, between turbine and pump."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.events import EventComponent, rk4_events
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+from .driven_shaft import (
+    MeshFriction,
+    mesh_loss,
+    shaft_acceleration,
+    shaft_guard,
+    shaft_mode,
+    speed_ratio,
+)
+
+
+class FixedTransmission(EventComponent):
+    """Gear of ratio i = pump speed / turbine speed, a compliant shaft behind it, and the driven shaft with what turns on it.
+
+        theta' = i w_t - w,    T = k theta + c theta',    T1 = i T,    J w' = T - T_load - b w
+
+    The driven shaft stands exactly while T is below T_load, and never turns back; see `driven_shaft`. The gear itself has no
+    inertia: add it to the turbine's, i² times what sits behind it. Defaults are choices of ours.
+    """
+
+    title = "Transmission of fixed ratio with a compliant shaft"
+    system = "wind_pump"
+    default_step = 1e-2
+    default_stop = 60.0
+
+    mesh_friction = MeshFriction
+
+    gear_ratio = parameter(1.0, "1", "speed of the pump over that of the turbine", low=1e-3)
+    stiffness = parameter(2000.0, "N.m/rad", "stiffness of the shaft", low=1e-3)
+    shaft_damping = parameter(5.0, "N.m.s/rad", "damping of the shaft", low=0.0)
+    driven_inertia = parameter(0.5, "kg.m2", "moment of inertia of the driven shaft and what turns on it", low=1e-9)
+    driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
+    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
+    substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
+    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
+
+    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
+    speed = output("rad/s", "speed of the driven shaft")
+    driving_torque = output("N.m", "torque of the transmission on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",))
+    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
+                   feedthrough=("turbine_speed",))
+    dissipation = output("W", "power lost in shaft, bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
+
+    def initial_state(self) -> np.ndarray:
+        """Twist, speed, mode: the shaft relaxed, its speed as given."""
+        p = self.settled[0]
+        driving = shaft_torque(0.0, p.start_speed, self.u[0], p)
+        return np.array([0.0, p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
+
+    def energy(self) -> float:
+        """Energy of the driven shaft's rotation and of the twist, J."""
+        p = self.settled[0]
+        return 0.5 * float(p.driven_inertia * self.x[SPEED] ** 2 + p.stiffness * self.x[TWIST] ** 2)
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| with the turbine's speed given, s."""
+        p = self._settled()[0]
+        damping = (p.shaft_damping + p.driven_damping) / p.driven_inertia
+        return 2.78 / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
+
+
+TURBINE_SPEED, LOAD = FixedTransmission.input_indices("turbine_speed", "load_torque")
+TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = FixedTransmission.output_indices(
+    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
+)
+TWIST, SPEED, MODE = 0, 1, 2
+
+
+@kernel
+def shaft_torque(twist, speed, u, p):
+    """Torque of the compliant shaft, N.m."""
+    return p.stiffness * twist + p.shaft_damping * (p.gear_ratio * u[TURBINE_SPEED] - speed)
+
+
+@kernel
+def fixed_derivatives(t, x, u, dx, p, mesh):
+    """dx/dt of x = (twist, speed of the driven shaft, mode)."""
+    driving = shaft_torque(x[TWIST], x[SPEED], u, p)
+    dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
+    dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
+    dx[MODE] = 0.0
+
+
+@kernel
+def fixed_guards(t, x, u, g, p, mesh):
+    """That of the driven shaft."""
+    g[0] = shaft_guard(x[MODE], x[SPEED], shaft_torque(x[TWIST], x[SPEED], u, p), u[LOAD])
+
+
+@kernel
+def fixed_switch(which, t, x, u, p, mesh):
+    """The driven shaft stops or starts."""
+    x[SPEED] = 0.0
+    x[MODE] = shaft_mode(0.0, shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
+
+
+@kernel
+def fixed_outputs(t, x, u, y, p, mesh):
+    """Torques, speed, ratio, power lost."""
+    driving, rate = shaft_torque(x[TWIST], x[SPEED], u, p), p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
+    on_turbine = p.gear_ratio * driving
+    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], mesh)
+    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
+    y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
+    y[DISSIPATION_OUT] = p.shaft_damping * rate**2 + p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+
+
+FixedTransmission.advance = bind(rk4_events, __name__, derivatives=fixed_derivatives, guards=fixed_guards, switch=fixed_switch,
+                                 outputs=fixed_outputs)
+FixedTransmission.output_kernel = fixed_outputs

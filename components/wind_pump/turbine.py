@@ -1,0 +1,195 @@
+"""Wind turbine: the rotor, its inertia, and the torque that the wind gives it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import BadInput
+from ..core.events import EventComponent, rk4_events
+from ..core.friction import stick_friction, stick_guard, stick_mode
+from ..core.kernels import bind, kernel
+from ..core.variables import choice, input_, output, parameter
+from .curves import CURVES, torque_coefficient
+
+STRONGEST_WIND = 60.0  # m/s, for the stable step
+CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
+DEGREE = math.pi / 180.0
+
+
+class Pitch(Effect):
+    """Blades that turn about their own axis: the curves "heier", "simple" and "variant" know it; a negative angle counts as 0."""
+
+    angle = input_(0.0, "rad", "pitch of the blades out of their best position", nominal=0.1)
+
+
+class Furling(Effect):
+    """The rotor turns out of a strong wind, so that the component along its axis stays at a given speed; a model of ours."""
+
+    wind = parameter(8.0, "m/s", "wind above which the rotor turns away", low=1e-3)
+
+
+class BearingFriction(Effect):
+    """Dry friction of the rotor's bearings, with exact standstill."""
+
+    kinetic = parameter(1.0, "N.m", "friction torque while the rotor turns; a choice of ours", low=0.0)
+    static = parameter(1.0, "N.m", "torque that sets the resting rotor in motion; no less than the kinetic one", low=0.0)
+
+
+class WindTurbine(EventComponent):
+    """Rotor of radius R in a wind v, with its inertia J and a transmission that takes a torque from it.
+
+        J w' = T - T1 - b w,    T = rho/2 pi R³ v² C_Q(w R / v),    P = T w = rho/2 pi R² v³ C_p,    C_p = (w R / v) C_Q
+
+    Curves: three exponential fits in wide use, see `curves`, and the straight line of a farm windmill with many blades,
+    C_Q = C_0 (1 - ratio / ratio_0), whose C_p is at most C_0 ratio_0 / 4, at half of ratio_0. At standstill "simple" and
+    "variant" give no torque, "heier" 0.0068 of its linear term, and the farm windmill its largest: that is what it is built for.
+    A negative wind counts as none. Coefficients refer to the undisturbed wind; without wind they, and the ratio, are given as 0.
+    Source of the fits: S. Heier, Grid Integration of Wind Energy, and public repositories; of the line: textbooks, recalled.
+    """
+
+    title = "Wind turbine"
+    system = "wind_pump"
+    default_step = 1e-2
+    default_stop = 60.0
+
+    pitch = Pitch
+    furling = Furling
+    bearing_friction = BearingFriction
+
+    curve = choice("farm", CURVES, "curve of the torque coefficient over the tip speed ratio")
+    radius = parameter(1.5, "m", "radius of the rotor", low=1e-3)
+    inertia = parameter(15.0, "kg.m2", "moment of inertia of rotor and shaft", low=1e-9)
+    damping = parameter(0.0, "N.m.s/rad", "viscous friction", low=0.0)
+    density = parameter(1.225, "kg/m3", "density of the air", low=1e-6)
+    standstill_coefficient = parameter(0.5, "1", "torque coefficient of the farm windmill at standstill; recalled", low=1e-6)
+    runaway_ratio = parameter(2.4, "1", "tip speed ratio at which the farm windmill gives no torque; recalled", low=1e-3)
+    start_speed = parameter(0.0, "rad/s", "speed at the start")
+    start_angle = parameter(0.0, "rad", "angle at the start")
+    substep = parameter(5e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    wind = input_(0.0, "m/s", "wind speed along the axis", nominal=5.0)
+    torque = input_(0.0, "N.m", "torque of what the turbine drives, positive where it brakes", nominal=10.0)
+
+    speed = output("rad/s", "speed of the rotor")
+    angle = output("rad", "angle of the rotor, turns included")
+    aerodynamic_torque = output("N.m", "torque of the wind", nominal=10.0, feedthrough=("wind", "pitch.angle"))
+    power_coefficient = output("1", "power over that of the wind through the rotor's disk", feedthrough=("wind", "pitch.angle"))
+    tip_speed_ratio = output("1", "speed of the blades' tips over wind speed", feedthrough=("wind",))
+    power = output("W", "power of the wind's torque", nominal=10.0, feedthrough=("wind", "pitch.angle"))
+
+    presets = {
+        "farm windmill": Preset(
+            {"radius": 1.5, "inertia": 15.0, "standstill_coefficient": 0.5, "runaway_ratio": 2.4},
+            "straight line of the torque coefficient as textbooks draw it; its numbers recalled, size and inertia chosen",
+            "recalled"),
+    }
+
+    def initial_state(self) -> np.ndarray:
+        """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
+        p, _, _, friction = self.settled
+        if friction is None:
+            return np.array([p.start_speed, p.start_angle])
+        return np.array([p.start_speed, p.start_angle,
+                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.settled), friction.static)])
+
+    def _initialize(self, t: float) -> int:
+        values: Any = self.parameters
+        if "pitch" in self.on and values["curve"] == "farm":
+            raise BadInput(self.name, "effect 'pitch' with curve 'farm'", "a curve that knows pitch: heier, simple or variant",
+                           "Choose another curve, or leave the effect off.")
+        line = 0.25 * values["standstill_coefficient"] * values["runaway_ratio"]
+        if values["curve"] == "farm" and line > 16.0 / 27.0:
+            raise BadInput(self.name, f"standstill_coefficient * runaway_ratio / 4 = {line:.4g}, the largest power coefficient",
+                           "at most 16/27, Betz's limit", "Reduce one of them.")
+        if "bearing_friction" in self.on and values["bearing_friction.static"] < values["bearing_friction.kinetic"]:
+            raise BadInput(self.name, f"bearing_friction.static = {values['bearing_friction.static']:g} N.m",
+                           f"at least the kinetic friction, {values['bearing_friction.kinetic']:g} N.m", "Raise it.")
+        return super()._initialize(t)
+
+    def energy(self) -> float:
+        """Energy of rotation, J."""
+        return 0.5 * self.settled[0].inertia * float(self.x[0]) ** 2
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
+        p = self._settled()[0]
+        ratios = np.linspace(0.0, 20.0, 401)
+        values = [torque_coefficient(p.curve, r, 0.0, p.standstill_coefficient, p.runaway_ratio) for r in ratios]
+        slope = float(np.abs(np.diff(values)).max() / (ratios[1] - ratios[0]))
+        steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
+        return 2.78 * p.inertia / (p.damping + steepest)
+
+
+WIND, TORQUE = WindTurbine.input_indices("wind", "torque")
+SPEED_OUT, ANGLE_OUT, TORQUE_OUT, COEFFICIENT_OUT, RATIO_OUT, POWER_OUT = WindTurbine.output_indices(
+    "speed", "angle", "aerodynamic_torque", "power_coefficient", "tip_speed_ratio", "power"
+)
+
+
+@kernel
+def wind_torque(speed, u, p, pitch, furling):
+    """Torque of the wind on the rotor, N.m."""
+    wind = u[WIND]
+    if furling is not None:
+        wind = min(wind, furling.wind)
+    if wind < CALM:
+        return 0.0
+    degrees = 0.0
+    if pitch is not None:
+        degrees = u[pitch.u] / DEGREE
+    ratio = speed * p.radius / wind
+    coefficient = torque_coefficient(p.curve, ratio, degrees, p.standstill_coefficient, p.runaway_ratio)
+    return 0.5 * p.density * math.pi * p.radius**3 * wind * (wind * coefficient)
+
+
+@kernel
+def drive(speed, u, p, pitch, furling, friction):
+    """Torque on the rotor, dry friction apart, N.m."""
+    return wind_torque(speed, u, p, pitch, furling) - u[TORQUE] - p.damping * speed
+
+
+@kernel
+def turbine_derivatives(t, x, u, dx, p, pitch, furling, friction):
+    """dx/dt of x = (speed, angle[, direction of sliding])."""
+    torque = drive(x[0], u, p, pitch, furling, friction)
+    if friction is not None:
+        torque -= stick_friction(x[2], torque, friction.kinetic)
+        dx[2] = 0.0
+    dx[0] = torque / p.inertia
+    dx[1] = x[0]
+
+
+@kernel
+def turbine_guards(t, x, u, g, p, pitch, furling, friction):
+    """That of the dry friction, where there is one."""
+    g[0] = 1.0
+    if friction is not None:
+        g[0] = stick_guard(x[2], x[0], drive(x[0], u, p, pitch, furling, friction), friction.static)
+
+
+@kernel
+def turbine_switch(which, t, x, u, p, pitch, furling, friction):
+    """The rotor comes to rest, turns over, or breaks loose."""
+    if friction is not None:
+        x[0] = 0.0
+        x[2] = stick_mode(0.0, drive(0.0, u, p, pitch, furling, friction), friction.static)
+
+
+@kernel
+def turbine_outputs(t, x, u, y, p, pitch, furling, friction):
+    """Motion, torque, coefficients."""
+    torque, wind = wind_torque(x[0], u, p, pitch, furling), u[WIND]
+    y[SPEED_OUT], y[ANGLE_OUT], y[TORQUE_OUT], y[POWER_OUT] = x[0], x[1], torque, torque * x[0]
+    y[COEFFICIENT_OUT], y[RATIO_OUT] = 0.0, 0.0
+    if wind > 1e-3:
+        y[COEFFICIENT_OUT] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
+        y[RATIO_OUT] = x[0] * p.radius / wind
+
+
+WindTurbine.advance = bind(rk4_events, __name__, derivatives=turbine_derivatives, guards=turbine_guards, switch=turbine_switch,
+                           outputs=turbine_outputs)
+WindTurbine.output_kernel = turbine_outputs

@@ -1,0 +1,158 @@
+"""Wind as an environment unit: a mean speed, and what varies it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.errors import BadInput
+from ..core.kernels import DONE, kernel
+from ..core.variables import integer, output, parameter
+from .noise import normal_number
+
+DAY = 86400.0  # s
+FOREVER = 1e12  # s
+
+
+class Ramp(Effect):
+    """The mean changes at a constant rate to an end speed, stays there, and goes back as slowly if a time is given for it."""
+
+    end_speed = parameter(8.0, "m/s", "speed at the end of the ramp", low=0.0, high=100.0)
+    rate = parameter(0.05, "m/s2", "magnitude of the rate of change", low=0.0)
+    start_time = parameter(0.0, "s", "time at which the speed begins to change")
+    return_time = parameter(FOREVER, "s", "time at which it begins to go back to the mean; the start is never")
+
+
+class Daily(Effect):
+    """Course of the day: the mean times 1 + amplitude cos(2 pi (t - strongest) / 24 h)."""
+
+    amplitude = parameter(0.3, "1", "amplitude over the mean; a choice of ours", low=0.0, high=1.0)
+    strongest = parameter(54000.0, "s", "time of the day at which the wind is strongest; 15 h, a choice of ours")
+
+
+class Turbulence(Effect):
+    """Longitudinal turbulence with Dryden's spectrum: at a fixed place a process of first order, correlation exp(-U tau / L).
+
+    Sampled exactly at a fixed interval and linear in between, so that neither macro step nor a repeated step shows; the
+    deviation is intensity times the mean of the instant, and U, which fades it, the mean speed. The numbers depend on the
+    seed and the sample alone.
+    """
+
+    intensity = parameter(0.15, "1", "standard deviation over the mean speed", low=0.0, high=1.0)
+    length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, recalled", low=1e-3)
+    interval = parameter(0.5, "s", "time between samples", low=1e-3)
+    seed = integer(1, "number that selects one of many equally likely winds", low=0, high=2**31 - 1)
+
+
+class Gusts(Effect):
+    """One gust, or one every period: a rise as (1 - cos)/2, a stay, and the same way down. A rise of 0 s is a step."""
+
+    amplitude = parameter(7.0, "m/s", "speed added at the height of the gust")
+    start_time = parameter(10.0, "s", "time at which the first gust begins")
+    rise = parameter(2.0, "s", "time of rise, and of fall", low=0.0)
+    stay = parameter(10.0, "s", "time at full height", low=0.0)
+    period = parameter(FOREVER, "s", "time from gust to gust; the start is a single one", low=1e-3)
+
+
+class Wind(Component):
+    """Wind speed over time: ((mean, or ramp) * daily) * (1 + turbulence) + gusts, and never below 0.
+
+    Only turbulence has a state. Source of its spectrum: H. L. Dryden's, in the form of MIL-F-8785C,
+    S(W) = sigma² 2 L / pi / (1 + (L W)²) over the wave number W; recalled.
+    """
+
+    title = "Wind with ramp, gusts, turbulence and the course of a day"
+    system = "wind_pump"
+    counters = ("steps",)
+    default_step = 0.1
+    default_stop = 60.0
+
+    ramp = Ramp
+    daily = Daily
+    turbulence = Turbulence
+    gusts = Gusts
+
+    mean_speed = parameter(5.0, "m/s", "mean wind speed", low=0.0, high=100.0)
+
+    speed = output("m/s", "wind speed", nominal=5.0)
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        _, ramp, _, turbulence, gusts = self.settled
+        if gusts is not None and gusts.period < 2.0 * gusts.rise + gusts.stay:
+            raise BadInput(self.name, f"gusts.period = {gusts.period:g} s", f"at least {2.0 * gusts.rise + gusts.stay:g} s, the "
+                           "duration of a gust", "Lengthen the period, or shorten rise or stay.")
+        if ramp is not None and ramp.return_time < ramp.start_time:
+            raise BadInput(self.name, f"ramp.return_time = {ramp.return_time:g} s", f"at least the ramp's start, "
+                           f"{ramp.start_time:g} s", "Move one of them.")
+        if turbulence is not None and self.settled[0].mean_speed == 0.0:
+            raise BadInput(self.name, "effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
+                           "Raise mean_speed, or leave the effect off.")
+        self.x = np.zeros(0)
+        if turbulence is not None:
+            sample = math.floor(t / turbulence.interval)
+            first = normal_number(turbulence.seed, sample)
+            self.x = np.array([sample, first, after(first, sample + 1.0, self.settled[0], turbulence)])
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        self.counts[0] += 1
+        advance(t + h, self.x, *self.settled)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t: float) -> None:
+        self.y[0] = wind_speed(t, self.x, *self.settled)
+
+
+@kernel
+def after(value, sample, p, turbulence):
+    """Turbulence of unit variance at a sample from that at the sample before."""
+    kept = math.exp(-p.mean_speed * turbulence.interval / turbulence.length)
+    return kept * value + math.sqrt(1.0 - kept * kept) * normal_number(turbulence.seed, sample)
+
+
+@kernel
+def advance(t, x, p, ramp, daily, turbulence, gusts):
+    """Moves x = (sample, turbulence at it, turbulence at the next) on until t lies between the two."""
+    if turbulence is not None:
+        while t >= (x[0] + 1.0) * turbulence.interval:
+            x[0] += 1.0
+            x[1] = x[2]
+            x[2] = after(x[1], x[0] + 1.0, p, turbulence)
+
+
+@kernel
+def gust_share(s, rise, stay):
+    """Height of a gust, 0 to 1, at the time s after its begin."""
+    if s < 0.0 or s >= 2.0 * rise + stay:
+        return 0.0
+    if s < rise:
+        return 0.5 * (1.0 - math.cos(math.pi * s / rise))
+    if s > rise + stay:
+        return 0.5 * (1.0 + math.cos(math.pi * (s - rise - stay) / rise))
+    return 1.0
+
+
+@kernel
+def wind_speed(t, x, p, ramp, daily, turbulence, gusts):
+    """Wind speed at time t, m/s."""
+    speed = p.mean_speed
+    if ramp is not None:
+        change = ramp.end_speed - speed
+        gained = min(ramp.rate * max(min(t, ramp.return_time) - ramp.start_time, 0.0), abs(change))
+        gained = max(gained - ramp.rate * max(t - ramp.return_time, 0.0), 0.0)
+        speed += math.copysign(gained, change)
+    if daily is not None:
+        speed *= 1.0 + daily.amplitude * math.cos(2.0 * math.pi / DAY * (t - daily.strongest))
+    if turbulence is not None:
+        share = t / turbulence.interval - x[0]
+        speed *= 1.0 + turbulence.intensity * (x[1] + share * (x[2] - x[1]))
+    if gusts is not None:
+        s = t - gusts.start_time
+        if s > 0.0:
+            s %= gusts.period
+        speed += gusts.amplitude * gust_share(s, gusts.rise, gusts.stay)
+    return max(speed, 0.0)

@@ -1,0 +1,58 @@
+"""Wind pump."""
+
+from __future__ import annotations
+
+from . import Facts
+
+FACTS: dict[str, Facts] = {
+    "WindTurbine": Facts(
+        moving=frozenset({"angle"}),
+        small={"curve": "heier"},  # which knows pitch
+        plain=(("pitch", "furling", "bearing_friction"), {"start_speed": 20.0}, 20),
+        other_ways=(({"curve": "farm"}, ("furling", "bearing_friction")), ({"curve": "simple", "start_speed": 20.0}, ()),
+                    ({"curve": "variant", "start_speed": 20.0}, ("pitch",))),
+        disturbance={"wind": 5.0, "torque": 3.0},
+        strengths={"bearing_friction.kinetic": ({"bearing_friction.static": 0.1}, 1e-3)},
+        structural=frozenset({"pitch", "furling"}),
+        form=frozenset({"bearing_friction.static"}),
+    ),
+    "Wind": Facts(
+        moving=frozenset({"*"}),
+        plain=(("ramp", "daily", "turbulence", "gusts"), {"gusts.start_time": 0.0, "turbulence.interval": 3e-3}, 20),
+        strengths={
+            "ramp.rate": ({}, 1e-3),
+            "daily.amplitude": ({}, 1e-3),
+            "turbulence.intensity": ({}, 1e-3),
+            "gusts.amplitude": ({"gusts.start_time": 0.0}, 1e-3),
+        },
+        form=frozenset({"ramp.end_speed", "ramp.start_time", "ramp.return_time", "daily.strongest", "turbulence.length",
+                        "turbulence.interval", "turbulence.seed", "gusts.start_time", "gusts.rise", "gusts.stay",
+                        "gusts.period"}),
+    ),
+    "FixedTransmission": Facts(
+        plain=(("mesh_friction",), {"start_speed": 2.0}, 20),
+        disturbance={"turbine_speed": 2.0, "load_torque": 5.0},
+        strengths={"mesh_friction.coefficient": ({}, 1e-3)},
+        form=frozenset({"mesh_friction.width"}),
+    ),
+    "AveragedConverter": Facts(
+        small={"start_speed": 1.0},  # at standstill the turbine feels nothing
+        plain=(("mesh_friction",), {}, 20),
+        disturbance={"turbine_speed": 4.0, "load_torque": 5.0},
+        strengths={"mesh_friction.coefficient": ({}, 1e-3)},
+        form=frozenset({"mesh_friction.width"}),
+    ),
+    "PistonPump": Facts(
+        moving=frozenset({"angle"}),
+        other_ways=(({"action": "double", "rod_diameter": 0.03}, ()),),
+        plain=(("leakage", "seal_friction"), {"start_angle": 0.5}, 20),
+        disturbance={"speed": 5.0, "head": 15.0},
+        strengths={"leakage.share": ({}, 1e-3), "seal_friction.force": ({}, 1e-3)},
+    ),
+    "WaterPipe": Facts(
+        plain=(("friction", "air_vessel", "tank"), {}, 20),
+        disturbance={"flow": 1e-3},
+        strengths={"friction.coefficient": ({}, 1e3)},
+        structural=frozenset({"air_vessel", "tank"}),
+    ),
+}
