@@ -18,13 +18,13 @@ from .gimbal_equations import (
     CONTACT,
     INNER,
     OUTER,
-    VERTICAL,
     accelerations,
     axis_guard,
     axis_mode,
     body_rates,
     bristle_rates,
     drives,
+    gimbal_energy,
     outer_momentum,
     reactions_of_base,
 )
@@ -63,7 +63,7 @@ class SmoothedFriction(Effect):
     width = parameter(0.01, "rad/s", "rate over which the friction changes sign", low=1e-9)
 
 
-class LugreFriction(Effect):
+class LuGreFriction(Effect):
     """Dry friction by elastic bristles (LuGre); their fastest relaxation is held to one per substep."""
 
     excludes = ("smoothed_friction", "stick_friction")
@@ -72,7 +72,7 @@ class LugreFriction(Effect):
     static_ratio = parameter(1.5, "1", "static over kinetic friction", low=1.0)
     stiffness = parameter(200.0, "N.m/rad", "stiffness of the bristles", low=0.0)
     damping = parameter(2.0, "N.m.s/rad", "damping of the bristles", low=0.0)
-    stribeck = parameter(0.01, "rad/s", "rate over which friction falls from static to kinetic", low=1e-9)
+    stribeck_rate = parameter(0.01, "rad/s", "rate over which friction falls from static to kinetic", low=1e-9)
 
 
 class StickFriction(Effect):
@@ -168,7 +168,7 @@ class GimbalBody(EventComponent):
     rotor = Rotor
     viscous = Viscous
     smoothed_friction = SmoothedFriction
-    lugre_friction = LugreFriction
+    lugre_friction = LuGreFriction
     stick_friction = StickFriction
     stops = Stops
     base_motion = BaseMotion
@@ -194,6 +194,8 @@ class GimbalBody(EventComponent):
     outer_rate = output("rad/s", "rate of the outer axis")
     inner_rate = output("rad/s", "rate of the inner axis")
     outer_momentum = output("kg.m2/s", "angular momentum about the outer axis", nominal=0.1, feedthrough=("base_motion.rate",))
+    mechanical_energy = output("J", "kinetic energy, height above the hanging body, bending of bristles and stops",
+                               feedthrough=("base_motion.rate",))
 
     presets = {
         "inertial motion": Preset(
@@ -232,23 +234,9 @@ class GimbalBody(EventComponent):
         return state
 
     def energy(self) -> float:
-        """Energy of motion relative to the ground, of the weight where there is gravity, of bristles and stops, J."""
+        """The output `mechanical_energy`, J."""
         p, gravity, _, _, _, lugre, _, stops, base, *_ = self.settled
-        alpha, beta = self.x[:2]
-        rates = np.array(body_rates(self.x, self.u[0], p, base))
-        turning = self.x[OUTER] + (self.u[0, base.u] if base is not None and p.axis_orientation == VERTICAL else 0.0)
-        energy = p.frame_inertia * turning**2 + rates**2 @ (p.cross_inertia, p.inner_inertia, p.axial_inertia)
-        if lugre is not None:
-            energy += lugre.stiffness * (self.x[CONTACT:] ** 2).sum()
-        if stops is not None:
-            outer = max(alpha - stops.outer_upper, stops.outer_lower - alpha, 0.0)
-            inner = max(beta - stops.inner_upper, stops.inner_lower - beta, 0.0)
-            energy += stops.stiffness * (outer**2 + inner**2)
-        energy *= 0.5
-        if gravity is not None:
-            down = math.cos(beta) * (1.0 if p.axis_orientation == VERTICAL else math.cos(alpha))
-            energy -= gravity.mass * gravity.acceleration * gravity.distance * down
-        return float(energy)
+        return gimbal_energy(self.x, self.u[0], p, gravity, lugre, stops, base)
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
@@ -320,6 +308,7 @@ def gimbal_outputs(t, x, u, y, p, gravity, rotor, viscous, smoothed, lugre, stic
     """Angles, rates, momentum, and what the effects add."""
     y[0], y[1], y[2], y[3] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
     y[4] = outer_momentum(x, u, p, rotor, base)
+    y[5] = gimbal_energy(x, u, p, gravity, lugre, stops, base)
     if stick is not None:
         y[stick.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
         y[stick.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0

@@ -127,8 +127,8 @@ def bristle_rates(x, p, lugre):
     """Rates of the bristles' deflections at both axes, followed no faster than the substep allows."""
     k, ratio, fastest = lugre.stiffness, lugre.static_ratio, 1.0 / p.substep
     outer, inner = lugre.outer_level, lugre.inner_level
-    return (lugre_rate(x[OUTER], x[CONTACT], k, outer, ratio * outer, lugre.stribeck, fastest),
-            lugre_rate(x[INNER], x[CONTACT + 1], k, inner, ratio * inner, lugre.stribeck, fastest))
+    return (lugre_rate(x[OUTER], x[CONTACT], k, outer, ratio * outer, lugre.stribeck_rate, fastest),
+            lugre_rate(x[INNER], x[CONTACT + 1], k, inner, ratio * inner, lugre.stribeck_rate, fastest))
 
 
 @kernel
@@ -157,6 +157,34 @@ def outer_momentum(x, u, p, rotor, base):
     if rotor is not None:
         momentum += s * rotor.spin_momentum
     return momentum
+
+
+@kernel
+def stop_depth(angle, lower, upper):
+    """How far an angle is beyond its stops, rad."""
+    return max(angle - upper, lower - angle, 0.0)
+
+
+@kernel
+def gimbal_energy(x, u, p, gravity, lugre, stops, base):
+    """Kinetic energy relative to the ground, height above the hanging body, bending of bristles and stops, J."""
+    wx, wy, wz = body_rates(x, u, p, base)
+    turning = frame_rates(x, u, p, base)[0]
+    twice = (p.frame_inertia * turning * turning + p.cross_inertia * wx * wx + p.inner_inertia * wy * wy
+             + p.axial_inertia * wz * wz)
+    if lugre is not None:
+        twice += lugre.stiffness * (x[CONTACT] * x[CONTACT] + x[CONTACT + 1] * x[CONTACT + 1])
+    if stops is not None:
+        outer = stop_depth(x[ALPHA], stops.outer_lower, stops.outer_upper)
+        inner = stop_depth(x[BETA], stops.inner_lower, stops.inner_upper)
+        twice += stops.stiffness * (outer * outer + inner * inner)
+    energy = 0.5 * twice
+    if gravity is not None:
+        down = math.cos(x[BETA])
+        if p.axis_orientation != VERTICAL:
+            down *= math.cos(x[ALPHA])
+        energy += gravity.mass * gravity.acceleration * gravity.distance * (1.0 - down)
+    return energy
 
 
 @kernel

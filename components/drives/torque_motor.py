@@ -1,0 +1,122 @@
+"""A DC motor as a source of torque, with a gear: the inertia it turns belongs to the load."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+
+LIMIT = 2.78  # of RK4, largest eigenvalue times step
+
+
+class Inductance(Effect):
+    """The current follows with the time constant inductance / resistance; off, it is there at once."""
+
+    inductance = parameter(1e-3, "H", "inductance of the winding", low=1e-9)
+    substep = parameter(2e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+
+class Saturation(Effect):
+    """The amplifier's limits: its voltage, and the current, above which it gives no more voltage than the current needs."""
+
+    voltage = parameter(24.0, "V", "largest voltage of the amplifier", low=1e-9, nominal=10.0)
+    current = parameter(5.0, "A", "largest current, held where the voltage allows it", low=1e-9)
+
+
+class TorqueMotor(OdeComponent):
+    """A brushed DC motor with constant field, or a brushless one seen from its amplifier, and an ideal gear.
+
+        L i' = V - R i - k N w,    T = N k i
+
+    V: voltage, w: rate of the load's axis, N: gear ratio, k: torque per current, the same number as voltage per rate. Without
+    `inductance` the current is (V - k N w) / R. The rotor's inertia, times N², belongs to the load. Numbers are a choice of ours,
+    of the size of a direct drive for a small gimbal.
+    """
+
+    title = "Torque motor"
+    system = "drives"
+
+    inductance = Inductance
+    saturation = Saturation
+
+    resistance = parameter(2.0, "Ohm", "resistance of the winding", low=1e-9)
+    constant = parameter(0.1, "N.m/A", "torque of the motor per current", low=0.0)
+    gear_ratio = parameter(1.0, "1", "turns of the motor per turn of the load; negative: against it")
+
+    voltage = input_(0.0, "V", "voltage asked of the amplifier", nominal=10.0)
+    rate = input_(0.0, "rad/s", "rate of the load's axis")
+
+    torque = output("N.m", "torque on the load", feedthrough=("voltage", "rate"))
+    current = output("A", "current in the winding", feedthrough=("voltage", "rate"))
+    electrical_power = output("W", "power that the amplifier gives, negative where it gets some back", nominal=10.0,
+                              feedthrough=("voltage", "rate"))
+
+    def initial_state(self) -> np.ndarray:
+        """The steady current at the present voltage and rate, with `inductance`; no state without."""
+        p, inductance, saturation = self.settled
+        if inductance is None:
+            return np.zeros(0)
+        return np.array([amplifier_voltage(self.u[0], p, saturation) - back_emf(self.u[0], p)]) / p.resistance
+
+    def energy(self) -> float:
+        """Energy of the inductance, J; 0 without it."""
+        inductance = self.settled[1]
+        return 0.0 if inductance is None else float(0.5 * inductance.inductance * self.x[0] ** 2)
+
+    def stable_step(self) -> float:
+        """RK4's limit for the time constant of the winding, s; infinite without inductance."""
+        p, inductance, _ = self._settled()
+        return math.inf if inductance is None else LIMIT * inductance.inductance / p.resistance
+
+    def internal_step(self) -> float:
+        """That of `inductance`; without it nothing is integrated."""
+        return float(self.get("inductance.substep")) if "inductance" in self.on else math.inf
+
+
+VOLTAGE, RATE = TorqueMotor.input_indices("voltage", "rate")
+TORQUE, CURRENT, POWER = TorqueMotor.output_indices("torque", "current", "electrical_power")
+
+
+@kernel
+def back_emf(u, p):
+    """Voltage that the turning induces in the winding, V."""
+    return p.constant * p.gear_ratio * u[RATE]
+
+
+@kernel
+def amplifier_voltage(u, p, saturation):
+    """Voltage at the winding: what is asked, or what the amplifier's limits leave of it."""
+    if saturation is None:
+        return u[VOLTAGE]
+    induced, drop = back_emf(u, p), p.resistance * saturation.current
+    wanted = min(max(u[VOLTAGE], induced - drop), induced + drop)
+    return min(max(wanted, -saturation.voltage), saturation.voltage)
+
+
+@kernel
+def motor_derivatives(t, x, u, dx, p, inductance, saturation):
+    """dx/dt of x = (current,), or nothing without inductance."""
+    if inductance is not None:
+        dx[0] = (amplifier_voltage(u, p, saturation) - p.resistance * x[0] - back_emf(u, p)) / inductance.inductance
+
+
+@kernel
+def motor_outputs(t, x, u, y, p, inductance, saturation):
+    """Torque, current and electrical power."""
+    voltage = amplifier_voltage(u, p, saturation)
+    if inductance is not None:
+        current = x[0]
+    else:
+        current = (voltage - back_emf(u, p)) / p.resistance
+    y[TORQUE] = p.gear_ratio * p.constant * current
+    y[CURRENT] = current
+    y[POWER] = voltage * current
+
+
+TorqueMotor.advance = bind(rk4, __name__, derivatives=motor_derivatives, outputs=motor_outputs)
+TorqueMotor.output_kernel = motor_outputs

@@ -1,0 +1,130 @@
+"""Pointing with a gimbal: a sampled PID controller for each axis, and a scan of both as its set point."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel
+from ..core.variables import input_, output, parameter
+
+TURN = 2.0 * math.pi
+NEXT, VOLTAGES, INTEGRALS, ERRORS = 0, 1, 3, 5  # of the state: number of the next sample, then a pair of each
+STATES = 7
+
+
+class Scan(Effect):
+    """The set point swings about the constant one in each axis: amplitude * sin(2 pi frequency t + phase)."""
+
+    outer_amplitude = parameter(0.5, "rad", "amplitude of the outer axis")
+    inner_amplitude = parameter(0.3, "rad", "amplitude of the inner axis")
+    outer_frequency = parameter(0.5, "Hz", "frequency of the outer axis", low=0.0)
+    inner_frequency = parameter(1.0, "Hz", "frequency of the inner axis", low=0.0)
+    outer_phase = parameter(0.0, "rad", "phase of the outer axis")
+    inner_phase = parameter(0.0, "rad", "phase of the inner axis")
+
+
+class GimbalController(Component):
+    """PID controller of the two angles of a gimbal, sampled, its voltages held in between.
+
+        V = K_p (set - angle) + K_d (set' - rate) + I,    I' = K_i (set - angle) + (V limited - V) / T
+
+    What the limit keeps back of the voltage flows back into the integral within the time T, so that it does not wind up.
+    Samples are taken at whole multiples of the period and at the start; at a sample's instant the voltages are its own.
+    Gains are a choice of ours, for about 20 rad/s with the default gimbal and motors.
+    """
+
+    title = "Controller of a gimbal"
+    system = "two_axis_joint"
+    counters = ("steps", "samples")
+    default_step = 2e-3
+    default_stop = 5.0
+
+    scan = Scan
+
+    period = parameter(2e-3, "s", "time between samples", low=1e-6)
+    set_outer_angle = parameter(0.0, "rad", "set point of the outer axis")
+    set_inner_angle = parameter(0.0, "rad", "set point of the inner axis")
+    outer_gain = parameter(640.0, "V/rad", "voltage per error of the outer angle", low=0.0, nominal=100.0)
+    inner_gain = parameter(400.0, "V/rad", "voltage per error of the inner angle", low=0.0, nominal=100.0)
+    outer_rate_gain = parameter(64.0, "V.s/rad", "voltage per error of the outer rate", low=0.0, nominal=10.0)
+    inner_rate_gain = parameter(40.0, "V.s/rad", "voltage per error of the inner rate", low=0.0, nominal=10.0)
+    outer_integral_gain = parameter(640.0, "V/rad/s", "voltage per error of the outer angle and time", low=0.0, nominal=100.0)
+    inner_integral_gain = parameter(400.0, "V/rad/s", "voltage per error of the inner angle and time", low=0.0, nominal=100.0)
+    voltage_limit = parameter(24.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0)
+    unwinding_time = parameter(0.1, "s", "time in which the integrals give up what the limit keeps back", low=1e-6)
+
+    outer_angle = input_(0.0, "rad", "angle of the outer axis")
+    inner_angle = input_(0.0, "rad", "angle of the inner axis")
+    outer_rate = input_(0.0, "rad/s", "rate of the outer axis")
+    inner_rate = input_(0.0, "rad/s", "rate of the inner axis")
+
+    outer_voltage = output("V", "voltage for the motor of the outer axis", nominal=10.0)
+    inner_voltage = output("V", "voltage for the motor of the inner axis", nominal=10.0)
+    outer_error = output("rad", "set point less angle of the outer axis at the last sample", nominal=0.1)
+    inner_error = output("rad", "set point less angle of the inner axis at the last sample", nominal=0.1)
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        self.x = np.zeros(STATES)
+        self._now = np.zeros(self.u.shape[1])
+        self.x[NEXT] = math.floor(t / self.settled[0].period * (1.0 + 1e-12)) + 1.0
+        control_sample(t, self.u[0], self.x, *self.settled)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        return control(t, h, self.u, self.x, self.y, self._now, self.counts, *self.settled)
+
+    def _outputs(self, t: float) -> None:
+        control_outputs(self.x, self.y)
+
+
+@kernel
+def axis_sample(i, set_point, set_rate, u, x, gain, rate_gain, integral_gain, p):
+    """One sample of one axis, 0 outer, 1 inner: voltage, integral and error in x."""
+    error = set_point - u[i]
+    wanted = gain * error + rate_gain * (set_rate - u[2 + i]) + x[INTEGRALS + i]
+    voltage = min(max(wanted, -p.voltage_limit), p.voltage_limit)
+    x[VOLTAGES + i], x[ERRORS + i] = voltage, error
+    x[INTEGRALS + i] += p.period * (integral_gain * error + (voltage - wanted) / p.unwinding_time)
+
+
+@kernel
+def control_sample(t, u, x, p, scan):
+    """One sample of both axes at time t with the inputs u."""
+    outer, inner, outer_rate, inner_rate = p.set_outer_angle, p.set_inner_angle, 0.0, 0.0
+    if scan is not None:
+        w, v = TURN * scan.outer_frequency, TURN * scan.inner_frequency
+        outer += scan.outer_amplitude * math.sin(w * t + scan.outer_phase)
+        inner += scan.inner_amplitude * math.sin(v * t + scan.inner_phase)
+        outer_rate = scan.outer_amplitude * w * math.cos(w * t + scan.outer_phase)
+        inner_rate = scan.inner_amplitude * v * math.cos(v * t + scan.inner_phase)
+    axis_sample(0, outer, outer_rate, u, x, p.outer_gain, p.outer_rate_gain, p.outer_integral_gain, p)
+    axis_sample(1, inner, inner_rate, u, x, p.inner_gain, p.inner_rate_gain, p.inner_integral_gain, p)
+
+
+@kernel
+def control_outputs(x, y):
+    """Voltages and errors of the last sample."""
+    y[0], y[1], y[2], y[3] = x[VOLTAGES], x[VOLTAGES + 1], x[ERRORS], x[ERRORS + 1]
+
+
+@kernel
+def control(t, h, u, x, y, now, counts, p, scan):
+    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
+    while x[NEXT] * p.period <= t + h + 1e-9 * p.period:
+        s = min(max(x[NEXT] * p.period - t, 0.0), h)
+        for j in range(u.shape[1]):
+            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        control_sample(x[NEXT] * p.period, now, x, p, scan)
+        x[NEXT] += 1.0
+        counts[1] += 1
+    counts[0] += 1
+    hold_inputs(u, h)
+    control_outputs(x, y)
+    for j in range(STATES):
+        if not math.isfinite(x[j]):
+            return NOT_FINITE
+    return DONE
