@@ -61,4 +61,15 @@ FACTS: dict[str, Facts] = {
         structural=frozenset({"inverse_curve"}),
         form=frozenset({"manoeuvre.time"}),
     ),
+    "Tether": Facts(
+        small={"segments": 3},
+        plain=(("internal_damping", "drag", "current"), {"segments": 3}, 20),
+        disturbance={"velocity_north": 1.0, "velocity_east": 0.5},
+        strengths={
+            "internal_damping.coefficient": ({}, 1e-3),
+            "drag.normal_coefficient": ({"drag.tangential_coefficient": 0.0}, 1e-4),
+            "drag.tangential_coefficient": ({"drag.normal_coefficient": 0.0}, 1e-4),
+            **{f"current.velocity_{way}": ({}, 1e-4) for way in ("north", "east", "down")},
+        },
+    ),
 }

@@ -1,0 +1,244 @@
+"""A tether: an elastic cable in water from a fixed end to a vehicle, lumped into nodes, that pulls and never pushes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import StepFailed
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, integer, output, parameter
+from .tether_statics import hanging_chain
+
+FASTEST = 2.0  # m/s through the water, up to which the stable step is told
+
+
+class InternalDamping(Effect):
+    """A damper along each segment while it is taut; together with the spring it never pushes."""
+
+    coefficient = parameter(100.0, "N.s/m", "damping coefficient of a segment", low=0.0)
+
+
+class Drag(Effect):
+    """Drag across and along each segment, half on either end: rho d l C |v| v / 2 with its own part of the velocity for each."""
+
+    normal_coefficient = parameter(1.2, "1", "drag coefficient across the cable", low=0.0)
+    tangential_coefficient = parameter(0.01, "1", "drag coefficient along the cable, on the same area", low=0.0)
+
+
+class TetherCurrent(Effect):
+    """Water that moves, the same along the whole cable."""
+
+    requires = ("drag",)
+
+    velocity_north = input_(0.0, "m/s", "velocity of the water to the north")
+    velocity_east = input_(0.0, "m/s", "velocity of the water to the east")
+    velocity_down = input_(0.0, "m/s", "velocity of the water downwards")
+
+
+LOADS = (*(f"{what}_{way}" for what in ("position", "velocity") for way in ("north", "east", "down")),
+         *(f"current.velocity_{way}" for way in ("north", "east", "down")))
+
+
+class Tether(OdeComponent):
+    """A cable of n equal segments; masses at the nodes between them; north, east, down; positive z is downwards.
+
+        m x_i'' = T_i+1 - T_i + w l e_z + (D_i + D_i+1) / 2,    T = max(0, E A (L - l) / l [+ c L'])  while L > l, else 0
+
+    w: weight in water per length. Half a segment's weight and drag act on the vehicle, and its inertia, like the added mass of
+    the cable, is left out. The cable starts at rest in still water, whatever the current.
+    Model: von Benzon et al., J. Mar. Sci. Eng. 10 (2022) 1898. The copy of it in the repository ViktorNfa/bluerov2_dynamics has
+    no weight, calls the normal part tangential and the other way round, and its internal damping drives; its comments doubt
+    the modulus.
+    """
+
+    title = "Tether of lumped masses"
+    system = "rov"
+    default_step = 0.01
+    default_stop = 10.0
+
+    internal_damping = InternalDamping
+    drag = Drag
+    current = TetherCurrent
+
+    segments = integer(10, "number of segments", low=2, high=500)
+    length = parameter(35.0, "m", "length without tension", low=1e-3)
+    diameter = parameter(7.5e-3, "m", "diameter", low=1e-6)
+    youngs_modulus = parameter(6.437e7, "Pa", "modulus of elasticity", low=1.0)
+    mass_per_length = parameter(0.043, "kg/m", "mass per length", low=1e-6)
+    water_density = parameter(1000.0, "kg/m3", "density of the water", low=0.0)
+    gravity = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
+    anchor_north = parameter(-20.0, "m", "place of the fixed end, to the north; that it is 20 m off is a choice of ours")
+    anchor_east = parameter(0.0, "m", "place of the fixed end, to the east")
+    anchor_down = parameter(0.0, "m", "place of the fixed end, downwards")
+    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    position_north = input_(0.0, "m", "position of the vehicle's end to the north")
+    position_east = input_(0.0, "m", "position of the vehicle's end to the east")
+    position_down = input_(0.0, "m", "position of the vehicle's end downwards")
+    velocity_north = input_(0.0, "m/s", "velocity of the vehicle's end to the north")
+    velocity_east = input_(0.0, "m/s", "velocity of the vehicle's end to the east")
+    velocity_down = input_(0.0, "m/s", "velocity of the vehicle's end downwards")
+
+    force_north = output("N", "force on the vehicle to the north", nominal=10.0, feedthrough=LOADS)
+    force_east = output("N", "force on the vehicle to the east", nominal=10.0, feedthrough=LOADS)
+    force_down = output("N", "force on the vehicle downwards", nominal=10.0, feedthrough=LOADS)
+    tension = output("N", "tension of the vehicle's segment", nominal=10.0, feedthrough=LOADS)
+    anchor_tension = output("N", "tension of the segment at the fixed end", nominal=10.0)
+    lowest = output("m", "depth of the lowest node, the vehicle's end apart", nominal=10.0)
+
+    presets = {
+        "von Benzon 2022": Preset(
+            {"length": 35.0, "diameter": 7.5e-3, "youngs_modulus": 6.437e7, "mass_per_length": 0.043,
+             "internal_damping.coefficient": 100.0, "drag.normal_coefficient": 1.2, "drag.tangential_coefficient": 0.01},
+            "von Benzon et al. (2022), as copied in the repository ViktorNfa/bluerov2_dynamics", "verbatim",
+            ("internal_damping", "drag")),
+    }
+
+    @property
+    def _constants(self) -> tuple[float, float, float, float]:
+        """Length of a segment (m), tension per strain (N), mass of a node (kg), weight of a node in water (N)."""
+        p = {n: float(self.get(n)) for n in ("segments", "length", "diameter", "youngs_modulus", "mass_per_length",
+                                             "water_density", "gravity")}
+        length, area = p["length"] / p["segments"], 0.25 * math.pi * p["diameter"] ** 2
+        weight = (p["mass_per_length"] - p["water_density"] * area) * p["gravity"] * length
+        return length, p["youngs_modulus"] * area, p["mass_per_length"] * length, weight
+
+    def initial_state(self) -> np.ndarray:
+        """Nodes at rest between the present ends (x: positions of the inner nodes, then their velocities, three each)."""
+        length, stiffness, _, weight = self._constants
+        p = self.settled[0]
+        anchor = np.array([p.anchor_north, p.anchor_east, p.anchor_down])
+        nodes = hanging_chain(self.u[0, :3] - anchor, p.segments, length, stiffness, weight)
+        if nodes is None:
+            raise StepFailed(self.name, self.t, "no shape at rest was found between the ends", "Move an end of the tether")
+        return np.concatenate(((anchor + nodes).ravel(), np.zeros(3 * (p.segments - 1))))
+
+    def energy(self) -> float:
+        """Energy of motion, of strain and of height, half of the outermost segments' weight at the ends included, J."""
+        length, stiffness, mass, weight = self._constants
+        p, x = self.settled[0], self.x.reshape(2, -1, 3)
+        ends = np.array([[p.anchor_north, p.anchor_east, p.anchor_down]]), self.u[:1, :3]
+        points = np.concatenate((ends[0], x[0], ends[1]))
+        strain = np.maximum(np.linalg.norm(np.diff(points, axis=0), axis=1) - length, 0.0)
+        depth = x[0, :, 2].sum() + 0.5 * (points[0, 2] + points[-1, 2])
+        return float(0.5 * mass * (x[1] ** 2).sum() + 0.5 * stiffness / length * (strain**2).sum() - weight * depth)
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
+        length, stiffness, mass, _ = self._constants
+        p, damping, drag, _ = self._settled()
+        c = 4.0 * damping.coefficient if damping is not None else 0.0
+        if drag is not None:
+            largest = max(drag.normal_coefficient, drag.tangential_coefficient)
+            c += p.water_density * p.diameter * length * largest * FASTEST
+        return float(2.78 / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
+
+
+@kernel
+def place(k, n, x, u, p):
+    """Position of node k of 0 (fixed) to n (vehicle), m."""
+    if k == 0:
+        return p.anchor_north, p.anchor_east, p.anchor_down
+    if k == n:
+        return u[0], u[1], u[2]
+    i = 3 * (k - 1)
+    return x[i], x[i + 1], x[i + 2]
+
+
+@kernel
+def motion(k, n, x, u):
+    """Velocity of node k, m/s."""
+    if k == 0:
+        return 0.0, 0.0, 0.0
+    if k == n:
+        return u[3], u[4], u[5]
+    i = 3 * (n - 1 + k - 1)
+    return x[i], x[i + 1], x[i + 2]
+
+
+@kernel
+def segment_forces(k, x, u, p, damping, drag, current):
+    """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N."""
+    n = p.segments
+    rest = p.length / n
+    ax, ay, az = place(k, n, x, u, p)
+    bx, by, bz = place(k + 1, n, x, u, p)
+    rx, ry, rz = bx - ax, by - ay, bz - az
+    long = math.sqrt(rx * rx + ry * ry + rz * rz)
+    inverse = 1.0 / long if long > 0.0 else 0.0
+    rx, ry, rz = rx * inverse, ry * inverse, rz * inverse
+    tension = 0.0
+    if long > rest:
+        tension = p.youngs_modulus * 0.25 * math.pi * p.diameter**2 * (long / rest - 1.0)
+        if damping is not None:
+            a, b, c = motion(k, n, x, u)
+            d, e, f = motion(k + 1, n, x, u)
+            tension += damping.coefficient * ((d - a) * rx + (e - b) * ry + (f - c) * rz)
+            tension = max(tension, 0.0)
+    dx, dy, dz = 0.0, 0.0, 0.0
+    if drag is not None:
+        a, b, c = motion(k, n, x, u)
+        d, e, f = motion(k + 1, n, x, u)
+        wx, wy, wz = -0.5 * (a + d), -0.5 * (b + e), -0.5 * (c + f)  # the water past the middle of the segment
+        if current is not None:
+            wx, wy, wz = wx + u[current.u], wy + u[current.u + 1], wz + u[current.u + 2]
+        slip = wx * rx + wy * ry + wz * rz
+        wx, wy, wz = wx - slip * rx, wy - slip * ry, wz - slip * rz
+        half = 0.25 * p.water_density * p.diameter * rest
+        across = half * drag.normal_coefficient * math.sqrt(wx * wx + wy * wy + wz * wz)
+        along = half * drag.tangential_coefficient * abs(slip) * slip
+        dx, dy, dz = across * wx + along * rx, across * wy + along * ry, across * wz + along * rz
+    return tension * rx, tension * ry, tension * rz, dx, dy, dz, tension
+
+
+@kernel
+def node_weight(p):
+    """Weight in water of a node, downwards, N."""
+    return (p.mass_per_length - p.water_density * 0.25 * math.pi * p.diameter**2) * p.gravity * p.length / p.segments
+
+
+@kernel
+def tether_derivatives(t, x, u, dx, p, damping, drag, current):
+    """dx/dt of the positions and velocities of the inner nodes."""
+    n = p.segments
+    size = 3 * (n - 1)
+    weight, mass = node_weight(p), p.mass_per_length * p.length / n
+    for i in range(n - 1):
+        for j in range(3):
+            dx[3 * i + j] = x[size + 3 * i + j]
+            dx[size + 3 * i + j] = 0.0
+        dx[size + 3 * i + 2] = weight
+    for k in range(n):
+        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, p, damping, drag, current)
+        if k > 0:
+            i = size + 3 * (k - 1)
+            dx[i] += tx + ex
+            dx[i + 1] += ty + ey
+            dx[i + 2] += tz + ez
+        if k < n - 1:
+            i = size + 3 * k
+            dx[i] += ex - tx
+            dx[i + 1] += ey - ty
+            dx[i + 2] += ez - tz
+    for i in range(size, 2 * size):
+        dx[i] /= mass
+
+
+@kernel
+def tether_outputs(t, x, u, y, p, damping, drag, current):
+    """Force on the vehicle, tensions at both ends, depth of the lowest node."""
+    n = p.segments
+    y[4] = segment_forces(0, x, u, p, damping, drag, current)[6]
+    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, p, damping, drag, current)
+    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * node_weight(p), tension
+    y[5] = p.anchor_down
+    for i in range(n - 1):
+        y[5] = max(y[5], x[3 * i + 2])
+
+
+Tether.advance = bind(rk4, __name__, derivatives=tether_derivatives, outputs=tether_outputs)
+Tether.output_kernel = tether_outputs
