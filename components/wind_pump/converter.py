@@ -30,7 +30,11 @@ MOST_TURN = 0.3  # rad of the crank in a substep; 21 substeps a revolution
 
 
 class CompliantClutches(Effect):
-    """Clutches that slip while they drive: torque = damping * (speed of the slider at the arm - speed of the shaft)."""
+    """Clutches that slip while they drive: torque = damping * (speed of the slider at the arm - speed of the shaft).
+
+    They let go late by the angle w1 tau of the crank, tau = rho² (m b² + m_y) / damping. The mean torque falls by no more than
+    k1 w1² (w1 tau)² / 2: less than 1e-4 of the stall torque with the defaults, up to a crank of 500 rad/s.
+    """
 
     damping = parameter(2e3, "N.m.s/rad", "torque per slip of a clutch that drives", low=1.0)
     substep = parameter(2.5e-5, "s", "longest internal step while the clutches slip", low=1e-9, high=1.0)
