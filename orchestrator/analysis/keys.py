@@ -35,7 +35,8 @@ class RecurrenceKeys(Model):
 class AnalysisKeys(Model):
     """What every system reads."""
 
-    system: str = Field(default="", description="railway, bearings, rotor or wind_pump: which figures the report has")
+    system: str = Field(default="", description=(
+        "which figures the report has: railway, bearings, rotor, two_axis_joint or wind_pump"))
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
     section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
 
@@ -79,6 +80,7 @@ class WindPumpKeys(AnalysisKeys):
 
     average: NotNegative = Field(default=0.0, description="s, moving mean of speeds and powers; none without it")
     standstill: Positive = Field(default=0.1, description="rad/s, below which a shaft counts as standing")
+    pause: NotNegative = Field(default=10.0, description="s, a shorter standstill between two strokes is no stop")
 
 
 KEYS: dict[str, type[AnalysisKeys]] = {
@@ -86,6 +88,7 @@ KEYS: dict[str, type[AnalysisKeys]] = {
     "bearings": BearingKeys,
     "rotor": RotorKeys,
     "wind_pump": WindPumpKeys,
+    "two_axis_joint": AnalysisKeys,
 }
 
 
