@@ -33,9 +33,11 @@ CATALOGUE = {
     "WindTurbine": "wind_pump.turbine",
     "Wind": "wind_pump.wind",
     "FixedTransmission": "wind_pump.fixed",
+    "PlanetaryTransmission": "wind_pump.planetary",
     "AveragedConverter": "wind_pump.averaged",
     "InertialConverter": "wind_pump.converter",
     "PistonPump": "wind_pump.piston_pump",
+    "CentrifugalPump": "wind_pump.centrifugal_pump",
     "WaterPipe": "wind_pump.pipe",
 }
 

@@ -35,6 +35,18 @@ FACTS: dict[str, Facts] = {
         strengths={"mesh_friction.coefficient": ({}, 1e-3)},
         form=frozenset({"mesh_friction.width"}),
     ),
+    "PlanetaryTransmission": Facts(
+        small={"start_speed": 1.0},  # with which the third shaft turns
+        moving=frozenset({"*"}),
+        plain=(("mesh_friction", "dry_brake", "centrifugal_brake"), {}, 20),
+        disturbance={"turbine_speed": 0.5, "load_torque": 1.0},  # the third shaft does not turn over
+        strengths={
+            "mesh_friction.coefficient": ({}, 1e-3),
+            "dry_brake.kinetic": ({"dry_brake.static": 0.1}, 1e-3),
+            "centrifugal_brake.coefficient": ({}, 1e-3),
+        },
+        form=frozenset({"mesh_friction.width", "dry_brake.static", "centrifugal_brake.largest_speed"}),
+    ),
     "AveragedConverter": Facts(
         small={"start_speed": 1.0},  # at standstill the turbine feels nothing
         plain=(("mesh_friction",), {}, 20),
@@ -48,6 +60,11 @@ FACTS: dict[str, Facts] = {
         plain=(("leakage", "seal_friction"), {"start_angle": 0.5}, 20),
         disturbance={"speed": 5.0, "head": 15.0},
         strengths={"leakage.share": ({}, 1e-3), "seal_friction.force": ({}, 1e-3)},
+    ),
+    "CentrifugalPump": Facts(
+        plain=(("seal_friction",), {}, 20),
+        disturbance={"speed": 140.0, "head": 15.0},
+        strengths={"seal_friction.torque": ({}, 1e-3)},
     ),
     "WaterPipe": Facts(
         plain=(("friction", "air_vessel", "tank"), {}, 20),
