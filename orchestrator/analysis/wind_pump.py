@@ -4,12 +4,14 @@
     system = "wind_pump"
     average = 2.0           # s, moving mean of speeds and powers before they are compared: a piston's pulsation is gone
     standstill = 0.1        # rad/s, below which a shaft counts as standing
+    pause = 10.0            # s, a shorter standstill between two strokes is no stop
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,12 +23,12 @@ if TYPE_CHECKING:
     from ..results import Result
 
 TURN = 2.0 * np.pi
-STANDSTILL = 0.1  # rad/s
+STANDSTILL, PAUSE = 0.1, 10.0  # rad/s; s
 TURNING_POINTS = 6  # of the mean wind; with more of them there are no branches, rising and falling
 NOTICED = 0.05  # of its range, below which a change of the wind is no turning point
 STAGES = ("aerodynamic", "turbine_shaft", "pump_shaft", "hydraulic")  # powers along the chain, from the wind to the water
 OF_TURBINE = ("power_coefficient", "tip_speed_ratio")
-OF_PIPE = ("delivered", "head", "level")
+OF_PIPE = {"delivered": "delivered", "head": "head", "level": "tank.level"}
 
 
 @dataclass(frozen=True)
@@ -82,15 +84,15 @@ def _chain(result: Result, unit: str, turbine: str, load: str, pipe: str) -> Cha
 
     turbine_speed, pump_speed = column(unit, "turbine_speed"), column(unit, "speed")
     signals = {"turbine_speed": turbine_speed, "pump_speed": pump_speed, "flow": column(load, "flow")}
-    signals |= {n: column(turbine, n) for n in OF_TURBINE} | {n: column(pipe, n) for n in OF_PIPE}
+    signals |= {n: column(turbine, n) for n in OF_TURBINE} | {n: column(pipe, its) for n, its in OF_PIPE.items()}
     powers = {
         "aerodynamic": column(turbine, "power"),
         "turbine_shaft": product(column(unit, "turbine_torque"), turbine_speed),
         "pump_shaft": product(column(unit, "load_torque"), pump_speed),
         "hydraulic": column(load, "hydraulic_power"),
     }
-    return Chain(unit, turbine, result.time, column(turbine, "wind"),
-                 {n: v for n, v in signals.items() if v is not None}, {n: v for n, v in powers.items() if v is not None})  # fmt: skip
+    known, flowing = ({n: v for n, v in group.items() if v is not None} for group in (signals, powers))
+    return Chain(unit, turbine, result.time, column(turbine, "wind"), known, flowing)
 
 
 def moving_mean(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
@@ -115,17 +117,24 @@ def accumulated(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))
 
 
-def runnings(chain: Chain, standstill: float = STANDSTILL) -> list[Running]:
+def runnings(chain: Chain, standstill: float = STANDSTILL, pause: float = PAUSE) -> list[Running]:
     """The times in which the pump's shaft was faster than `standstill` (rad/s) and made a turn or more.
 
-    A piston that creeps up its stroke against a load it cannot overcome moves, but does not run.
+    A piston that creeps up its stroke against a load it cannot overcome moves, but does not run; one that waits for no more than
+    `pause` s before its stroke, while the turbine gathers speed, has not stopped.
     """
     time, speed = chain.time, chain.signals["pump_speed"]
     moving = np.concatenate(([False], speed > standstill, [False]))
     edges = np.flatnonzero(moving[1:] != moving[:-1])
     angle = accumulated(time, speed)
+    joined: list[list[int]] = []
+    for first, after in edges.reshape(-1, 2).tolist():
+        if joined and time[first] - time[joined[-1][1]] <= pause:
+            joined[-1][1] = after
+        else:
+            joined.append([first, after])
     found = []
-    for first, after in zip(edges[::2], edges[1::2], strict=True):
+    for first, after in joined:
         turns = float(angle[after - 1] - angle[first]) / TURN
         if turns >= 1.0:
             begin, end = first if first > 0 else None, after if after < time.size else None
@@ -154,7 +163,7 @@ def branches(time: np.ndarray, wind: np.ndarray) -> list[tuple[str, slice]]:
             if len(turns) > TURNING_POINTS:
                 return []
     ends = [*turns, wind.size - 1]
-    return [("rising" if wind[b] > wind[a] else "falling", slice(a, b + 1)) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [("rising" if wind[b] > wind[a] else "falling", slice(a, b + 1)) for a, b in pairwise(ends)]
 
 
 def efficiencies(chain: Chain, start: int = 0) -> list[tuple[str, float, float | None]]:

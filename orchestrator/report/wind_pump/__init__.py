@@ -1,6 +1,6 @@
 """Figures of the wind pumps of a run: speeds, ratio, Cp and power over time and against the wind, starts and stops, water.
 
-Read from [analysis]: average, standstill, transient; see `analysis.wind_pump`.
+Read from [analysis]: average, standstill, pause, transient; see `analysis.wind_pump`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...analysis.machines import after_transient
-from ...analysis.wind_pump import STANDSTILL, branches, chains, moving_mean
+from ...analysis.wind_pump import PAUSE, STANDSTILL, branches, chains, moving_mean
 from ..charts import draw_chart
 from ..page import Block
 from .against_wind import bins_chart, branches_chart
@@ -28,8 +28,9 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     if not found:
         return []
     analysis = result.scene.analysis
-    average, standstill = float(analysis.get("average", 0.0)), float(analysis.get("standstill", STANDSTILL))
-    shown = [Shown.of(c, average, standstill, f"{c.name}: " if len(found) > 1 else "") for c in found]
+    average = float(analysis.get("average", 0.0))
+    standstill, pause = float(analysis.get("standstill", STANDSTILL)), float(analysis.get("pause", PAUSE))
+    shown = [Shown.of(c, average, standstill, pause, f"{c.name}: " if len(found) > 1 else "") for c in found]
     made: list[Block] = [draw_chart(course_chart(shown))]
     wind = found[0].wind
     if wind is not None:

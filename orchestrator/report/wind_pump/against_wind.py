@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chart import Chart, Lines, Panel, Series
-from .shown import Shown
+from .shown import COEFFICIENTS, Shown
 
 BIN = 0.5  # m/s, as IEC 61400-12-1 has it for power curves
 LEAST = 3  # means in a bin that is drawn
@@ -15,9 +15,14 @@ LEAST = 3  # means in a bin that is drawn
 
 def _quantities(s: Shown) -> list[tuple[str, np.ndarray]]:
     """(label of the axis, values (n,)) of what is drawn against the wind."""
-    found = [("turbine speed, rad/s", s.signals.get("turbine_speed")), ("pump speed, rad/s", s.signals["pump_speed"]),
-             ("pump speed over turbine speed, 1", s.ratio), ("power coefficient Cp, 1", s.signals.get("power_coefficient")),
-             ("power at the turbine, W", s.powers.get("aerodynamic")), ("power into the water, W", s.powers.get("hydraulic"))]  # fmt: skip
+    found = [
+        ("turbine speed, rad/s", s.signals.get("turbine_speed")),
+        ("pump speed, rad/s", s.signals["pump_speed"]),
+        ("pump speed over turbine speed, 1", s.ratio),
+        ("power coefficient Cp, 1", s.signals.get("power_coefficient")),
+        ("power at the turbine, W", s.powers.get("aerodynamic")),
+        ("power into the water, W", s.powers.get("hydraulic")),
+    ]
     return [(label, v) for label, v in found if v is not None]
 
 
@@ -26,7 +31,8 @@ def _panels(shown: Sequence[Shown], series_of, lines: tuple[Lines, ...] = ()) ->
     panels = []
     for label in labels:
         series = [x for s in shown for name, values in _quantities(s) if name == label for x in series_of(s, values)]
-        panels.append(Panel(label, tuple(series), lines=lines if label.startswith("pump speed, ") else (), x_label="wind, m/s"))
+        panels.append(Panel(label, tuple(series), lines=lines if label.startswith("pump speed, ") else (), x_label="wind, m/s",
+                            y_range=COEFFICIENTS if "Cp" in label else None))  # fmt: skip
     return tuple(panels)
 
 
@@ -67,8 +73,9 @@ def bins_chart(shown: Sequence[Shown], start: int = 0) -> Chart | None:
         known = [(k, mean[(number == k) & np.isfinite(mean)]) for k in np.unique(number)]
         full = [(k, v) for k, v in known if v.size >= LEAST]
         middle, mean_of = [(k + 0.5) * BIN for k, _ in full], [float(v.mean()) for _, v in full]
-        return [Series(f"{s.who}means over {width:g} s", wind, mean, "dots"), Series(f"{s.who}bins of {BIN:g} m/s", middle, mean_of)]
+        dots = Series(f"{s.who}means over {width:g} s", wind, mean, "dots")
+        return [dots, Series(f"{s.who}bins of {BIN:g} m/s", middle, mean_of)]
 
-    text = (f"Dots: means over {width:g} s, one after the other. Line: their means in bins of wind. The spread at one wind is what "
-            "inertia and the way the wind came leave of the past.")  # fmt: skip
+    text = (f"Dots: means over {width:g} s, one after the other. Line: their means in bins of wind. The spread at one wind is "
+            "what inertia and the way the wind came leave of the past.")  # fmt: skip
     return Chart("Against the wind", "", _panels(shown, series_of), text, columns=2, height=260)

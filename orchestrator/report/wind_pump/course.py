@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chart import Chart, Panel, Series
-from .shown import Shown, scale
+from .shown import COEFFICIENTS, Shown, scale
 
 LITRES = 1e3  # per m³
 MARKED = 6  # starts and stops in all that are marked; with more of them the marks hide what they mark
@@ -23,10 +23,10 @@ def course_chart(shown: Sequence[Shown]) -> Chart:
     plain = tuple((at, "") for at, _ in marks)
     panels = []
     if shown[0].wind is not None:
-        series = (Series("wind", t, shown[0].wind),)
+        winds = [Series("wind", t, shown[0].wind)]
         if shown[0].average and shown[0].chain.wind is not None:
-            series = (Series("wind as it blows", t, shown[0].chain.wind, faint=True), *series)
-        panels.append(Panel("wind, m/s", series, x_marks=plain))
+            winds.insert(0, Series("wind as it blows", t, shown[0].chain.wind, faint=True))
+        panels.append(Panel("wind, m/s", tuple(winds), x_marks=plain))
     speeds = [(f"{s.who}{name}", s.signals[key]) for s in shown
               for name, key in (("turbine", "turbine_speed"), ("pump", "pump_speed")) if key in s.signals]  # fmt: skip
     panels.append(Panel("speed, rad/s", tuple(Series(n, t, v) for n, v in speeds), x_marks=marks))
@@ -40,7 +40,7 @@ def course_chart(shown: Sequence[Shown]) -> Chart:
     ):
         series = tuple(Series(f"{s.who}{name}", t, getattr(s, source)[key]) for s in shown if key in getattr(s, source))
         if series:
-            panels.append(Panel(label, series, x_marks=plain))
+            panels.append(Panel(label, series, x_marks=plain, y_range=COEFFICIENTS if "Cp" in label else None))
     text = f"{shown[0].averaged} Gaps in the ratio: the turbine stands (below {shown[0].standstill:g} rad/s)."
     if events:
         text += " Thin vertical lines: the pump starts or stops." if few else " The pump's starts and stops are in the table."

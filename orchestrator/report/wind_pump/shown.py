@@ -11,13 +11,15 @@ from ...analysis.wind_pump import Chain, Running, moving_mean, runnings
 
 HOUR = 3600.0  # s
 LONG = 2.0 * HOUR  # from here on the time is in hours
+COEFFICIENTS = (-0.05, 0.6)  # of an axis, up to Betz's limit; a rotor that overruns a dying wind has any negative value
 
 
 @dataclass(frozen=True)
 class Shown:
     """A chain with its moving means.
 
-    who: what stands before the names where there are several chains, such as "fixed: ".  average, standstill: as in [analysis].
+    who: what stands before the names where there are several chains, such as "fixed: ".
+    average, standstill, pause: as in [analysis].
     wind, signals, powers: those of the chain as moving means.  ratio: of pump speed to turbine speed, NaN where the turbine
     stands; None without a turbine speed.  runs: the times in which the pump ran.
     """
@@ -26,6 +28,7 @@ class Shown:
     who: str
     average: float
     standstill: float
+    pause: float
     wind: np.ndarray | None
     signals: Mapping[str, np.ndarray]
     powers: Mapping[str, np.ndarray]
@@ -33,7 +36,7 @@ class Shown:
     runs: list[Running]
 
     @classmethod
-    def of(cls, chain: Chain, average: float, standstill: float, who: str) -> Shown:
+    def of(cls, chain: Chain, average: float, standstill: float, pause: float, who: str) -> Shown:
         """The chain with means over `average` s."""
         def mean(values: np.ndarray) -> np.ndarray:
             return moving_mean(chain.time, values, average)
@@ -44,8 +47,8 @@ class Shown:
             turning = signals["turbine_speed"] > standstill
             ratio = np.where(turning, signals["pump_speed"] / np.where(turning, signals["turbine_speed"], 1.0), np.nan)
         wind = mean(chain.wind) if chain.wind is not None else None
-        return cls(chain, who, average, standstill, wind, signals, {n: mean(v) for n, v in chain.powers.items()}, ratio,
-                   runnings(chain, standstill))
+        return cls(chain, who, average, standstill, pause, wind, signals, {n: mean(v) for n, v in chain.powers.items()}, ratio,
+                   runnings(chain, standstill, pause))
 
     @property
     def marks(self) -> list[tuple[str, float, float | None]]:

@@ -37,8 +37,9 @@ def runs_table(shown: Sequence[Shown]) -> Cells:
             rows.append((s.chain.name, f"and {len(s.runs) - MOST} more", "", "", "", ""))
         if not s.runs:
             rows.append((s.chain.name, "never runs", "", "", "", ""))
-    text = (f"A pump runs while its shaft is faster than {shown[0].standstill:g} rad/s and makes a turn or more; empty: it ran when "
-            "the record began, or still did when it ended.")  # fmt: skip
+    text = (f"A pump runs while its shaft is faster than {shown[0].standstill:g} rad/s and makes a turn or more; a "
+            f"standstill of up to {shown[0].pause:g} s is none. Empty: it ran when the record began, or still did when it "
+            "ended.")  # fmt: skip
     return Cells("Starts and stops", ("transmission", "starts at, s", "wind then, m/s", "stops at, s", "wind then, m/s", "turns"),
                  rows, text, frozenset(range(1, 6)))  # fmt: skip
 
@@ -65,7 +66,8 @@ def wind_energy(result: Result, chain: Chain, start: int = 0) -> float | None:
     if chain.wind is None or not given.component:
         return None
     known = component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
-    if not {"density", "radius"} <= known.keys():
+    density, radius = known.get("density"), known.get("radius")
+    if not (isinstance(density, float) and isinstance(radius, float)):
         return None
-    power = 0.5 * known["density"] * np.pi * known["radius"] ** 2 * chain.wind**3
+    power = 0.5 * density * np.pi * radius**2 * chain.wind**3
     return float(accumulated(chain.time[start:], power[start:])[-1])

@@ -32,11 +32,17 @@ def run_of(t, wind, running, ripple=0.0, analysis=None):
     water = PUMPED * at_pump * (1.0 + ripple * np.sin(2.0 * np.pi * t))
     flow = 1e-4 * pump
     columns = {
-        "wind.speed": wind, "turbine.speed": turbine, "turbine.power": power, "turbine.power_coefficient": np.where(running, CP, 0.0),
-        "gear.speed": pump, "gear.turbine_torque": np.divide(power, turbine, out=np.zeros_like(power), where=turbine > 0.0),
-        "pump.torque": np.divide(at_pump, pump, out=np.full_like(power, HEAD_TORQUE), where=pump > 0.0), "pump.flow": flow,
-        "pump.hydraulic_power": water, "pipe.delivered": np.concatenate(([0.0], np.cumsum(0.5 * (flow[1:] + flow[:-1]) * np.diff(t)))),
-    }  # fmt: skip
+        "wind.speed": wind,
+        "turbine.speed": turbine,
+        "turbine.power": power,
+        "turbine.power_coefficient": np.where(running, CP, 0.0),
+        "gear.speed": pump,
+        "gear.turbine_torque": np.divide(power, turbine, out=np.zeros_like(power), where=turbine > 0.0),
+        "pump.torque": np.divide(at_pump, pump, out=np.full_like(power, HEAD_TORQUE), where=pump > 0.0),
+        "pump.flow": flow,
+        "pump.hydraulic_power": water,
+        "pipe.delivered": np.concatenate(([0.0], np.cumsum(0.5 * (flow[1:] + flow[:-1]) * np.diff(t)))),
+    }
     scene = {
         "title": "Made-up wind pump",
         "stop_time": float(t[-1]),

@@ -1,0 +1,48 @@
+"""The wind pump cases pass, and would not if the chain were another."""
+
+from __future__ import annotations
+
+import pytest
+
+from orchestrator.validation.case import Options, outcome
+from orchestrator.validation.cases import CASES, wind_pump_equilibrium, wind_pump_start
+from orchestrator.validation.reference import load_table
+
+NAMES = ["wind-pump-equilibrium", "wind-pump-start"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_wind_pump_cases_pass(name):
+    case = CASES[name]
+    found = case.function(Options(in_process=True))
+    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
+    assert found.complete
+    assert case.system == "wind_pump"
+    assert found.charts
+    assert len(found.rows) == len(load_table(name).rows)
+    assert all(r.reference.standing == "computed" for r in found.rows)
+
+
+def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
+    """A per cent of the mass is seen in the speeds; the power balance holds for every mass."""
+    given = wind_pump_equilibrium.scene
+    heavier = {"units.converter.parameters.lever_mass": 20.2}
+    monkeypatch.setattr(wind_pump_equilibrium, "scene", lambda wind: given(wind).with_changes(heavier))
+    monkeypatch.setattr(wind_pump_equilibrium, "WINDS", (2.0, 2.5, 6.0))
+    rows = wind_pump_equilibrium.findings(Options(in_process=True)).rows
+    inside = {r.reference.measure: r.inside for r in rows}
+    assert not any(inside[f"{n}.{v}"] for n in ("turbine_speed", "pump_speed", "ratio") for v in ("2", "2.5", "6"))
+    assert all(inside[f"power_ratio.{v}"] for v in ("2", "2.5", "6"))
+    assert not inside["cp.3"]  # not run, and so not inside
+
+
+def test_a_double_acting_pump_starts_at_the_same_wind_and_stops_later(monkeypatch):
+    """Its peak is the same and its mean twice as large: with the mean of the one for the other, the ratio is sqrt(pi / 2)."""
+    given = wind_pump_start.scene
+    first, last = 3.1, 2.75  # m/s, about sqrt(2) * 2.02
+    monkeypatch.setitem(wind_pump_start.STOPPING, "fixed", (first, last, 1e-3))
+    changed = {"units.transmission.parameters.load_torque": 2.0 * wind_pump_start.MEAN_TORQUE}
+    monkeypatch.setattr(wind_pump_start, "scene", lambda kind, what: given(kind, what).with_changes(changed))
+    result = wind_pump_start.run(wind_pump_start.scene("fixed", "stop"), in_process=True)
+    # 2 i T / (rho A R C_Q0) with twice the mean torque
+    assert wind_pump_start.turning_point(result, "stop") == pytest.approx(2.0195356 * 2.0**0.5, rel=5e-3)
