@@ -6,7 +6,7 @@ results are forces in N or torques in N.m to match. A friction that is positive 
 - Smoothed: the cheapest. Surfaces under a constant load creep; nothing ever stands.
 - LuGre: surfaces hang on elastic bristles and stand, but for the bristles' own vibration; one state z per contact.
 - Exact: two levels, kinetic while sliding and static at rest, and a mode: 1 or -1, the direction of sliding, or 0, at rest.
-  The mode lies in the component's state; `stick_guard` is what an event finder watches, `stick_mode` decides at rate zero.
+  The mode lies in the component's state: `stick_mode` at the start, `stick_guard` for the event finder, `stick_switch` at events.
 """
 
 from __future__ import annotations
@@ -37,9 +37,8 @@ def lugre_rate(v, z, stiffness, kinetic, static, stribeck, fastest):
     1/s: what an explicit method of step h follows is 1 / h. Where it holds back, the friction at constant rate stays what it
     was, and only the few microns of sliding that it takes to get there become longer.
     """
-    level = lugre_level(v, kinetic, static, stribeck)
-    rate = v - stiffness * abs(v) / level * z
-    relaxation = stiffness * abs(v) / level
+    relaxation = stiffness * abs(v) / lugre_level(v, kinetic, static, stribeck)
+    rate = v - relaxation * z
     if relaxation > fastest:
         rate *= fastest / relaxation
     return rate
@@ -53,8 +52,11 @@ def lugre_force(v, z, rate, stiffness, damping, viscous):
 
 @kernel
 def stick_mode(v, drive, static):
-    """Mode for a rate and the drive, the force that sets the surfaces in motion, friction apart: 1, -1, or 0 for rest."""
-    if v > 0.0 or (v == 0.0 and drive > static):
+    """Mode for a rate and the drive, the force that sets the surfaces in motion, friction apart: 1, -1, or 0 for rest.
+
+    Without friction, at static 0, nothing is ever at rest, and the mode says nothing.
+    """
+    if v > 0.0 or (v == 0.0 and drive > static) or static == 0.0:
         return 1.0
     if v < 0.0 or (v == 0.0 and drive < -static):
         return -1.0
@@ -64,9 +66,22 @@ def stick_mode(v, drive, static):
 @kernel
 def stick_guard(mode, v, drive, static):
     """Positive while the mode holds: the rate in its direction, or at rest what is missing to break loose."""
+    if static == 0.0:
+        return 1.0
     if mode == 0.0:
         return static - abs(drive)
     return mode * v
+
+
+@kernel
+def stick_switch(mode, drive, static):
+    """Mode after one that has ended, at rate zero: from rest into the direction of the drive, from sliding as `stick_mode`.
+
+    A drive of exactly the static level leaves a rest that has ended: else the event would call for itself for ever.
+    """
+    if mode == 0.0:
+        return math.copysign(1.0, drive)
+    return stick_mode(0.0, drive, static)
 
 
 @kernel

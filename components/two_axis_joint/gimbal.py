@@ -9,6 +9,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.events import EventComponent, rk4_events
+from ..core.friction import stick_mode, stick_switch
 from ..core.integrators import rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
 from ..core.variables import choice, input_, output, parameter
@@ -20,11 +21,11 @@ from .gimbal_equations import (
     OUTER,
     accelerations,
     axis_guard,
-    axis_mode,
     body_rates,
     bristle_rates,
     drives,
     gimbal_energy,
+    level_of_axis,
     outer_momentum,
     reactions_of_base,
 )
@@ -230,7 +231,8 @@ class GimbalBody(EventComponent):
         state = np.array(x)
         if stick is not None:
             _, outer, inner = drives(state, self.u[0], p, gravity, rotor, viscous, stops, base, payload)
-            state[CONTACT:] = axis_mode(0, outer, inner, state, stick), axis_mode(1, outer, inner, state, stick)
+            for axis, drive in enumerate((outer, inner)):
+                state[CONTACT + axis] = stick_mode(state[OUTER + axis], drive, level_of_axis(axis, stick))
         return state
 
     def energy(self) -> float:
@@ -292,7 +294,7 @@ def gimbal_derivatives(t, x, u, dx, p, gravity, rotor, viscous, smoothed, lugre,
 def gimbal_guards(t, x, u, g, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
     """What keeps the modes of the two axes."""
     _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
-    g[0], g[1] = axis_guard(0, outer, inner, x, stick), axis_guard(1, outer, inner, x, stick)
+    g[0], g[1] = axis_guard(0, outer, x, stick), axis_guard(1, inner, x, stick)
 
 
 @kernel
@@ -300,7 +302,7 @@ def gimbal_switch(which, t, x, u, p, gravity, rotor, viscous, smoothed, lugre, s
     """An axis has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[OUTER + which] = 0.0
     _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
-    x[CONTACT + which] = axis_mode(which, outer, inner, x, stick)
+    x[CONTACT + which] = stick_switch(x[CONTACT + which], outer if which == 0 else inner, level_of_axis(which, stick))
 
 
 @kernel

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_mode
+from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard
 from ..core.kernels import kernel
 
 ALPHA, BETA, OUTER, INNER, CONTACT = range(5)  # of the state: angles, rates, and the bristles or modes of both axes
@@ -229,16 +229,12 @@ def reactions_of_base(x, u, alpha_2, beta_2, p, gravity, rotor, base, payload):
 
 
 @kernel
-def axis_guard(which, outer, inner, x, stick):
-    """What keeps the mode of one axis, see `stick_guard`."""
-    if which == 0:
-        return stick_guard(x[CONTACT], x[OUTER], outer, stick.static_ratio * stick.outer_level)
-    return stick_guard(x[CONTACT + 1], x[INNER], inner, stick.static_ratio * stick.inner_level)
+def level_of_axis(which, stick):
+    """Static friction of the outer (0) or the inner axis."""
+    return stick.static_ratio * (stick.outer_level if which == 0 else stick.inner_level)
 
 
 @kernel
-def axis_mode(which, outer, inner, x, stick):
-    """Mode of one axis at its present rate, see `stick_mode`."""
-    if which == 0:
-        return stick_mode(x[OUTER], outer, stick.static_ratio * stick.outer_level)
-    return stick_mode(x[INNER], inner, stick.static_ratio * stick.inner_level)
+def axis_guard(which, drive, x, stick):
+    """What keeps the mode of one axis under its drive, see `stick_guard`."""
+    return stick_guard(x[CONTACT + which], x[OUTER + which], drive, level_of_axis(which, stick))
