@@ -123,7 +123,7 @@ def test_dampers_of_proportional_damping(parameters, ratio):
 def test_what_has_no_closed_form_is_refused():
     with pytest.raises(BadInput, match="couples the modes"):
         damped_motion(small_motion(chain(**{"viscous.first": 0.1, "viscous.second": 0.05})), (0.1, 0.0), (0.0, 0.0), 1.0)
-    with pytest.raises(BadInput, match="no weight"):
+    with pytest.raises(BadInput, match="without weight"):
         proportional_dampers(chain(()), 0.1)
     with pytest.raises(BadInput, match="first damper of -"):
         proportional_dampers(chain(("gravity",), first_inertia=10.0), 0.1)
