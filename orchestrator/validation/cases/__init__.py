@@ -20,6 +20,7 @@ from . import (
     stribeck,
     thermal_scaling,
     varying_compliance,
+    wind_pump_closed_forms,
     wind_pump_equilibrium,
     wind_pump_start,
 )
@@ -29,6 +30,6 @@ MODULES = (
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
     recurrence,
     thermal_scaling, friswell, jeffcott,
-    wind_pump_equilibrium, wind_pump_start,
+    wind_pump_equilibrium, wind_pump_start, wind_pump_closed_forms,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}

@@ -94,7 +94,7 @@ def _chart(measured: dict[str, float]) -> Chart:
     places |= {f"loop.{n}": f"{n}, rise and fall" for n in ("start", "stop")}
     found = {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}
     series = [Series(kind, list(places.values()), values, "points") for kind, values in found.items()]
-    text = "In the slow wind the start is against the peak torque, the stop against the mean one; else piston and flywheel decide."
+    text = "In the slow wind the start is against the peak torque, the stop against the mean; else piston and flywheel decide."
     return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
 
 

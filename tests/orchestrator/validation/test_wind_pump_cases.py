@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from orchestrator.validation.case import Options, outcome
-from orchestrator.validation.cases import CASES, wind_pump_equilibrium, wind_pump_start
+from orchestrator.validation.cases import CASES, wind_pump_closed_forms, wind_pump_equilibrium, wind_pump_start
 from orchestrator.validation.reference import load_table
 
-NAMES = ["wind-pump-equilibrium", "wind-pump-start"]
+NAMES = ["wind-pump-closed-forms", "wind-pump-equilibrium", "wind-pump-start"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -46,3 +47,15 @@ def test_a_double_acting_pump_starts_at_the_same_wind_and_stops_later(monkeypatc
     result = wind_pump_start.run(wind_pump_start.scene("fixed", "stop"), in_process=True)
     # 2 i T / (rho A R C_Q0) with twice the mean torque
     assert wind_pump_start.turning_point(result, "stop") == pytest.approx(2.0195356 * 2.0**0.5, rel=5e-3)
+
+
+def test_another_curve_is_seen_at_its_maximum():
+    """The last term of Heier's curve with 1/l instead of the ratio, as some libraries have it, has its maximum elsewhere."""
+    x = [4.0 + 0.002 * k for k in range(4001)]
+    inverse = [1.0 / v - 0.035 for v in x]
+    y = [0.5176 * (116.0 * i - 5.0) * 2.718281828459045 ** (-21.0 * i) + 0.0068 / i for i in inverse]
+    at, height = wind_pump_closed_forms.peak(*map(np.array, (x, y)))
+    assert (at, height) == pytest.approx((8.2449, 0.5022715), rel=1e-5)  # of that variant
+    rows = {r.measure: r for r in load_table("wind-pump-closed-forms").rows}
+    assert not rows["cp.heier"].low <= height <= rows["cp.heier"].high
+    assert not rows["lambda.heier"].low <= at <= rows["lambda.heier"].high
