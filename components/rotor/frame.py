@@ -10,7 +10,7 @@ then loads its bearings with I_p Omega (-w_y, w_x): the moment it exerts on the 
 bearings of its turbine is the classical case: Friswell, Penny, Garvey & Lees, Dynamics of Rotating Machines (2010), chapter 3.
 
 Slow: of second order in the rates, and left out, are centrifugal and Coriolis forces of the frame's rotation. The inertia of the
-rotor against a change of the rates is not in it, either: its mass and diametral inertia belong to the frame's own, so that
+rotor against a change of the rates is not in it, either: its mass and its moments of inertia belong to the frame's, so that
 two inertias are not coupled rigidly. Gravity keeps its direction in the frame. With constant rates nothing but the centrifugal
 and Coriolis forces is missing, and the work on the frame is what the rotor loses: the gyroscopic forces do none in all.
 """

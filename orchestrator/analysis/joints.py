@@ -28,7 +28,6 @@ EXCHANGE = {"base_motion", "payload"}  # with what is outside
 MOMENTA = ("outer_momentum", "angular_momentum")
 ENERGY = "mechanical_energy"
 MOST_DRAWN = 6000  # samples of a curve
-BEYOND_ANGLES = {"lugre_friction", "base_motion"}  # effects that store energy in more than angles and rates
 
 
 @dataclass(frozen=True)
@@ -92,21 +91,9 @@ def _joint(result: Result, unit: str, axes: tuple[Axis, ...], own: Mapping[str, 
     if tip is not None and component is not None:
         reach = component.get("first_length") + component.get("second_length")
     kept = {"energy": own[ENERGY]} if ENERGY in own else {}
-    if not kept and gimbal and component is not None and not BEYOND_ANGLES & set(component.on):
-        kept = {"energy": _energy(component, axes)}
     if momentum := next((n for n in MOMENTA if n in own), ""):
         kept["momentum"] = own[momentum]
     return JointRecord(unit, result.time, axes, pointing, tip, reach, kept, _constant(result, unit, component))
-
-
-def _energy(gimbal: Component, axes: tuple[Axis, ...]) -> np.ndarray:
-    """Energy at every sample, (n,) J, as the component has it; its state begins with angles and rates."""
-    gimbal.initialize(0.0)
-    energy = np.empty(axes[0].angle.size)
-    for k, state in enumerate(np.stack([a.angle for a in axes] + [a.rate for a in axes], axis=1)):
-        gimbal.x[:4] = state
-        energy[k] = gimbal.energy()
-    return energy
 
 
 def axis_direction(outer: np.ndarray, inner: np.ndarray, orientation: str) -> np.ndarray:

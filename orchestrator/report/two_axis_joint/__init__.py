@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 from ...analysis.joints import JointRecord, joints, poincare
 from ...analysis.machines import after_transient
+from ..chart import Chart
 from ..charts import draw_chart
 from ..page import Block
 from .constants import constants_chart
-from .phase import history_chart, phase_chart, section_chart
+from .phase import comparison_charts, history_chart, phase_chart, section_chart
 from .track import sphere_chart, tip_chart
 
 if TYPE_CHECKING:
@@ -22,19 +23,23 @@ if TYPE_CHECKING:
 
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
-    """Figures of every joint of a run whose angles and rates were recorded; none without one."""
+    """Figures of the joints of a run whose angles and rates were recorded; none without one. Several are compared first."""
     found = joints(result)
     begin = float(result.time[after_transient(result).start])
-    return [b for record in found for b in _of_one(result, record, begin, f"{record.unit}: " if len(found) > 1 else "")]
+    single = len(found) == 1
+    charts = [history_chart(found[0], begin)] if single else comparison_charts(found, begin)
+    for record in found:
+        charts += _of_one(result, record, begin, "" if single else f"{record.unit}: ")
+    constants = constants_chart(found)
+    return [draw_chart(c) for c in (charts if constants is None else [*charts, constants])]
 
 
-def _of_one(result: Result, record: JointRecord, begin: float, who: str) -> list[Block]:
-    charts = [history_chart(record, begin, who)]
+def _of_one(result: Result, record: JointRecord, begin: float, who: str) -> list[Chart]:
+    charts = []
     if record.pointing is not None:
         charts.append(sphere_chart(record, begin, who))
     if record.tip is not None:
         charts.append(tip_chart(record, begin, who))
     charts.append(phase_chart(record, begin, who))
-    for chart in (section_chart(poincare(result, record, begin), who), constants_chart(record, who)):
-        charts += [chart] if chart is not None else []
-    return [draw_chart(c) for c in charts]
+    sections = section_chart(poincare(result, record, begin), who)
+    return charts if sections is None else [*charts, sections]

@@ -11,6 +11,8 @@ from ..chart import Chart, Panel, Series
 
 DEGREES = 180.0 / np.pi
 FULL = 360.0
+AT_REST = 1e-3  # of the largest rate
+LEAST_RATE = 1e-9  # of the largest one, that is shown
 LEAST = 8  # points of a section; fewer are no picture
 CLOUD = 200  # from which on they are drawn small
 
@@ -26,14 +28,41 @@ def wrapped(angle: np.ndarray, gaps: bool = True) -> np.ndarray:
     return turned
 
 
-def history_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
+def comparison_charts(records: Sequence[JointRecord], begin: float) -> list[Chart]:
+    """Angles of several joints over the whole run, one panel an axis; those with the same axes are compared.
+
+    Where one of them comes to rest, its rates, too: what stands, and what creeps, differs by powers of ten.
+    """
+    groups: dict[tuple[str, ...], list[JointRecord]] = {}
+    for record in records:
+        groups.setdefault(tuple(a.name for a in record.axes), []).append(record)
+    made = []
+    for names, group in groups.items():
+        mark = ((begin, ""),) if begin > group[0].time[0] else ()
+        panels, text = [], "Angles side by side."
+        for i, name in enumerate(names):
+            angles = (Series(r.unit, r.time, DEGREES * r.axes[i].angle) for r in group)
+            panels.append(Panel(f"{name}, degrees", tuple(angles), x_marks=mark))
+        if any(abs(a.rate[-1]) < AT_REST * np.abs(a.rate).max() for r in group for a in r.axes):
+            text += " Rates by their magnitude; what stands exactly has no line there."
+            for i, name in enumerate(names):
+                rates = [(r, DEGREES * np.abs(r.axes[i].rate)) for r in group]
+                top = 2.0 * max(float(v.max()) for _, v in rates)
+                shown = (Series(r.unit, r.time, np.where(v > top * LEAST_RATE, v, np.nan)) for r, v in rates)
+                label = f"rate of the {name}, degrees/s"
+                panels.append(Panel(label, tuple(shown), logarithmic=True, y_range=(top * LEAST_RATE, top), x_marks=mark))
+        made.append(Chart("Motion", "time, s", tuple(panels), text))
+    return made
+
+
+def history_chart(record: JointRecord, begin: float) -> Chart:
     """Angles and rates over the whole run."""
     mark = ((begin, ""),) if begin > record.time[0] else ()
     panels = (
         Panel("angle, degrees", tuple(Series(a.name, record.time, DEGREES * a.angle) for a in record.axes), x_marks=mark),
         Panel("rate, degrees/s", tuple(Series(a.name, record.time, DEGREES * a.rate) for a in record.axes), x_marks=mark),
     )
-    return Chart(f"{who}Motion", "time, s", panels, "Thin vertical line: end of the transient." if mark else "")
+    return Chart("Motion", "time, s", panels, "Thin vertical line: end of the transient." if mark else "")
 
 
 def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
