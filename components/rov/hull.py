@@ -243,7 +243,7 @@ class RovHull(OdeComponent):
             ("coriolis", "linear_drag", "quadratic_drag")),
     }
 
-    def _masses(self) -> tuple[np.ndarray, np.ndarray]:
+    def masses(self) -> tuple[np.ndarray, np.ndarray]:
         """Rigid body's and added mass matrix about the origin, (6, 6) each; `BadInput` where no body has such numbers."""
         p, added = self._settled()[:2]
         centre, inertia = _centre(p), np.diag([p.inertia_x, p.inertia_y, p.inertia_z])
@@ -259,7 +259,7 @@ class RovHull(OdeComponent):
     def settle(self) -> tuple[Any, ...]:
         """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
         p, added, coriolis, linear, quadratic, restoring, *ports = self._settled()
-        self.rigid_mass, self.water_mass = self._masses()
+        self.rigid_mass, self.water_mass = self.masses()
         positions = np.c_[p.thruster_x, p.thruster_y, p.thruster_z]
         directions = np.c_[p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z]
         inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
@@ -294,7 +294,7 @@ class RovHull(OdeComponent):
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
         p, _, _, linear, quadratic, restoring, *_ = self._settled()
-        inverse = np.linalg.inv(sum(self._masses()))
+        inverse = np.linalg.inv(sum(self.masses()))
         fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
         drag = _six(linear) if linear is not None else np.zeros(6)
         drag = drag + 2.0 * fastest * _six(quadratic) if quadratic is not None else drag

@@ -36,7 +36,7 @@ class AnalysisKeys(Model):
     """What every system reads."""
 
     system: str = Field(default="", description=(
-        "which figures the report has: railway, bearings, rotor, two_axis_joint or wind_pump"))
+        "which figures the report has: railway, bearings, rotor, rov, two_axis_joint or wind_pump"))
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
     section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
 
@@ -83,10 +83,17 @@ class WindPumpKeys(AnalysisKeys):
     pause: NotNegative = Field(default=10.0, description="s, a shorter standstill between two strokes is no stop")
 
 
+class RovKeys(AnalysisKeys):
+    """Figures of underwater vehicles."""
+
+    headings: Positive | None = Field(default=None, description="s between marks of the heading on the track; else a twentieth")
+
+
 KEYS: dict[str, type[AnalysisKeys]] = {
     "railway": RailwayKeys,
     "bearings": BearingKeys,
     "rotor": RotorKeys,
+    "rov": RovKeys,
     "wind_pump": WindPumpKeys,
     "two_axis_joint": AnalysisKeys,
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from components.core.errors import BadInput
 
-from . import bearings, generic, numerics, railway, rotor, sweeps, two_axis_joint, wind_pump
+from . import bearings, generic, numerics, railway, rotor, rov, sweeps, two_axis_joint, wind_pump
 from .chart import Chart
 from .charts import draw_chart
 from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
@@ -25,6 +25,7 @@ SYSTEMS = {
     "bearings": bearings.blocks,
     "rotor": rotor.blocks,
     "two_axis_joint": two_axis_joint.blocks,
+    "rov": rov.blocks,
     "wind_pump": wind_pump.blocks,
 }
 

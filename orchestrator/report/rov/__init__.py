@@ -1,0 +1,43 @@
+"""Figures of underwater vehicles: track from above and from the side, attitude, thrusts with their limits, errors, constants.
+
+Read from [analysis]: headings, s between marks of the heading on the track; transient, s, left out of the table of errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ...analysis.machines import after_transient
+from ...analysis.vehicles import vehicles
+from ..charts import draw_chart
+from ..page import Block
+from .constants import constants_chart
+from .control import errors_chart, errors_table, thrusts_chart, thrusts_table
+from .motion import attitude_chart, motion_chart, track_chart
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...validation.case import Row
+
+MARKS = 20  # of the heading on a track, where the scene does not say
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures and tables of every vehicle whose position was recorded; several share the figures of their motion."""
+    found = vehicles(result)
+    if not found:
+        return []
+    interval = float(result.scene.analysis.get("headings", float(result.time[-1] - result.time[0]) / MARKS))
+    start = after_transient(result).start
+    charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found)]
+    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    for vehicle in found:
+        who = f"{vehicle.unit}: " if len(found) > 1 else ""
+        if vehicle.thrusts:
+            made += [draw_chart(thrusts_chart(vehicle, who)), thrusts_table(vehicle, who)]
+        if vehicle.errors:
+            made += [draw_chart(errors_chart(vehicle, who)), errors_table(vehicle, start, who)]
+        if vehicle.constants:
+            made.append(draw_chart(constants_chart(vehicle, who)))
+    return made
