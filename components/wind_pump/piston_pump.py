@@ -30,6 +30,10 @@ class SealFriction(Effect):
     force = parameter(100.0, "N", "friction force at the piston; a choice of ours", low=0.0)
 
 
+class Averaged(Effect):
+    """Torque and flow in the mean over a turn: for long runs and flywheels that do not feel the strokes."""
+
+
 class PistonPump(OdeComponent):
     """Pump with a piston of area A on a crank of radius r = stroke / 2 and a long rod; phi is the crank's angle.
 
@@ -49,6 +53,7 @@ class PistonPump(OdeComponent):
 
     leakage = Leakage
     seal_friction = SealFriction
+    averaged = Averaged
 
     action = choice("single", ACTIONS, "strokes that deliver: one of two, or both")
     diameter = parameter(0.06, "m", "diameter of the piston", low=1e-4)
@@ -91,28 +96,37 @@ TORQUE_OUT, FLOW_OUT, ANGLE_OUT, POWER_OUT = PistonPump.output_indices("torque",
 
 
 @kernel
-def volume_rate(angle, p):
+def volume_rate(angle, p, averaged):
     """Water moved per angle of the crank, m³/rad."""
+    forth = 0.25 * math.pi * p.diameter**2
+    back = forth - 0.25 * math.pi * p.rod_diameter**2 if p.action == DOUBLE else 0.0
+    if averaged is not None:
+        return (forth + back) * 0.5 * p.stroke / math.pi
     lift = math.sin(angle)
-    area = 0.25 * math.pi * p.diameter**2
-    if lift < 0.0:
-        area = area - 0.25 * math.pi * p.rod_diameter**2 if p.action == DOUBLE else 0.0
-    return area * 0.5 * p.stroke * abs(lift)
+    return (forth if lift >= 0.0 else back) * 0.5 * p.stroke * abs(lift)
 
 
 @kernel
-def pump_derivatives(t, x, u, dx, p, leakage, seals):
+def piston_rate(angle, averaged):
+    """Speed of the piston over that of the crank pin."""
+    if averaged is not None:
+        return 2.0 / math.pi
+    return abs(math.sin(angle))
+
+
+@kernel
+def pump_derivatives(t, x, u, dx, p, leakage, seals, averaged):
     """dx/dt of x = (angle)."""
     dx[0] = max(u[SPEED], 0.0)
 
 
 @kernel
-def pump_outputs(t, x, u, y, p, leakage, seals):
+def pump_outputs(t, x, u, y, p, leakage, seals, averaged):
     """Torque, flow, angle and power."""
-    moved, weight = volume_rate(x[0], p), p.density * p.gravity
+    moved, weight = volume_rate(x[0], p, averaged), p.density * p.gravity
     torque = weight * u[HEAD] * moved
     if seals is not None:
-        torque += seals.force * 0.5 * p.stroke * abs(math.sin(x[0]))
+        torque += seals.force * 0.5 * p.stroke * piston_rate(x[0], averaged)
     flow = moved * max(u[SPEED], 0.0)
     if leakage is not None:
         flow *= 1.0 - leakage.share

@@ -57,7 +57,8 @@ FACTS: dict[str, Facts] = {
     ),
     "PistonPump": Facts(
         moving=frozenset({"angle"}),
-        other_ways=(({"action": "double", "rod_diameter": 0.03}, ()),),
+        other_ways=(({"action": "double", "rod_diameter": 0.03}, ()), ({"action": "double"}, ("seal_friction", "averaged"))),
+        structural=frozenset({"averaged"}),
         plain=(("leakage", "seal_friction"), {"start_angle": 0.5}, 20),
         disturbance={"speed": 5.0, "head": 15.0},
         strengths={"leakage.share": ({}, 1e-3), "seal_friction.force": ({}, 1e-3)},
