@@ -94,8 +94,8 @@ class InertialConverter(EventComponent):
     stresses = Stresses
 
     gear_ratio = parameter(6.0, "1", "speed of the crank over that of the turbine", low=1e-3)
-    shaft_stiffness = parameter(2e4, "N.m/rad", "stiffness of the shaft between gear and crank", low=1e-3)
-    shaft_damping = parameter(10.0, "N.m.s/rad", "damping of that shaft", low=0.0)
+    shaft_stiffness = parameter(1e4, "N.m/rad", "stiffness of the shaft between gear and crank", low=1e-3)
+    shaft_damping = parameter(30.0, "N.m.s/rad", "damping of that shaft", low=0.0)
     crank_inertia = parameter(1.0, "kg.m2", "moment of inertia of the crank", low=1e-9)
     crank_radius = parameter(0.05, "m", "radius of the crank", low=1e-6)
     lever_ratio = parameter(1.0, "1", "b, arm from crank pin to mass over arm from slider to crank pin", low=1e-3)

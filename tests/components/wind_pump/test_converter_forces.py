@@ -49,7 +49,7 @@ def multipliers(converter: InertialConverter, mode: float) -> tuple[np.ndarray, 
     and theta at rest where the shaft stands.
     """
     angle, rate, load = converter.x[ANGLE], converter.x[RATE], converter["load_torque"]
-    torque = 2e4 * converter.x[TWIST] + 10.0 * (6.0 * converter["turbine_speed"] - rate)
+    torque = 1e4 * converter.x[TWIST] + 30.0 * (6.0 * converter["turbine_speed"] - rate)
     mass = np.diag([0.8, 0.0, 15.0, 0.9, 0.6])
     forces = np.array([torque, 0.0, 0.0, 0.0, -load])
     rows = [[R * math.cos(angle), -1.0, 0.0, 0.0, 0.0], [0.0, A, -1.0, -B, 0.0]]
