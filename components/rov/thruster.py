@@ -92,6 +92,12 @@ class Inductance(Effect):
     inductance = parameter(8e-5, "H", "inductance of the motor", low=1e-9)
 
 
+class Status(Effect):
+    """A line that tells a controller that the thruster is there; a fault of a scene may override it, as the failure told."""
+
+    available = output("1", "1 while the thruster is there")
+
+
 class Thruster(OdeComponent):
     """A thruster, massless towards the hull: its thrust along its own axis, from a command in [-1, 1], beyond which it saturates.
 
@@ -116,6 +122,7 @@ class Thruster(OdeComponent):
     motor_lag = MotorLag
     propeller = Propeller
     inductance = Inductance
+    status = Status
 
     forward_limit = parameter(51.44, "N", "thrust at command 1, without a curve; T200 at 16 V", low=1e-6, nominal=10.0)
     reverse_limit = parameter(39.90, "N", "thrust at command -1, without a curve", low=1e-6, nominal=10.0)
@@ -140,7 +147,7 @@ class Thruster(OdeComponent):
     def settle(self):
         """Parameters, checked: a curve that rises, a propeller that takes more power than it gives."""
         settled = self._settled()
-        _, curve, _, _, _, propeller, _ = settled
+        _, curve, _, _, _, propeller, *_ = settled
         if curve is not None:
             check_curve(curve.command, curve.thrust, f"{self.name}: static_curve")
         if propeller is not None:
@@ -159,7 +166,7 @@ class Thruster(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Everything settled at the present command: (), thrust, the three states of the lag, or speed (and current)."""
-        p, curve, polynomial, lag, motor_lag, propeller, inductance = self.settled
+        p, curve, polynomial, lag, motor_lag, propeller, inductance, _ = self.settled
         static = static_thrust(self.u[0, COMMAND], p, curve, polynomial)
         if lag is not None:
             return np.array([static])
@@ -174,7 +181,7 @@ class Thruster(OdeComponent):
 
     def energy(self) -> float:
         """Energy of the turning propeller and of the inductance, J; 0 where a thruster has neither."""
-        propeller, inductance = self.settled[-2:]
+        *_, propeller, inductance, _ = self.settled
         if propeller is None:
             return 0.0
         energy = 0.5 * propeller.inertia * self.x[0] ** 2
@@ -182,7 +189,7 @@ class Thruster(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
-        _, _, _, lag, motor_lag, propeller, inductance = self._settled()
+        _, _, _, lag, motor_lag, propeller, inductance, _ = self._settled()
         if lag is not None:
             return 2.78 * lag.time_constant
         if motor_lag is not None:
@@ -266,7 +273,7 @@ def motor_current(x, u, propeller, inductance):
 
 
 @kernel
-def thruster_derivatives(t, x, u, dx, p, curve, polynomial, lag, motor_lag, propeller, inductance):
+def thruster_derivatives(t, x, u, dx, p, curve, polynomial, lag, motor_lag, propeller, inductance, status):
     """dx/dt of x = (), (thrust), the states of the third-order lag in controllable form, or (speed[, current])."""
     if lag is not None:
         dx[0] = (static_thrust(u[COMMAND], p, curve, polynomial) - x[0]) / lag.time_constant
@@ -283,7 +290,7 @@ def thruster_derivatives(t, x, u, dx, p, curve, polynomial, lag, motor_lag, prop
 
 
 @kernel
-def thruster_outputs(t, x, u, y, p, curve, polynomial, lag, motor_lag, propeller, inductance):
+def thruster_outputs(t, x, u, y, p, curve, polynomial, lag, motor_lag, propeller, inductance, status):
     """Thrust, and what motor and propeller do."""
     if lag is not None:
         y[THRUST] = x[0]
@@ -298,6 +305,8 @@ def thruster_outputs(t, x, u, y, p, curve, polynomial, lag, motor_lag, propeller
         y[propeller.y + 3] = current * limited(u[COMMAND]) * propeller.supply_voltage
     else:
         y[THRUST] = static_thrust(u[COMMAND], p, curve, polynomial)
+    if status is not None:
+        y[status.y] = 1.0
 
 
 Thruster.advance = bind(rk4, __name__, derivatives=thruster_derivatives, outputs=thruster_outputs)

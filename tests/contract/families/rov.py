@@ -43,7 +43,7 @@ FACTS: dict[str, Facts] = {
     "Thruster": Facts(
         plain=(("propeller", "inductance"), {}, 20),
         other_ways=(({}, ("polynomial_curve", "motor_lag")), ({}, ("static_curve", "lag"))),
-        structural=frozenset({"static_curve", "polynomial_curve", "lag", "motor_lag", "propeller", "inductance"}),
+        structural=frozenset({"static_curve", "polynomial_curve", "lag", "motor_lag", "propeller", "inductance", "status"}),
     ),
     "WaterCurrent": Facts(
         moving=frozenset({"*"}),
