@@ -148,7 +148,7 @@ _advance = bind(rk4_events, __name__, derivatives=averaged_derivatives, guards=a
 def averaged_advance(t, h, n, k, x, u, y, work, counts, p, mesh):
     """`rk4_events`, refused for a turbine that is faster than the stable step allows for."""
     status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh)
-    if status == DONE and abs(u[0, TURBINE_SPEED]) > p.largest_turbine_speed:
+    if status == DONE and not abs(u[0, TURBINE_SPEED]) <= p.largest_turbine_speed:  # also where it is no number
         return OUT_OF_RANGE
     return status
 

@@ -68,7 +68,7 @@ class CentrifugalPump(Component):
         self.counts[0] += 1
         hold_inputs(self.u, h)
         self._outputs(t + h)
-        return DONE if math.isfinite(self.y.sum()) else NOT_FINITE
+        return DONE if math.isfinite(self.u[0].sum() + self.y.sum()) else NOT_FINITE
 
     def _outputs(self, t: float) -> None:
         pump_outputs(self.u[0], self.y, *self.settled)

@@ -131,7 +131,8 @@ def pump_outputs(t, x, u, y, p, leakage, seals, averaged):
     if leakage is not None:
         flow *= 1.0 - leakage.share
     y[TORQUE_OUT], y[FLOW_OUT], y[POWER_OUT] = torque, flow, weight * u[HEAD] * flow
-    y[ANGLE_OUT] = x[0] % TURN
+    wrapped = x[0] % TURN
+    y[ANGLE_OUT] = wrapped if wrapped < TURN else 0.0  # rounding of a small negative angle
 
 
 PistonPump.advance = bind(rk4, __name__, derivatives=pump_derivatives, outputs=pump_outputs)
