@@ -59,7 +59,7 @@ def findings(options: Options) -> Findings:
     return Findings(rows, {"the scene": shown}, (_step_chart(errors), _step_table(errors), _compliance_chart(differences)), notes)
 
 
-def _scene(kind: str, step: float, stiffness: float = STIFFNESS, **changes: Any) -> Scene:
+def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mapping[str, Any] | None = None) -> Scene:
     """The scene with another algorithm and macro step, sampled every 10 ms, for `SPAN`."""
     algorithm, _, degree = kind.partition(", ")
     given = {
@@ -73,7 +73,7 @@ def _scene(kind: str, step: float, stiffness: float = STIFFNESS, **changes: Any)
         "units.second.parameters.substep": 1e-4,
         "record": {"signals": ["first.angle", "second.angle"], "interval": 0.01},
     }
-    return load_scene("link-split").with_changes(given | changes)
+    return load_scene("link-split").with_changes(given | dict(changes or {}))
 
 
 def _angles(scene: Scene) -> np.ndarray:
@@ -100,7 +100,7 @@ def small_motion() -> dict[str, list[float]]:
     Samples of the motion follow one another by a matrix, z_k+1 = A z_k with z = (angles, rates): of a linear motion exactly.
     """
     stretch = GRAVITY / STIFFNESS
-    scene = _scene("jacobi, linear", 2.5e-4, **{
+    scene = _scene("jacobi, linear", 2.5e-4, changes={
         "stop_time": 4.0,
         "units.joint.parameters": {"stiffness": STIFFNESS, "damping": 100.0, "rotation": {"damping": 0.05}},
         "units.first.parameters.start_angle": SMALL,
@@ -142,7 +142,7 @@ def longest_step() -> float:
 
 def _grows(step: float) -> bool:
     """Whether the joint's vibration grows: the part of its opening that changes sign from step to step."""
-    result = run(_scene("jacobi, held", step, **{
+    result = run(_scene("jacobi, held", step, changes={
         "stop_time": TRIAL * step,
         "units.first.parameters.start_angle": SMALL,
         "units.second.parameters": {"start_angle": -SMALL, "start_x": math.sin(SMALL), "start_y": -math.cos(SMALL),
