@@ -124,8 +124,9 @@ def operating_line(rates: Callable[[float], Rates], values: Iterable[float], sta
     given = [float(v) for v in values]
     states, eigenvalues = np.full((len(given), state.size), np.nan), np.full((len(given), state.size), np.nan, dtype=complex)
     for k, value in enumerate(given):
+        here = rates(value)
         try:
-            point = operating_point(rates(value), state, scales)
+            point = operating_point(here, state, scales)
         except BadInput:
             continue
         state = states[k] = point.state

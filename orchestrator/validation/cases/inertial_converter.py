@@ -29,7 +29,7 @@ WINDS, LOAD, START = (2.0, 2.5, 3.0, 6.0), 13.2435, (2.5, 2.0)  # m/s, N.m, rad/
 SWING, PUSH = 3.0, 1.15  # m/s, of the wind in which the turbine is let go at so many times its speed
 STEP = 5e-3  # s; the shaft between turbine and crank is unstable from 8 ms on
 SETTLED = 8.0  # s
-GEAR, CRANK_INERTIA = 6.0, 1.0 + 0.5 * 20.0 * 0.1**2  # of the defaults; J1 + m a² r² / 2, kg m²
+GEAR, ARM, CRANK_INERTIA = 6.0, 0.05, 1.0 + 0.5 * 20.0 * 0.1**2  # of the defaults; m; J1 + m a² r² / 2, kg m²
 
 
 def findings(options: Options) -> Findings:
@@ -64,9 +64,9 @@ def findings(options: Options) -> Findings:
         "Linearised about its operating point, with the mean inertia of crank and lever at the turbine, the averaged set returns "
         f"with {_pair(expected)} 1/s in {SWING:g} m/s; the full one was seen to return with {_pair(back)} 1/s.",
     )
-    shown = {label: runs[label] for label in (*(f"{v:g} m/s" for v in WINDS), "swing")}
+    shown = {label: runs[label] for label in (f"{SWING:g} m/s", "swing")}
     rows = compare(load_table("inertial-converter").rows, measured)
-    return Findings(rows, shown, (_torques(measured), _points(measured)), notes)
+    return Findings(rows, shown, (_revolutions(runs[f"{SWING:g} m/s"]), _torques(measured), _points(measured)), notes)
 
 
 def _at_held_speeds(result: Result, crank: float) -> dict[str, float]:
@@ -123,8 +123,6 @@ def in_wind(wind: float, turbine: float, pump: float, converter: str = "Inertial
             "converter": {"component": converter, "parameters": {"load_torque": LOAD, "start_speed": pump}},
         },
         "master": {"step": STEP, "extrapolation": 1, "bonds": ["turbine.speed * converter.turbine_torque"]},
-        "record": {"signals": ["turbine.speed", "turbine.power", "turbine.power_coefficient", "converter.speed",
-                               "converter.turbine_torque", "converter.driving_torque"]},
     }, "inertial-converter")  # fmt: skip
 
 
@@ -172,6 +170,21 @@ def _pair(value: complex) -> str:
     return f"{value.real:.3f} ± {abs(value.imag):.3f} i"
 
 
+def _revolutions(result: Result) -> Chart:
+    """The last two revolutions of a run: when the slider drives, and what it passes on."""
+    turned, slider, speed, torque = (np.asarray(result[f"converter.{name}"])
+                                     for name in ("crank_angle", "slider_velocity", "speed", "driving_torque"))
+    begin = math.floor(turned[-1] / TURN) - 2.0
+    last = (turned / TURN >= begin) & (turned / TURN <= begin + 2.0)
+    revolution, slider, speed, torque = turned[last] / TURN - begin, slider[last], speed[last], torque[last]
+    velocity = (Series("lever's guided end", revolution, slider), Series("clutch forwards", revolution, ARM * speed, faint=True),
+                Series("clutch backwards", revolution, -ARM * speed, faint=True))
+    passed = (Series("clutches", revolution, torque), Series("load", revolution[[0, -1]], [LOAD, LOAD], faint=True))
+    panels = (Panel("velocity, m/s", velocity), Panel("torque on the driven shaft, N.m", passed))
+    return Chart("Two revolutions of the crank", "revolution", panels,
+                 "The lever drives where its guided end is as fast as a clutch, and flies free in between.")  # fmt: skip
+
+
 def _torques(measured: Mapping[str, float]) -> Chart:
     series = [Series("closed form", [0.0, 1.0], [1.0, 0.0])]
     for w in CRANKS:
@@ -188,8 +201,9 @@ def _points(measured: Mapping[str, float]) -> Chart:
         points = [measured[f"{name}.{v:g}"] for v in WINDS]
         panels.append(Panel(label, (Series("averaged", winds, line.states[:, k]), Series("full model", WINDS, points, "points"))))
     real = tuple(Series(f"eigenvalue {k + 1}", winds, line.eigenvalues[:, k].real) for k in range(2))
-    panels.append(Panel("real parts of the averaged set's eigenvalues, 1/s", real))
-    return Chart("Operating points in the wind", "wind, m/s", tuple(panels), "Stable where both real parts are negative.")
+    panels.append(Panel("growth, 1/s", real))
+    return Chart("Operating points in the wind", "wind, m/s", tuple(panels),
+                 "Growth: real parts of the eigenvalues of the averaged set, which is stable where both are negative.")
 
 
 CASE = Case(

@@ -23,7 +23,7 @@ def test_the_case_passes(found):
     assert outcome(found.rows) == "passed"
     assert all(row.reference.standing == "computed" for row in found.rows)
     assert CASES["inertial-converter"].system == "wind_pump"
-    assert len(found.charts) == 2
+    assert len(found.charts) == 3
 
 
 def test_held_speeds_are_far_closer_than_the_ripple_of_light_shafts(found):
