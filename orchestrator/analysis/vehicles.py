@@ -34,9 +34,9 @@ class Vehicle:
     """The recorded part of a vehicle of a run.
 
     position: (3, n) north, east, down, m.  axes: (3, 3, n), column j the body's axis j in north, east, down; None where the
-    quaternion was not recorded.  signals: angles, speeds, rates, accelerations by name, in SI units; angles are NaN where roll and yaw
-    cannot be told.  thrusts, commands: number of the thruster -> (n,).  errors, scale: what its controller tells.
-    constants: what the equations keep, by name: (k, n).
+    quaternion was not recorded.  signals: angles, speeds, rates, accelerations by name, in SI units; angles are NaN where roll
+    and yaw cannot be told.  thrusts: number of the thruster -> (n,) as the hull receives it, N; commands: likewise.
+    errors, scale: what its controller tells.  constants: what the equations keep, by name: (k, n).
     """
 
     unit: str
@@ -80,7 +80,7 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
     for k in range(1, THRUSTERS + 1):
         driving = source(result.scene, unit, f"thrust[{k}]")
         if column := recorded(result, unit, f"thrust[{k}]"):
-            thrusts[k] = np.asarray(result.columns[column])
+            thrusts[k] = _arrived(result, np.asarray(result.columns[column], dtype=float), {driving, f"{unit}.thrust[{k}]"})
         thruster = driving.partition(".")[0]
         if thruster and (column := recorded(result, thruster, "command")):
             commands[k] = np.asarray(result.columns[column])
@@ -92,6 +92,20 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
     axes = _axes(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
     constants = {} if axes is None else _constants(result, unit, position, axes, signals)
     return Vehicle(unit, result.time, position, axes, signals, thrusts, commands, errors, scale, constants)
+
+
+def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:
+    """What arrives of a signal that is recorded where it begins: faults change it on its way from one of `ends` to the other."""
+    made, t = values.copy(), np.asarray(result.time)
+    for fault in result.scene.faults:
+        inside = (t >= fault.begin) & (t < (np.inf if fault.end is None else fault.end))
+        if fault.signal not in ends or not inside.any():
+            continue
+        if fault.kind == "offset":
+            made[inside] += fault.value
+        else:  # a dropped thrust is that of an input nobody drives
+            made[inside] = {"override": fault.value, "freeze": made[np.argmax(inside)], "drop": 0.0}[fault.kind]
+    return made
 
 
 def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from .motion import DEGREES
 
 
 def thrusts_chart(vehicle: Vehicle, who: str = "") -> Chart:
-    """Thrust of every thruster, crosses of one colour where its command is at the limit; the share of the wrench allowed."""
+    """Thrust of every thruster, marked where its command is at the limit; the share of the wrench where limits keep some back."""
     series = [Series(f"thruster {k}", vehicle.time, F) for k, F in vehicle.thrusts.items()]
     times = [(vehicle.time[vehicle.at_limit(k)], F[vehicle.at_limit(k)]) for k, F in vehicle.thrusts.items()]
     at, what = (np.concatenate(parts) for parts in zip(*times, strict=True))
@@ -20,10 +20,13 @@ def thrusts_chart(vehicle: Vehicle, who: str = "") -> Chart:
     if vehicle.commands:
         commands = tuple(Series(f"thruster {k}", vehicle.time, c) for k, c in vehicle.commands.items())
         panels.append(Panel("command, 1", commands))
-    if vehicle.scale is not None:
+    text = "As the hull receives them."
+    if vehicle.scale is not None and vehicle.scale.min() < 1.0:
         panels.append(Panel("share of wrench, 1", (Series("given of what is wanted", vehicle.time, vehicle.scale),),
                             y_range=(-0.05, 1.1)))
-    return Chart(f"{who}Thrusts", "time, s", tuple(panels), height=190)
+    elif vehicle.scale is not None:
+        text += " The limits of the thrusters kept nothing back of what the controller wanted."
+    return Chart(f"{who}Thrusts", "time, s", tuple(panels), text, height=190)
 
 
 def thrusts_table(vehicle: Vehicle, who: str = "") -> Cells:

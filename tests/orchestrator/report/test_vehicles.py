@@ -10,7 +10,7 @@ import pytest
 from orchestrator import report
 from orchestrator.analysis.vehicles import vehicles
 from orchestrator.run import run
-from orchestrator.scene import load_scene
+from orchestrator.scene import Scene, load_scene
 from tests.orchestrator.report.vehicles import ASIDE, DEPTH, LIMIT, RADIUS, THRUST, vehicle_run
 
 UNIT = re.compile(r", (m|N|degrees|degrees/s|m/s|m/s²|s|1)$")
@@ -140,3 +140,26 @@ def test_what_is_not_kept_is_not_shown_as_kept(changes):
 
 def test_a_run_without_position_has_no_figures():
     assert report.rov.blocks(run(short("rov-tumbling").with_changes({"record.signals": ["hull.surge"]}), in_process=True)) == []
+
+
+@pytest.mark.parametrize(("fault", "inside"), [
+    ({"signal": "t3.thrust", "kind": "override", "value": 0.5}, 0.5), ({"signal": "hull.thrust[3]", "kind": "drop"}, 0.0),
+    ({"signal": "t3.thrust", "kind": "offset", "value": -2.0}, 3.0 * THRUST - 2.0),
+    ({"signal": "t3.thrust", "kind": "freeze"}, 3.0 * THRUST),
+])
+def test_thrusts_are_those_that_arrive(fault, inside):
+    result = vehicle_run()
+    result.scene = Scene.model_validate({**result.scene.model_dump(), "faults": [{**fault, "begin": 5.0, "end": 10.0}]})
+    thrusts = vehicles(result)[0].thrusts
+    during = (result.time >= 5.0) & (result.time < 10.0)
+    assert set(thrusts[3][during]) == {inside}
+    assert set(thrusts[3][~during]) == {3.0 * THRUST}
+    assert set(thrusts[2]) == {2.0 * THRUST}
+
+
+def test_without_a_limit_in_reach_no_share_is_drawn():
+    result = vehicle_run()
+    result.columns["control.scale"] = np.ones_like(result.time)
+    block = next(b for b in report.rov.blocks(result) if b.title == "Thrusts")
+    assert "kept nothing back" in block.caption
+    assert not any(t["name"] == "given of what is wanted" for t in block.figure["data"])
