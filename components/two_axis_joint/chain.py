@@ -9,11 +9,19 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
+from ..core.friction import stick_mode
+from ..core.integrators import rk4
 from ..core.kernels import bind
 from ..core.variables import input_, output, parameter
-from .chain_equations import chain_derivatives, chain_energy, chain_guards, chain_outputs, chain_switch, mass_matrix
-
-FRICTION = ("smoothed_friction", "lugre_friction", "stick_friction")
+from .chain_equations import (
+    chain_derivatives,
+    chain_energy,
+    chain_guards,
+    chain_outputs,
+    chain_switch,
+    mass_matrix,
+    static_level,
+)
 
 
 class Gravity(Effect):
@@ -61,6 +69,9 @@ class StickFriction(Effect):
     second_level = parameter(0.1, "N.m", "kinetic friction torque of the second joint", low=0.0)
     static_ratio = parameter(1.0, "1", "static over kinetic friction", low=1.0)
 
+    first_stuck = output("1", "1 while the first joint stands, 0 while it turns")
+    second_stuck = output("1", "1 while the second joint stands, 0 while it turns")
+
 
 class Stops(Effect):
     """Elastic stops of the second joint, stiffness * depth * (1 + dissipation * rate of the depth), never pulling."""
@@ -103,7 +114,7 @@ class TwoLinkChain(EventComponent):
     title = "Two-link chain"
     system = "two_axis_joint"
     default_stop = 10.0
-    guards_count = 2
+    guards_count = 3
 
     gravity = Gravity
     viscous = Viscous
@@ -141,7 +152,8 @@ class TwoLinkChain(EventComponent):
     tip_velocity_x = output("m/s", "velocity of the tip along x", nominal=3.0)
     tip_velocity_y = output("m/s", "velocity of the tip along y", nominal=3.0)
     angular_momentum = output("N.m.s", "angular momentum about the first joint", nominal=3.0)
-    mechanical_energy = output("J", "kinetic energy, height above the hanging chain, bending of the stops", nominal=10.0)
+    mechanical_energy = output(
+        "J", "kinetic energy, height above the hanging chain, bending of bristles and stops", nominal=10.0)
 
     presets = {
         "equal point masses": Preset(
@@ -164,16 +176,22 @@ class TwoLinkChain(EventComponent):
         p, *_, lugre, stick, stops, _ = self.settled
         self._check_inertia()
         first, second = p.start_first_angle, p.start_second_angle - p.start_first_angle
-        if stops is not None and not stops.lower <= second <= stops.upper:
-            raise BadInput(self.name, f"the second link at {second:g} rad against the first at the start",
-                           f"an angle between its stops, {stops.lower:g} and {stops.upper:g} rad")
         x = [first, second, p.start_first_rate, p.start_second_rate - p.start_first_rate]
-        if lugre is None and stick is None:
-            return np.array(x)
-        state = np.array([*x, 0.0, 0.0])
+        if lugre is not None or stick is not None:
+            x += [0.0, 0.0]
+        if stops is not None:
+            if not stops.lower < stops.upper:
+                raise BadInput(self.name, f"stops.lower = {stops.lower:g}, stops.upper = {stops.upper:g} rad",
+                               "a lower stop below the upper one")
+            if not stops.lower <= second <= stops.upper:
+                raise BadInput(self.name, f"the second link at {second:g} rad against the first at the start",
+                               f"an angle between its stops, {stops.lower:g} and {stops.upper:g} rad")
+            x.append(float(second == stops.upper) - float(second == stops.lower))
+        state = np.array(x)
         if stick is not None:
-            state[4:] = np.sign(state[2:4])
-            g = np.empty(2)
+            levels = static_level(stick.first_level, stick), static_level(stick.second_level, stick)
+            state[4:6] = [stick_mode(rate, 0.0, level) for rate, level in zip(state[2:4], levels, strict=True)]
+            g = np.empty(self.guards_count)
             for _ in range(4):  # of two joints at rest none, one or both break loose at once
                 chain_guards(self.t, state, self.u[0], g, *self.settled)
                 if g.min() >= 0.0:
@@ -190,9 +208,15 @@ class TwoLinkChain(EventComponent):
                            "Give first_inertia, or second_inertia, or a first_mass away from the joint.")
 
     def energy(self) -> float:
-        """Kinetic energy, height above the hanging chain and bending of the stops, J; bristles are not counted."""
-        p, gravity, *_, stops, _ = self.settled
-        return float(chain_energy(self.x, p, gravity, stops))
+        """The output `mechanical_energy`, J."""
+        p, gravity, _, _, lugre, _, stops, _ = self.settled
+        return float(chain_energy(self.x, p, gravity, lugre, stops))
+
+    def _step(self, t: float, h: float) -> int:
+        if "stick_friction" in self.on or "stops" in self.on:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
@@ -228,3 +252,4 @@ TwoLinkChain.advance = bind(
     rk4_events, __name__, derivatives=chain_derivatives, outputs=chain_outputs, guards=chain_guards, switch=chain_switch
 )
 TwoLinkChain.output_kernel = chain_outputs
+chain_smooth = bind(rk4, __name__, derivatives=chain_derivatives, outputs=chain_outputs)  # where nothing has events

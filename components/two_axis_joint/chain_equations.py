@@ -1,15 +1,16 @@
 """Equations of the two-link chain, in the coordinates of its joints.
 
-State x = (q1, q2, q1', q2'[, s1, s2]): the first link's angle from the downward vertical, the second link's angle against the
-first, their rates, and for each joint a bristle's deflection (LuGre) or a mode (exact standstill). Friction acts in one joint
-each, so these coordinates make it diagonal; the absolute angles are q1 and q1 + q2.
+State x = (q1, q2, q1', q2'[, s1, s2][, contact]): the first link's angle from the downward vertical, the second link's angle
+against the first, their rates; for each joint a bristle's deflection (LuGre) or a mode (exact standstill); last, which stop is
+touched, 1 the upper one, -1 the lower one, 0 none. Friction acts in one joint each, so these coordinates make it diagonal; the
+absolute angles are q1 and q1 + q2.
 """
 
 from __future__ import annotations
 
 import math
 
-from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_mode
+from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_switch
 from ..core.kernels import kernel
 
 
@@ -30,10 +31,12 @@ def mass_matrix(q2, p):
 
 
 @kernel
-def stop_torque(q2, rate, stops):
+def stop_torque(q2, rate, contact, stops):
     """Torque of the stops on the second joint: a spring, with losses in proportion to its force (Hunt and Crossley, 1975)."""
-    depth = q2 - stops.upper if q2 > stops.upper else q2 - stops.lower if q2 < stops.lower else 0.0
-    return -stops.stiffness * depth * max(0.0, 1.0 + math.copysign(stops.dissipation, depth) * rate)
+    if contact == 0.0:
+        return 0.0
+    depth = q2 - stops.upper if contact > 0.0 else q2 - stops.lower
+    return -stops.stiffness * depth * max(0.0, 1.0 + contact * stops.dissipation * rate)
 
 
 @kernel
@@ -55,7 +58,7 @@ def loads(x, u, p, gravity, viscous, smoothed, stops):
         b1 -= smoothed_friction(x[2], smoothed.first_level, smoothed.width)
         b2 -= smoothed_friction(x[3], smoothed.second_level, smoothed.width)
     if stops is not None:
-        b2 += stop_torque(x[1], x[3], stops)
+        b2 += stop_torque(x[1], x[3], x[-1], stops)
     return b1, b2
 
 
@@ -108,50 +111,63 @@ def motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops):
 
 @kernel
 def chain_derivatives(t, x, u, dx, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
-    """dx/dt; modes of standstill do not change between events."""
+    """dx/dt; modes do not change between events."""
     a1, a2, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
     dx[0], dx[1], dx[2], dx[3] = x[2], x[3], a1, a2
     if lugre is not None:
         dx[4], dx[5] = c1, c2
     if stick is not None:
         dx[4], dx[5] = 0.0, 0.0
+    if stops is not None:
+        dx[-1] = 0.0
 
 
 @kernel
 def chain_guards(t, x, u, g, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
-    """Of each joint: its rate in the direction it slides, or at rest what is missing to break loose."""
-    g[0], g[1] = 1.0, 1.0
+    """Of each joint its rate in the direction it slides, or at rest what is missing to break loose; of the stops way or depth."""
+    g[0], g[1], g[2] = 1.0, 1.0, 1.0
     if stick is not None:
         _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
         g[0] = stick_guard(x[4], x[2], c1, static_level(stick.first_level, stick))
         g[1] = stick_guard(x[5], x[3], c2, static_level(stick.second_level, stick))
+    if stops is not None:
+        if x[-1] == 0.0:
+            g[2] = min(stops.upper - x[1], x[1] - stops.lower)
+        else:
+            g[2] = x[1] - stops.upper if x[-1] > 0.0 else stops.lower - x[1]
 
 
 @kernel
 def chain_switch(which, t, x, u, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
-    """A joint comes to rest, turns back, or breaks loose; the other one keeps its mode, and its own guard sees the change."""
-    if stick is not None:
-        rested = x[4 + which] == 0.0
+    """A joint comes to rest, turns back or breaks loose, or a stop is touched or left.
+
+    Other modes stay: where the change makes one impossible, its own guard sees it.
+    """
+    if which == 2:
+        if stops is not None:
+            nearest = 1.0 if stops.upper - x[1] < x[1] - stops.lower else -1.0
+            x[-1] = nearest if x[-1] == 0.0 else 0.0
+    elif stick is not None:
+        mode = x[4 + which]
         x[2 + which] = 0.0
         x[4 + which] = 0.0
         _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
         drive = c1 if which == 0 else c2
-        if rested:
-            x[4 + which] = math.copysign(1.0, drive)
-        else:
-            level = stick.first_level if which == 0 else stick.second_level
-            x[4 + which] = stick_mode(0.0, drive, static_level(level, stick))
+        level = stick.first_level if which == 0 else stick.second_level
+        x[4 + which] = stick_switch(mode, drive, static_level(level, stick))
 
 
 @kernel
-def chain_energy(x, p, gravity, stops):
-    """Kinetic energy, height above the hanging chain, and bending of the stops, J."""
+def chain_energy(x, p, gravity, lugre, stops):
+    """Kinetic energy, height above the hanging chain, bending of bristles and stops, J."""
     m11, m12, m22, _ = mass_matrix(x[1], p)
     energy = 0.5 * (m11 * x[2] * x[2] + m22 * x[3] * x[3]) + m12 * x[2] * x[3]
     if gravity is not None:
         first = p.first_mass * p.first_centre + p.second_mass * p.first_length
         second = p.second_mass * p.second_centre
         energy += gravity.acceleration * (first * (1.0 - math.cos(x[0])) + second * (1.0 - math.cos(x[0] + x[1])))
+    if lugre is not None:
+        energy += 0.5 * lugre.stiffness * (x[4] * x[4] + x[5] * x[5])
     if stops is not None:
         depth = max(x[1] - stops.upper, stops.lower - x[1], 0.0)
         energy += 0.5 * stops.stiffness * depth * depth
@@ -160,7 +176,7 @@ def chain_energy(x, p, gravity, stops):
 
 @kernel
 def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
-    """Angles and rates, the tip, angular momentum and energy; with `reactions` the loads of the joints."""
+    """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
     second, rate = x[0] + x[1], x[2] + x[3]
     s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
     y[0], y[1], y[2], y[3] = x[0], second, x[2], rate
@@ -171,7 +187,10 @@ def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops
     y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
     m11, m12, _, _ = mass_matrix(x[1], p)
     y[10] = m11 * x[2] + m12 * x[3]
-    y[11] = chain_energy(x, p, gravity, stops)
+    y[11] = chain_energy(x, p, gravity, lugre, stops)
+    if stick is not None:
+        y[stick.y] = 1.0 if x[4] == 0.0 else 0.0
+        y[stick.y + 1] = 1.0 if x[5] == 0.0 else 0.0
     if reactions is not None:
         a1, a2, _, _ = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
         a2 += a1

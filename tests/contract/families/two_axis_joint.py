@@ -5,7 +5,7 @@ from __future__ import annotations
 from . import Facts
 
 TORQUES = {"first_torque": 0.3, "second_torque": 0.2}
-AT_THE_STOP = {"stops.lower": 0.0, "stops.upper": 0.0}
+AT_THE_STOP = {"stops.upper": 0.0}
 
 FACTS: dict[str, Facts] = {
     "GimbalBody": Facts(
