@@ -19,7 +19,7 @@ from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
-from .driven_shaft import STANDING, TURNING, shaft_acceleration, shaft_guard, shaft_mode, speed_ratio
+from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, shaft_mode, speed_ratio
 from .lever import engaged_lever, free_lever, joint_forces, locked_lever
 
 TWIST, ANGLE, RATE, SLIDER, VELOCITY, SPEED, MODE = range(7)  # of the state
@@ -90,6 +90,7 @@ class InertialConverter(EventComponent):
     default_stop = 10.0
     guards_count = 2
 
+    mesh_friction = MeshFriction
     compliant_clutches = CompliantClutches
     stresses = Stresses
 
@@ -116,7 +117,7 @@ class InertialConverter(EventComponent):
                             feedthrough=("turbine_speed", "load_torque"))
     ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
                    feedthrough=("turbine_speed",))
-    dissipation = output("W", "power lost in the input shaft's damping and in slipping clutches", nominal=10.0,
+    dissipation = output("W", "power lost in the gear, in the input shaft's damping and in slipping clutches", nominal=10.0,
                          feedthrough=("turbine_speed",))
     crank_speed = output("rad/s", "speed of the crank", nominal=20.0)
     crank_angle = output("rad", "angle of the crank since time 0", nominal=10.0)
@@ -129,13 +130,13 @@ class InertialConverter(EventComponent):
         p = self.settled[0]
         rate = p.gear_ratio * self.u[0, TURBINE_SPEED]
         mode = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
-        if p.start_speed > 0.0 and self.settled[1] is not None:
+        if p.start_speed > 0.0 and self.settled[2] is not None:
             mode = TURNING
         return np.array([0.0, p.start_angle, rate, 0.0, 0.0, p.start_speed, mode])
 
     def internal_step(self) -> float:
         """The shorter one of `substep` and, where the clutches slip, theirs, s."""
-        clutches = self._settled()[1]
+        clutches = self._settled()[2]
         return super().internal_step() if clutches is None else min(super().internal_step(), clutches.substep)
 
     def energy(self) -> float:
@@ -148,7 +149,7 @@ class InertialConverter(EventComponent):
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
-        p, clutches, _ = self._settled()
+        p, _, clutches, _ = self._settled()
         k, c = p.shaft_stiffness / p.crank_inertia, p.shaft_damping / p.crank_inertia
         fastest = float(np.abs(np.roots([1.0, c, k])).max())
         if clutches is not None:
@@ -199,7 +200,7 @@ def accelerations(x, u, p, clutches):
 
 
 @kernel
-def converter_derivatives(t, x, u, dx, p, clutches, stresses):
+def converter_derivatives(t, x, u, dx, p, mesh, clutches, stresses):
     """dx/dt of x = (theta, phi, phi', y, y', w, mode)."""
     dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
     dx[ANGLE], dx[SLIDER], dx[MODE] = x[RATE], x[VELOCITY], 0.0
@@ -207,7 +208,7 @@ def converter_derivatives(t, x, u, dx, p, clutches, stresses):
 
 
 @kernel
-def converter_guards(t, x, u, g, p, clutches, stresses):
+def converter_guards(t, x, u, g, p, mesh, clutches, stresses):
     """Free: distance from either clutch. Engaged: force and speed. Standing: what is left of the load."""
     _, _, _, force = accelerations(x, u, p, clutches)
     if clutches is not None or x[MODE] == STANDING:
@@ -219,7 +220,7 @@ def converter_guards(t, x, u, g, p, clutches, stresses):
 
 
 @kernel
-def converter_switch(which, t, x, u, p, clutches, stresses):
+def converter_switch(which, t, x, u, p, mesh, clutches, stresses):
     """The next mode; speeds that are equal in it are made so."""
     if clutches is not None:
         driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, clutches))
@@ -246,15 +247,16 @@ def converter_switch(which, t, x, u, p, clutches, stresses):
 
 
 @kernel
-def converter_outputs(t, x, u, y, p, clutches, stresses):
+def converter_outputs(t, x, u, y, p, mesh, clutches, stresses):
     """Torques, speeds and losses; joint forces and stresses where they are on."""
     torque = shaft_torque(x, u, p)
     crank, slider, _, force = accelerations(x, u, p, clutches)
     driving = p.clutch_arm * abs(force)
-    y[0], y[1], y[2] = p.gear_ratio * torque, x[SPEED], driving
+    loss = mesh_loss(p.gear_ratio * torque, u[TURBINE_SPEED], mesh)
+    y[0], y[1], y[2] = p.gear_ratio * torque + loss, x[SPEED], driving
     y[3] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     slip = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
-    y[4] = p.shaft_damping * slip * slip
+    y[4] = p.shaft_damping * slip * slip + loss * u[TURBINE_SPEED]
     if clutches is not None:
         y[4] += driving * (abs(x[VELOCITY]) / p.clutch_arm - x[SPEED])
     y[5], y[6], y[7], y[8] = x[RATE], x[ANGLE], x[VELOCITY], float(np.sign(force))
@@ -275,9 +277,9 @@ _advance = bind(rk4_events, __name__, derivatives=converter_derivatives, guards=
 
 
 @kernel
-def converter_advance(t, h, n, k, x, u, y, work, counts, p, clutches, stresses):
+def converter_advance(t, h, n, k, x, u, y, work, counts, p, mesh, clutches, stresses):
     """`rk4_events`, refused where its substeps do not resolve the crank's revolution."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, clutches, stresses)
+    status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh, clutches, stresses)
     if status == DONE and abs(x[RATE]) * h > MOST_TURN * n:
         return OUT_OF_RANGE
     return status

@@ -104,7 +104,7 @@ def test_the_standing_shaft_gets_the_stall_torque():
     assert converter.work["events"] == 0
 
 
-@pytest.mark.parametrize("effects", [(), ("stresses",), ("compliant_clutches",)])
+@pytest.mark.parametrize("effects", [(), ("mesh_friction",), ("compliant_clutches",)])
 def test_energy_changes_by_the_power_at_the_ports_and_the_losses(effects):
     """d(energy)/dt = T_t w_t - T_load w - dissipation at random states in every mode."""
     rng = np.random.default_rng(5)
@@ -196,6 +196,16 @@ def test_slipping_clutches_lose_torque_in_the_second_order_of_their_delay(dampin
     miss = mean_torques(20.0, 10.0, 4, **inertia)[0] - mean_torques(20.0, 10.0, 4, ("compliant_clutches",), **slipping)[0]
     delay = 0.05**2 * 4.05 / damping
     assert miss == pytest.approx(0.5 * K1 * 400.0 * (20.0 * delay) ** 2, rel=0.02)
+
+
+def test_gear_friction_takes_its_share_of_the_torque():
+    """3 % of the torque that is passed on, and nothing else changes."""
+    ideal, lossy = started(load=1.0), started(("mesh_friction",), load=1.0)
+    for converter in (ideal, lossy):
+        converter.step(0.0, 1.234)
+    assert lossy["speed"] == ideal["speed"] > 0.0
+    assert lossy["turbine_torque"] - ideal["turbine_torque"] == pytest.approx(0.03 * abs(ideal["turbine_torque"]), rel=1e-12)
+    assert lossy["dissipation"] - ideal["dissipation"] == pytest.approx(0.6 * abs(ideal["turbine_torque"]), rel=1e-12)
 
 
 def test_substeps_that_do_not_resolve_the_revolution_are_refused():

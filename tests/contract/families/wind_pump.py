@@ -55,6 +55,15 @@ FACTS: dict[str, Facts] = {
         strengths={"mesh_friction.coefficient": ({}, 1e-3)},
         form=frozenset({"mesh_friction.width"}),
     ),
+    "InertialConverter": Facts(
+        small={"substep": 2.5e-5},  # what slipping clutches need, for every configuration
+        plain=(("mesh_friction", "stresses"), {}, 20),
+        disturbance={"turbine_speed": 4.0, "load_torque": 5.0},
+        strengths={"mesh_friction.coefficient": ({}, 1e-3)},
+        structural=frozenset({"compliant_clutches"}),
+        form=frozenset({"mesh_friction.width", *(f"stresses.{n}" for n in ("shaft_diameter", "driven_shaft_diameter", "lever_arm",
+                                                                         "lever_width", "lever_height", "pin_diameter"))}),
+    ),
     "PistonPump": Facts(
         moving=frozenset({"angle"}),
         other_ways=(({"action": "double", "rod_diameter": 0.03}, ()), ({"action": "double"}, ("seal_friction", "averaged"))),
