@@ -51,9 +51,8 @@ def body_rates(x, u, p, base):
 
 
 @kernel
-def body_moment(x, u, alpha_2, beta_2, p, rotor, base):
+def body_moment(c, s, x, u, alpha_2, beta_2, p, rotor, base):
     """Moment that the body's motion takes, I w' + w x (I w + h), in body axes, at the given accelerations of the angles."""
-    c, s = axis_in_body(x[BETA], p.axis_orientation)
     about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
     wx, wy, wz = c * about_outer - s * about_third, about_inner + x[INNER], s * about_outer + c * about_third
     outer_1 += alpha_2
@@ -97,19 +96,23 @@ def drives(x, u, p, gravity, rotor, viscous, stops, base, payload):
     """
     c, s = axis_in_body(x[BETA], p.axis_orientation)
     outer_1 = frame_rates(x, u, p, base)[3]
-    mx, my, mz = body_moment(x, u, 0.0, 0.0, p, rotor, base)
+    mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, rotor, base)
     inertia = p.frame_inertia + p.cross_inertia * c * c + p.axial_inertia * s * s
     outer, inner = u[0] - c * mx - s * mz - p.frame_inertia * outer_1, u[1] - my
     if gravity is not None:
         fx, fy, fz = specific_force(u, gravity, base)
         moment = gravity.mass * gravity.distance
-        sa, ca, sb, cb = math.sin(x[ALPHA]), math.cos(x[ALPHA]), math.sin(x[BETA]), math.cos(x[BETA])
         if p.axis_orientation == VERTICAL:
-            outer += moment * (fy * ca - fx * sa) * sb
-            inner += moment * ((fx * ca + fy * sa) * cb - fz * sb)
+            along, across = fx, fy  # of the frame's plane, which stays as it is without a base in motion
+            if base is not None:
+                sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
+                along, across = fx * cosine + fy * sine, fy * cosine - fx * sine
+            outer -= moment * across * c
+            inner += moment * (along * s + fz * c)
         else:
-            outer -= moment * (fy * ca + fz * sa) * cb
-            inner += moment * (fx * cb + (fy * sa - fz * ca) * sb)
+            sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
+            outer -= moment * (fy * cosine + fz * sine) * c
+            inner += moment * (fx * c + (fy * sine - fz * cosine) * s)
     if viscous is not None:
         outer -= viscous.outer_coefficient * x[OUTER]
         inner -= viscous.inner_coefficient * x[INNER]
@@ -203,9 +206,9 @@ def reactions_of_base(x, u, alpha_2, beta_2, p, gravity, rotor, base, payload):
 
     The frame has inertia about the outer axis only, and no weight.
     """
-    mx, my, mz = body_moment(x, u, alpha_2, beta_2, p, rotor, base)
-    wx, wy, wz = body_rates(x, u, p, base)
     c, s = axis_in_body(x[BETA], p.axis_orientation)
+    mx, my, mz = body_moment(c, s, x, u, alpha_2, beta_2, p, rotor, base)
+    wx, wy, wz = body_rates(x, u, p, base)
     about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
     wx_1 = c * (outer_1 + alpha_2) - s * third_1 - x[INNER] * wz
     d = gravity.distance
