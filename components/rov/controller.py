@@ -88,8 +88,10 @@ class RovController(Component):
     attitude_gain = parameter(2.5, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
     rate_gain = parameter(1.4, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
     attitude_integral_gain = parameter(1.0, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
+    reach = parameter(1.0, "m", "longest error of the position that is answered in full; a longer one counts as this long, so "
+                      "that a place that cannot be reached leaves thrust for depth and heading", low=1e-3)
     unwinding_time = parameter(1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3)
-    priority = parameter((1.0, 1.0, 10.0, 1.0, 1.0, 50.0), "1",
+    priority = parameter((1.0, 1.0, 100.0, 1.0, 1.0, 500.0), "1",
                          "weight of an axis's error where not all can be had; surge, sway, heave per N, roll, pitch, yaw per N.m",
                          size=6, low=1e-6)
     forward_limit = parameter(51.44, "N", "largest thrust ahead that is asked of a thruster", low=1e-6, nominal=10.0)
@@ -137,7 +139,7 @@ class RovController(Component):
         law = Law(
             p.period, np.array([p.set_north, p.set_east, p.set_depth, p.set_roll, p.set_pitch, p.set_yaw]),
             np.concatenate((p.position_gain, p.attitude_gain)), np.concatenate((p.velocity_gain, p.rate_gain)),
-            np.concatenate((p.position_integral_gain, p.attitude_integral_gain)), p.unwinding_time,
+            np.concatenate((p.position_integral_gain, p.attitude_integral_gain)), p.reach, p.unwinding_time,
             np.ascontiguousarray(matrix), allocations(matrix, p.priority), p.forward_limit, p.reverse_limit)
         return law, inverse, course
 
@@ -177,6 +179,7 @@ class Law(NamedTuple):
     gain: np.ndarray
     rate_gain: np.ndarray
     integral_gain: np.ndarray
+    reach: float
     unwinding_time: float
     matrix: np.ndarray  # (6, 6), wrench per thrust
     allocations: np.ndarray  # (64, 6, 6), thrusts per wrench
@@ -245,7 +248,9 @@ def control_sample(t, u, x, work, law, inverse, course):
     a, b, c, d = quaternion_of_angles(pose[3], pose[4], pose[5])
     x[ERRORS + 3], x[ERRORS + 4], x[ERRORS + 5] = turn_between(qw, qx, qy, qz, a, b, c, d)
 
-    e = to_body(qw, qx, qy, qz, x[ERRORS], x[ERRORS + 1], x[ERRORS + 2])
+    far = math.sqrt(x[ERRORS] ** 2 + x[ERRORS + 1] ** 2 + x[ERRORS + 2] ** 2)
+    share = law.reach / far if far > law.reach else 1.0
+    e = to_body(qw, qx, qy, qz, share * x[ERRORS], share * x[ERRORS + 1], share * x[ERRORS + 2])
     v = to_body(qw, qx, qy, qz, rate[0], rate[1], rate[2])
     f = to_body(qw, qx, qy, qz, x[INTEGRALS], x[INTEGRALS + 1], x[INTEGRALS + 2])
     # angular velocity of the wanted attitude in its own axes, then in the world's, then in the body's

@@ -10,7 +10,7 @@ from components.rov.arrangement import wrench_matrix, y_arrangement
 
 FORWARD, REVERSE = 51.44, 39.90
 MATRIX = wrench_matrix(*y_arrangement(), "vehicle")
-PRIORITY = np.array([1.0, 1.0, 10.0, 1.0, 1.0, 50.0])
+PRIORITY = np.array([1.0, 1.0, 100.0, 1.0, 1.0, 500.0])
 TABLES = allocations(MATRIX, PRIORITY)
 ALL = 63
 # Largest wrench along one axis with the limits above, both ways, N and N.m, computed independently from the thrusters' places
@@ -63,11 +63,11 @@ def test_without_a_thruster_the_rank_is_five_and_depth_and_heading_are_kept(lost
         _, thrust, out = given(wrench, choice)
         assert thrust[lost] == 0.0
         best, *_ = np.linalg.lstsq(PRIORITY[:, None] * MATRIX[:, there], PRIORITY * wrench, rcond=None)
-        np.testing.assert_allclose(thrust[there], best, atol=1e-11)
+        np.testing.assert_allclose(thrust[there], best, atol=1e-10)
         # what is given up is one direction of the wrench; its share in an axis goes with the inverse square of the priority
         miss = wrench - out
-        assert abs(miss[2]) <= 0.02 * np.abs(miss).max() + 1e-12
-        assert abs(miss[5]) <= 0.02 * np.abs(miss).max() + 1e-12
+        assert abs(miss[2]) <= 1e-3 * np.abs(miss).max() + 1e-12
+        assert abs(miss[5]) <= 1e-3 * np.abs(miss).max() + 1e-12
 
 
 @pytest.mark.parametrize("choice", range(64))

@@ -48,7 +48,7 @@ def test_the_wrench_is_the_law_at_random_poses():
     gains = np.array([24.0, 34.0, 37.0]), np.array([35.0, 50.0, 55.0]), 2.5, 1.4
     for _ in range(30):
         here, there = Rotation.random(random_state=rng), rng.uniform(-1.0, 1.0, size=3) * (math.pi, 1.4, math.pi)
-        position, motion, goal = rng.normal(size=3) * 0.2, rng.normal(size=6) * 0.1, rng.normal(size=3) * 0.2
+        position, motion, goal = rng.uniform(-0.2, 0.2, 3), rng.normal(size=6) * 0.1, rng.uniform(-0.2, 0.2, 3)
         controller = started(
             inputs={**dict(zip(POSE, position, strict=True)), **attitude(here), **dict(zip(MOTION, motion, strict=True))},
             set_north=goal[0], set_east=goal[1], set_depth=goal[2], set_roll=there[0], set_pitch=there[1], set_yaw=there[2])
@@ -149,15 +149,18 @@ def test_times_that_decrease_are_refused(times, found):
 
 
 def test_what_limits_keep_back_does_not_wind_up():
-    """A vehicle that is held 10 m off for a minute asks for at most what thrusters give, plus an error's worth of a second."""
+    """A vehicle held 10 m off for a minute: the integral stays where wanted and given differ by a second's worth of growth."""
     held = started(inputs={"position_north": -10.0})
     held.step(0.0, 60.0)
-    # in the steady state (given - wanted) / T = -K_i e: wanted is 1 s * 6 N/(m s) * 10 m above the 69.1 N of all thrusters
-    see(held, {"position_north": 0.0})
-    held.step(60.0, 0.02)
-    see(held, {"position_north": 0.0})
-    integral = held.x[7]
-    assert integral == pytest.approx(69.1 + 60.0 - 240.0, abs=3.0)
+    # the error counts as 1 m: wanted = 24 N + integral, given = 69.1 N of all thrusters, wanted - given = 1 s * 6 N/s
+    assert held.x[7] == pytest.approx(69.11 + 6.0 - 24.0, abs=0.01)
+    assert wrench(held)[0] == pytest.approx(69.11, abs=0.01)
+
+
+def test_an_error_beyond_the_reach_counts_as_the_reach():
+    far = started(inputs={"position_north": -30.0, "depth": -40.0})
+    np.testing.assert_allclose(wrench(far), wrench(started(inputs={"position_north": -0.6, "depth": -0.8})), atol=1e-10)
+    assert far["error_north"] == 30.0  # told in full
 
 
 def test_a_lost_thruster_is_not_asked_for():
