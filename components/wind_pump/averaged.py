@@ -16,6 +16,7 @@ from .driven_shaft import (
     shaft_guard,
     shaft_mode,
     speed_ratio,
+    switched_shaft,
 )
 
 
@@ -127,7 +128,7 @@ def averaged_switch(which, t, x, u, p, mesh):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     driving, _ = mean_torques(0.0, u, p)
-    x[MODE] = shaft_mode(0.0, driving, u[LOAD])
+    x[MODE] = switched_shaft(x[MODE], driving, u[LOAD])
 
 
 @kernel

@@ -32,6 +32,18 @@ def shaft_mode(speed, driving, load):
 
 
 @kernel
+def switched_shaft(mode, driving, load):
+    """The mode of a shaft at rest whose guard has reached zero; where drive and load are equal to the last bit, the other one.
+
+    A drive and a load that are both 0, a calm and a piston at its dead centre, are equal: which mode lasts depends on which of
+    them grows first, and the mode that does not last is left at once.
+    """
+    if driving == load:
+        return STANDING if mode == TURNING else TURNING
+    return TURNING if driving > load else STANDING
+
+
+@kernel
 def shaft_guard(mode, speed, driving, load):
     """Positive while the mode holds: the speed, or what the drive lacks to start the shaft."""
     return load - driving if mode == STANDING else speed

@@ -14,6 +14,7 @@ from .driven_shaft import (
     shaft_guard,
     shaft_mode,
     speed_ratio,
+    switched_shaft,
 )
 
 
@@ -101,7 +102,7 @@ def fixed_guards(t, x, u, g, p, mesh):
 def fixed_switch(which, t, x, u, p, mesh):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
-    x[MODE] = shaft_mode(0.0, shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
+    x[MODE] = switched_shaft(x[MODE], shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
 
 
 @kernel

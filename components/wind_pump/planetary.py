@@ -19,6 +19,7 @@ from .driven_shaft import (
     shaft_guard,
     shaft_mode,
     speed_ratio,
+    switched_shaft,
 )
 
 SHAFTS = ("sun", "ring", "carrier")
@@ -204,7 +205,7 @@ def gear_switch(which, t, x, u, p, mesh, dry, centrifugal):
     """The driven shaft stops or starts, or the third one does."""
     if which == 0:
         x[SPEED] = 0.0
-        x[MODE] = shaft_mode(0.0, p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
+        x[MODE] = switched_shaft(x[MODE], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
     elif dry is not None:
         x[THIRD] = 0.0
         x[SLIP] = stick_mode(0.0, third_drive(x, u, p, centrifugal), dry.static)

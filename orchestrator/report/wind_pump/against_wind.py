@@ -53,7 +53,9 @@ def branches_chart(shown: Sequence[Shown], followed: Sequence[tuple[str, slice]]
             if wind is not None:
                 marks.setdefault(f"{s.who}pump {word}", []).append((wind, f"{wind:.2f}"))
     lines = tuple(Lines(name, tuple(at)) for name, at in marks.items())
-    text = f"{shown[0].averaged} Where the branches part, the pump starts at a higher wind than it stops at: hysteresis."
+    both = {word for s in shown for word, _, _ in s.marks} == {"starts", "stops"}
+    why = "the pump starts at a higher wind than it stops at: hysteresis" if both else "inertia is behind the wind"
+    text = f"{shown[0].averaged} Where the branches part, {why}."
     return Chart("Against the wind", "", _panels(shown, lines_of, lines), text.strip(), columns=2, height=260)
 
 

@@ -20,8 +20,9 @@ class Shown:
 
     who: what stands before the names where there are several chains, such as "fixed: ".
     average, standstill, pause: as in [analysis].
-    wind, signals, powers: those of the chain as moving means.  ratio: of pump speed to turbine speed, NaN where the turbine
-    stands; None without a turbine speed.  runs: the times in which the pump ran.
+    wind, signals, powers: those of the chain as moving means; the power coefficient is that of the mean powers.
+    ratio: of pump speed to turbine speed, NaN where the turbine stands; None without a turbine speed.
+    runs: the times in which the pump ran.
     """
 
     chain: Chain
@@ -42,6 +43,12 @@ class Shown:
             return moving_mean(chain.time, values, average)
 
         signals = {n: mean(v) for n, v in chain.signals.items()}
+        if average and chain.wind is not None and "power_coefficient" in signals:  # mean power over the wind's mean power
+            cube = np.maximum(chain.wind, 0.0) ** 3
+            below = mean(cube)
+            blows = below > 0.0
+            above = mean(chain.signals["power_coefficient"] * cube)
+            signals["power_coefficient"] = np.where(blows, above / np.where(blows, below, 1.0), np.nan)
         ratio = None
         if "turbine_speed" in signals:
             turning = signals["turbine_speed"] > standstill

@@ -54,8 +54,8 @@ def efficiency_table(result: Result, shown: Sequence[Shown], start: int = 0) -> 
         for stage, energy, share in efficiencies(s.chain, start):
             share = energy / wind if stage == "aerodynamic" and wind else share
             rows.append((s.chain.name, NAMES[stage], number(1e-3 * energy), "" if share is None else number(100.0 * share)))
-    text = ("Integrals over the run. What lacks between two stages was lost there, or is still in the motion of the shafts: over "
-            "a short run that is no loss.")  # fmt: skip
+    text = ("Integrals of the recorded powers. What lacks between two stages was lost there, or is still in the motion of the "
+            "shafts: over a short run that is no loss.")  # fmt: skip
     return Cells("Energy along the chain", ("transmission", "interface", "energy, kJ", "of the one before, %"), rows, text,
                  frozenset({2, 3}))  # fmt: skip
 

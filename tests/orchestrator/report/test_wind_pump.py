@@ -143,6 +143,18 @@ def test_the_ripple_of_a_piston_is_drawn_as_its_mean():
     assert shares["hydraulic"] == pytest.approx(PUMPED, rel=1e-3)
 
 
+def test_the_mean_power_coefficient_is_that_of_the_mean_powers():
+    """A calm in which the rotor overruns the wind has any coefficient, and hardly any power."""
+    t, wind = triangle()
+    result = run_of(t, wind, np.full(t.size, True), analysis={"average": 40.0})
+    result.columns["turbine.power_coefficient"] = np.where(wind < 0.2, -1e4 * (0.2 - wind), CP)
+    figure = figures(report.wind_pump.blocks(result))["Course of the run"]
+    panel = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and "Cp" in a["title"]["text"])
+    drawn = numbers(next(x for x in figure["data"] if x["yaxis"] == panel.replace("axis", ""))["y"])
+    middle = slice(drawn.size // 4, 3 * drawn.size // 4)
+    assert drawn[middle] == pytest.approx(CP, rel=1e-4)
+
+
 def test_two_chains_are_told_apart():
     result = hysteresis_run()
     scene = result.scene.model_dump(exclude_unset=True)

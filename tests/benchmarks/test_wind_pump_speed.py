@@ -1,0 +1,47 @@
+"""Speed of a day of wind on the averaged wind pump, and what the full converter costs beside it.
+
+Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about another machine.
+"""
+
+import pytest
+
+from orchestrator.run import run
+from orchestrator.scene import load_scene
+
+pytestmark = pytest.mark.benchmark
+
+SHARED = {"gear_ratio", "crank_radius", "lever_mass", "slider_mass", "clutch_arm", "driven_inertia"}  # by both converters
+
+
+def best(scene, in_process, runs=3):
+    """Shortest stepping time of some warm runs, s."""
+    run(scene.with_changes({"stop_time": 20.0 * scene.master.step, "record.interval": None}), in_process=in_process)
+    results = [run(scene, in_process=in_process) for _ in range(runs)]
+    assert all(r.outcome == "done" for r in results)
+    return min(r.info["timing"]["run"] for r in results)
+
+
+def test_a_day_of_wind():
+    """Five units, 172 800 macro steps: under 10 s in one process."""
+    scene = load_scene("wind-pump-day")
+    assert scene.stop_time == 86400.0
+    steps = scene.stop_time / scene.master.step
+    seconds = best(scene, True)
+    fmus = best(scene, False, 1)
+    print(f"\n  a day in one process: {seconds:.1f} s, {1e6 * seconds / steps:.0f} us a step of five units; "
+          f"as FMUs: {fmus:.1f} s")
+    assert seconds < 10.0
+
+
+def test_price_of_the_clutches():
+    """The full converter against its mean, both coupled to turbine, pump and pipe, per simulated second."""
+    full = load_scene("wind-pump-gusts").with_changes({"master.bonds": []})
+    mean = full.with_changes({
+        "units.converter.component": "AveragedConverter", "units.converter.effects": [],
+        "units.converter.parameters": {n: v for n, v in full.units["converter"].parameters.items() if n in SHARED},
+        "units.turbine.parameters": {"inertia": 15.0 + 100.0 * (0.1 + 47.0 * 4.0 * 0.02**2 / 2.0)},
+        "record.signals": ["wind.speed", "turbine.speed", "converter.speed"], "master.step": 0.05,
+    })
+    seconds = {name: best(scene, True) / scene.stop_time for name, scene in (("full", full), ("in the mean", mean))}
+    print("\n  a simulated second with the converter " + ", ".join(f"{n}: {1e3 * s:.2f} ms" for n, s in seconds.items()))
+    assert seconds["full"] > 5.0 * seconds["in the mean"]  # 20 times the macro steps, and clutches in each
