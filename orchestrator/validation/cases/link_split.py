@@ -157,12 +157,12 @@ def _grows(step: float) -> bool:
 
 
 def _step_chart(errors: Mapping[str, list[float]]) -> Chart:
-    steps = [f"{1e3 * s:g}" for s in STEPS]
+    steps = [f"{1e3 * s:g} ms" for s in STEPS]
     series = tuple(Series(kind, steps, [e if e < LOST else math.nan for e in found], "line+points")
                    for kind, found in errors.items())  # fmt: skip
     panel = Panel("error, rad", series, logarithmic=True)
     text = f"Largest error of an angle over {SPAN:g} s, against a run with 50 µs. A point is missing where the motion was lost."
-    return Chart("What the macro step costs", "macro step, ms", (panel,), text, height=360)
+    return Chart("What the macro step costs", "macro step", (panel,), text, height=360)
 
 
 def _step_table(errors: Mapping[str, list[float]]) -> Grid:
@@ -172,10 +172,10 @@ def _step_table(errors: Mapping[str, list[float]]) -> Grid:
 
 
 def _compliance_chart(differences: list[float]) -> Chart:
-    names = [f"{k:g}" for k in COMPLIANT]
+    names = [f"{1e-3 * k:g} kN/m" for k in COMPLIANT]
     panel = Panel("difference, rad", (Series("split less whole", names, differences, "line+points"),), logarithmic=True)
     text = f"Largest difference of an angle over {SPAN:g} s from the chain in one unit: what the joint gives way."
-    return Chart("What the compliance costs", "stiffness of the joint, N/m", (panel,), text)
+    return Chart("What the compliance costs", "stiffness of the joint", (panel,), text)
 
 
 CASE = Case(
