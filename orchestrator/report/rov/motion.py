@@ -19,11 +19,13 @@ def called(vehicles: Sequence[Vehicle], vehicle: Vehicle, name: str) -> str:
     return name if len(vehicles) == 1 else f"{vehicle.unit} {name}"
 
 
-def track_chart(vehicles: Sequence[Vehicle], interval: float) -> Chart:
-    """Plan and elevation of the tracks with their set points; strokes show where the bow points."""
+def track_chart(vehicles: Sequence[Vehicle], interval: float) -> Chart | None:
+    """Plan and elevation of the tracks with their set points, those with anything in them; strokes show where the bow points."""
     panels = []
     extent = max(float(np.ptp(v.position, axis=1).max()) for v in vehicles)
     for title, i, along, x_label, j, up, y_label in VIEWS:
+        if not any(np.ptp(v.position[[i, j]], axis=1).any() for v in vehicles):
+            continue
         series = []
         for v in vehicles:
             x, y = along * v.position[i], up * v.position[j]
@@ -34,6 +36,8 @@ def track_chart(vehicles: Sequence[Vehicle], interval: float) -> Chart:
             series += [Series(called(vehicles, v, "track"), x, y), Series("begin", x[:1], y[:1], "points"),
                        Series("end", x[-1:], y[-1:], "points")]
         panels.append(Panel(y_label, tuple(series), title=title, x_label=x_label, equal=True))
+    if not panels:
+        return None
     marks = f" Strokes: the bow's direction every {interval:.3g} s." if any(v.axes is not None for v in vehicles) else ""
     return Chart("Track", "", tuple(panels), "The same scale in both directions." + marks, columns=2, height=360)
 

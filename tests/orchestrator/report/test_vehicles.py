@@ -113,6 +113,7 @@ def test_several_vehicles_share_their_figures():
     made = figures(report.rov.blocks(result))
     assert list(made) == ["Track", "Depth and attitude", "Motion in body axes"]
     assert {"hull track", "whole track"} <= {t["name"] for t in made["Track"]["data"]}
+    assert "yaxis2" not in made["Track"]["layout"]  # they go straight down: nothing to see from above
     both = [numbers(named(made["Motion in body axes"], f"{u} acceleration z", "2")["y"]) for u in ("hull", "whole")]
     np.testing.assert_allclose(*both, rtol=1e-4)
 
