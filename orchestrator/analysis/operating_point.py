@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from components.core.component import Component
-from components.core.errors import BadInput
+from components.core.errors import BadInput, StepFailed
 
 from ..coupling import settle
 from ..scene import Scene
@@ -165,7 +165,7 @@ class SceneRates:
         self.start = np.concatenate([self._components[n].x[i] for n, i in self._states.items()])
 
     def __call__(self, state: np.ndarray) -> np.ndarray:
-        """Rates (n,) at the chosen states (n,)."""
+        """Rates (n,) at the chosen states (n,); NaN at states from which a component cannot step."""
         place = 0
         for name, component in self._components.items():
             component.restore(self._saved[name])
@@ -178,7 +178,10 @@ class SceneRates:
             component = self._components[name]
             before, saved, slopes = component.x[chosen], component.save(), []
             for length in (self._step, 0.5 * self._step):
-                component.step(0.0, length)
+                try:
+                    component.step(0.0, length)
+                except StepFailed:
+                    return np.full_like(state, np.nan)
                 slopes.append((component.x[chosen] - before) / length)
                 component.restore(saved)
             rates.append(2.0 * slopes[1] - slopes[0])

@@ -106,6 +106,16 @@ def test_units_of_a_scene_give_the_rates_of_the_equations(wind):
     assert outputs["turbine.power"] == pytest.approx(LOAD * point.state[1], rel=1e-10)
 
 
+def test_states_that_a_component_refuses_have_no_rates():
+    """Beyond the largest turbine speed of the averaged converter; the rates elsewhere are the same afterwards."""
+    rates = SceneRates(wind_pump_scene(3.0), {"turbine": [0], "converter": [0]})
+    before = rates(np.array(START))
+    assert np.isnan(rates(np.array([60.0, 2.0]))).all()
+    assert rates(np.array(START)).tolist() == before.tolist()
+    with pytest.raises(BadInput, match="vanish"):
+        operating_point(rates, (60.0, 2.0))
+
+
 def test_the_matrix_of_the_wind_pump_in_closed_form():
     """d(T - T1)/dw and so on, by hand."""
     point = operating_point(wind_pump(3.0), START)
