@@ -7,6 +7,9 @@ The clutches engage at equal speeds, without impact, and let go as their force v
 the crank. The driven shaft stands exactly where the lever cannot overcome the load, and never turns back. These are events
 (`core/events.py`), and with them the clutches are rigid. With `compliant_clutches` they slip in proportion to their torque
 instead, which real ones do, and which costs: with the default coefficient a substep of 25 us instead of 2 ms.
+
+The macro step is bounded by the input shaft. Measured with the defaults behind a turbine of 15 kg m², inputs extrapolated
+linearly: the largest torque on the turbine is right to 3 % up to 8 ms, and 19 % too large with 9 ms.
 """
 
 from __future__ import annotations

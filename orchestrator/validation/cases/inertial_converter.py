@@ -27,7 +27,7 @@ SEEN, STARTED, REVOLUTIONS = 100, 2, 12  # instants a revolution of a held crank
 LOADS = (0.5, 1.0, 2.0)  # N.m
 WINDS, LOAD, START = (2.0, 2.5, 3.0, 6.0), 13.2435, (2.5, 2.0)  # m/s, N.m, rad/s
 SWING, PUSH = 3.0, 1.15  # m/s, of the wind in which the turbine is let go at so many times its speed
-STEP = 5e-3  # s; the shaft between turbine and crank is unstable from 8 ms on
+STEP = 5e-3  # s; the shaft between turbine and crank begins to vibrate with 9 ms
 SETTLED = 8.0  # s
 GEAR, ARM, CRANK_INERTIA = 6.0, 0.05, 1.0 + 0.5 * 20.0 * 0.1**2  # of the defaults; m; J1 + m a² r² / 2, kg m²
 
