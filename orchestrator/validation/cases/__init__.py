@@ -5,12 +5,14 @@ from __future__ import annotations
 from ..case import Case
 from . import (
     catenary_statics,
+    chain_closed_forms,
     clearance,
     defect_frequencies,
     en50318_2002,
     en50318_2018,
     en50367,
     friswell,
+    gimbal_closed_forms,
     hertz_textbook,
     inertial_converter,
     iso16281,
@@ -36,7 +38,7 @@ MODULES = (
     recurrence,
     thermal_scaling, friswell, jeffcott,
     rov_closed_forms, rov_allocation, rov_added_mass,
-    link_split,
+    chain_closed_forms, gimbal_closed_forms, link_split,
     wind_pump_equilibrium, wind_pump_start, wind_pump_closed_forms, inertial_converter,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
