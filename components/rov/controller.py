@@ -60,7 +60,7 @@ class RovController(Component):
     do. What limits and lost thrusters keep back of the wrench flows back into the integrals (back-calculation), so that they do
     not wind up. Samples are taken at the start and at whole multiples of the period; outputs at such an instant are its own.
 
-    Defaults: gains for about 1.2 rad/s in position and 3 rad/s in attitude of a vehicle of 11.5 kg with its added mass, the
+    Defaults: gains for about 1.2 rad/s in position and 4 rad/s in attitude of a vehicle of 11.5 kg with its added mass, the
     Y-arrangement, T200 thrusters; all but the arrangement and the thrusters are choices of ours.
     """
 
@@ -85,11 +85,11 @@ class RovController(Component):
     velocity_gain = parameter((35.0, 50.0, 55.0), "N.s/m", "force per error of the velocity", size=3, low=0.0, nominal=10.0)
     position_integral_gain = parameter((6.0, 8.0, 9.0), "N/m/s", "force per error and time", size=3,
                                        low=0.0)
-    attitude_gain = parameter(2.5, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
-    rate_gain = parameter(1.4, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
-    attitude_integral_gain = parameter(1.0, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
-    reach = parameter(1.0, "m", "longest error of the position that is answered in full; a longer one counts as this long, so "
-                      "that a place that cannot be reached leaves thrust for depth and heading", low=1e-3)
+    attitude_gain = parameter(4.0, "N.m/rad", "moment per error, about roll, pitch, yaw", size=3, low=0.0)
+    rate_gain = parameter(1.8, "N.m.s/rad", "moment per error of the rate", size=3, low=0.0)
+    attitude_integral_gain = parameter(1.5, "N.m/rad/s", "moment per error and time", size=3, low=0.0)
+    reach = parameter(1.0, "m", "longest error of the position that is answered in full; a longer one counts as this long and is "
+                      "not integrated, so that a long way or a place out of reach leaves thrust for depth and heading", low=1e-3)
     unwinding_time = parameter(1.0, "s", "time in which the integrals give up what is kept back of the wrench", low=1e-3)
     priority = parameter((1.0, 1.0, 100.0, 1.0, 1.0, 500.0), "1",
                          "weight of an axis's error where not all can be had; surge, sway, heave per N, roll, pitch, yaw per N.m",
@@ -249,7 +249,7 @@ def control_sample(t, u, x, work, law, inverse, course):
     x[ERRORS + 3], x[ERRORS + 4], x[ERRORS + 5] = turn_between(qw, qx, qy, qz, a, b, c, d)
 
     far = math.sqrt(x[ERRORS] ** 2 + x[ERRORS + 1] ** 2 + x[ERRORS + 2] ** 2)
-    share = law.reach / far if far > law.reach else 1.0
+    share, near = (law.reach / far, 0.0) if far > law.reach else (1.0, 1.0)
     e = to_body(qw, qx, qy, qz, share * x[ERRORS], share * x[ERRORS + 1], share * x[ERRORS + 2])
     v = to_body(qw, qx, qy, qz, rate[0], rate[1], rate[2])
     f = to_body(qw, qx, qy, qz, x[INTEGRALS], x[INTEGRALS + 1], x[INTEGRALS + 2])
@@ -272,8 +272,8 @@ def control_sample(t, u, x, work, law, inverse, course):
 
     for j in range(6):
         given[j] = (given[j] - wrench[j]) / law.unwinding_time
-    gained = to_world(qw, qx, qy, qz, law.integral_gain[0] * e[0] + given[0], law.integral_gain[1] * e[1] + given[1],
-                      law.integral_gain[2] * e[2] + given[2])
+    gained = to_world(qw, qx, qy, qz, near * law.integral_gain[0] * e[0] + given[0],
+                      near * law.integral_gain[1] * e[1] + given[1], near * law.integral_gain[2] * e[2] + given[2])
     for j in range(3):
         x[INTEGRALS + j] += law.period * gained[j]
         x[INTEGRALS + 3 + j] += law.period * (law.integral_gain[3 + j] * x[ERRORS + 3 + j] + given[3 + j])

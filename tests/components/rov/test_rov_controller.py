@@ -45,7 +45,7 @@ def wrench(controller: RovController) -> np.ndarray:
 def test_the_wrench_is_the_law_at_random_poses():
     """Rotations and rotation vectors of another library, gains as declared, no sample before this one."""
     rng = np.random.default_rng(0)
-    gains = np.array([24.0, 34.0, 37.0]), np.array([35.0, 50.0, 55.0]), 2.5, 1.4
+    gains = np.array([24.0, 34.0, 37.0]), np.array([35.0, 50.0, 55.0]), 4.0, 1.8
     for _ in range(30):
         here, there = Rotation.random(random_state=rng), rng.uniform(-1.0, 1.0, size=3) * (math.pi, 1.4, math.pi)
         position, motion, goal = rng.uniform(-0.2, 0.2, 3), rng.normal(size=6) * 0.1, rng.uniform(-0.2, 0.2, 3)
@@ -149,11 +149,11 @@ def test_times_that_decrease_are_refused(times, found):
 
 
 def test_what_limits_keep_back_does_not_wind_up():
-    """A vehicle held 10 m off for a minute: the integral stays where wanted and given differ by a second's worth of growth."""
-    held = started(inputs={"position_north": -10.0})
+    """A vehicle held 0.9 m off for a minute: the integral stays where wanted and given differ by a second's worth of growth."""
+    held = started(inputs={"position_north": -0.9})
     held.step(0.0, 60.0)
-    # the error counts as 1 m: wanted = 24 N + integral, given = 69.1 N of all thrusters, wanted - given = 1 s * 6 N/s
-    assert held.x[7] == pytest.approx(69.11 + 6.0 - 24.0, abs=0.01)
+    # wanted = 24 N/m * 0.9 m + integral, given = 69.1 N of all thrusters, wanted - given = 1 s * 6 N/(m s) * 0.9 m
+    assert held.x[7] == pytest.approx(69.11 + 5.4 - 21.6, abs=0.01)
     assert wrench(held)[0] == pytest.approx(69.11, abs=0.01)
 
 
@@ -161,6 +161,8 @@ def test_an_error_beyond_the_reach_counts_as_the_reach():
     far = started(inputs={"position_north": -30.0, "depth": -40.0})
     np.testing.assert_allclose(wrench(far), wrench(started(inputs={"position_north": -0.6, "depth": -0.8})), atol=1e-10)
     assert far["error_north"] == 30.0  # told in full
+    far.step(0.0, 10.0)
+    np.testing.assert_allclose(wrench(far), wrench(started(inputs={"position_north": -0.6, "depth": -0.8})), atol=1e-10)
 
 
 def test_a_lost_thruster_is_not_asked_for():
