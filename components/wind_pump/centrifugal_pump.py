@@ -20,10 +20,10 @@ class SealFriction(Effect):
 
 
 class CentrifugalPump(Component):
-    """Pump with head n² H0 - c Q² at the relative speed n = w / w0, and a check valve.
+    """Pump with head n² H0 - n d Q - c Q² at the relative speed n = w / w0, and a check valve.
 
-        Q = sqrt((n² H0 - H) / c), or 0 where the head H is higher;    efficiency = e (2 q - q²),  q = Q / (n Q0)
-        T = rho g (n² H0 - c Q²) Q0 / (e (2 - q) w0)
+        H = n² H0 - n d Q - c Q², or Q = 0 where the head H is higher;    efficiency = e (2 q - q²),  q = Q / (n Q0)
+        T = rho g (n² H0 - n d Q - c Q²) Q0 / (e (2 - q) w0)
 
     The torque is that of the efficiency's parabola, T w = rho g H Q / efficiency, with what is 0/0 without flow divided out:
     against the closed valve, and at standstill, it is an ordinary number. Affinity: Q ~ n, H ~ n², T ~ n², T w ~ n³ exactly.
@@ -41,7 +41,9 @@ class CentrifugalPump(Component):
 
     rated_speed = parameter(150.0, "rad/s", "speed w0 of the curve", low=1e-6)
     shutoff_head = parameter(30.0, "m", "head H0 without flow at that speed", low=1e-6)
-    curve_drop = parameter(7e6, "s2/m5", "c, drop of the head per flow squared", low=1e-6)
+    linear_drop = parameter(2e3, "s/m2", "d, drop of the head per flow at that speed: the curve falls where the valve opens",
+                            low=0.0)
+    curve_drop = parameter(5.3e6, "s2/m5", "c, drop of the head per flow squared", low=1e-6)
     best_flow = parameter(1.2e-3, "m3/s", "flow Q0 of the best efficiency at that speed", low=1e-9)
     best_efficiency = parameter(0.55, "1", "efficiency there", low=1e-3, high=1.0)
     density = parameter(1000.0, "kg/m3", "density of the water", low=1e-6)
@@ -51,12 +53,12 @@ class CentrifugalPump(Component):
     head = input_(10.0, "m", "head against which it delivers", nominal=10.0)
 
     torque = output("N.m", "torque that it takes to turn it", feedthrough=("speed", "head"))
-    flow = output("m3/s", "flow delivered", nominal=1e-3, feedthrough=("speed", "head"))
+    flow = output("m3/s", "flow delivered", nominal=1e-2, feedthrough=("speed", "head"))
     hydraulic_power = output("W", "power given to the water", nominal=100.0, feedthrough=("speed", "head"))
 
     def _initialize(self, t: float) -> int:
         p: Any = self.parameters
-        largest = math.sqrt(p["shutoff_head"] / p["curve_drop"]) / p["best_flow"]
+        largest = flow_at(1.0, p["shutoff_head"], p["linear_drop"], p["curve_drop"]) / p["best_flow"]
         if largest >= 2.0:
             raise BadInput(self.name, f"a curve that reaches {largest:.3g} times best_flow", "less than twice, where the "
                            "efficiency vanishes", "Raise best_flow or curve_drop.")
@@ -79,16 +81,23 @@ TORQUE_OUT, FLOW_OUT, POWER_OUT = CentrifugalPump.output_indices("torque", "flow
 
 
 @kernel
+def flow_at(n, surplus, linear, curve):
+    """Flow whose drop of head is `surplus` m at the relative speed n, m³/s; 0 for none."""
+    if surplus <= 0.0:
+        return 0.0
+    falling = n * linear
+    return 2.0 * surplus / (falling + math.sqrt(falling * falling + 4.0 * curve * surplus))
+
+
+@kernel
 def pump_outputs(u, y, p, seals):
     """Torque, flow and power."""
     n, head = max(u[SPEED], 0.0) / p.rated_speed, max(u[HEAD], 0.0)
     shutoff = n * n * p.shutoff_head
-    flow, share = 0.0, 0.0
-    if shutoff > head:
-        flow = math.sqrt((shutoff - head) / p.curve_drop)
+    flow, weight, share = flow_at(n, shutoff - head, p.linear_drop, p.curve_drop), p.density * p.gravity, 0.0
+    if flow > 0.0:
         share = flow / (n * p.best_flow)
-    weight = p.density * p.gravity
-    own_head = shutoff - p.curve_drop * flow * flow
+    own_head = shutoff - flow * (n * p.linear_drop + p.curve_drop * flow)
     y[TORQUE_OUT] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
     if seals is not None:
         y[TORQUE_OUT] += seals.torque

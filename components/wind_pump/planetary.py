@@ -20,6 +20,7 @@ from .driven_shaft import (
     shaft_mode,
     speed_ratio,
     switched_shaft,
+    switched_slip,
 )
 
 SHAFTS = ("sun", "ring", "carrier")
@@ -29,7 +30,7 @@ class DryBrake(Effect):
     """Brake of the third shaft that holds it exactly until it slips: a fixed ratio with protection against overload."""
 
     kinetic = parameter(10.0, "N.m", "torque while it slips; a choice of ours", low=0.0)
-    static = parameter(10.0, "N.m", "torque at which it begins to slip; no less than the kinetic one", low=0.0)
+    static = parameter(10.0, "N.m", "torque at which it begins to slip; no less than the kinetic one", low=1e-9)
 
 
 class CentrifugalBrake(Effect):
@@ -208,7 +209,7 @@ def gear_switch(which, t, x, u, p, mesh, dry, centrifugal):
         x[MODE] = switched_shaft(x[MODE], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
     elif dry is not None:
         x[THIRD] = 0.0
-        x[SLIP] = stick_mode(0.0, third_drive(x, u, p, centrifugal), dry.static)
+        x[SLIP] = switched_slip(x[SLIP], third_drive(x, u, p, centrifugal), dry.static)
 
 
 @kernel

@@ -14,6 +14,7 @@ from ..core.friction import stick_friction, stick_guard, stick_mode
 from ..core.kernels import bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, torque_coefficient
+from .driven_shaft import switched_slip
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
@@ -36,7 +37,7 @@ class BearingFriction(Effect):
     """Dry friction of the rotor's bearings, with exact standstill."""
 
     kinetic = parameter(1.0, "N.m", "friction torque while the rotor turns; a choice of ours", low=0.0)
-    static = parameter(1.0, "N.m", "torque that sets the resting rotor in motion; no less than the kinetic one", low=0.0)
+    static = parameter(1.0, "N.m", "torque that sets the resting rotor in motion; no less than the kinetic one", low=1e-9)
 
 
 class WindTurbine(EventComponent):
@@ -176,7 +177,7 @@ def turbine_switch(which, t, x, u, p, pitch, furling, friction):
     """The rotor comes to rest, turns over, or breaks loose."""
     if friction is not None:
         x[0] = 0.0
-        x[2] = stick_mode(0.0, drive(0.0, u, p, pitch, furling, friction), friction.static)
+        x[2] = switched_slip(x[2], drive(0.0, u, p, pitch, furling, friction), friction.static)
 
 
 @kernel

@@ -16,6 +16,8 @@ from components.wind_pump.piston_pump import PistonPump
 from components.wind_pump.planetary import PlanetaryTransmission
 from components.wind_pump.turbine import WindTurbine
 from components.wind_pump.wind import Wind
+from orchestrator.run import run
+from orchestrator.scene import read_scene
 
 STANDSTILL_TORQUE = 0.5 * 1.225 * math.pi * 1.5**3 * 0.5  # N.m per (m/s)² of wind, default windmill
 PEAK = 1000.0 * 9.81 * 20.0 * 0.25 * math.pi * 0.06**2 * 0.075  # N.m, default pump
@@ -213,6 +215,54 @@ def test_a_shaft_too_light_for_the_substep_is_refused_and_a_heavy_one_runs():
     heavy = Chain(FixedTransmission(parameters={"driven_inertia": 1e7}), steady(5.0))
     heavy.run(20.0)
     assert 0.0 < heavy.transmission["speed"] < 1e-3
+
+
+@pytest.mark.parametrize("transmission", TRANSMISSIONS)
+@pytest.mark.parametrize("curvature", [0.0, 1.0])
+def test_a_rest_in_which_drive_and_load_are_equal_is_left_as_the_drive_grows(transmission, curvature):
+    """Both are 0 to the last bit; the turbine's speed then grows as t or as t², and the load does not."""
+    unit = transmission()
+    unit.initialize(0.0)
+    unit.u[1, 0], unit.u[2, 0] = 1.0 - curvature, curvature
+    unit.step(0.0, 0.5)
+    assert unit["speed"] > 0.0
+    assert unit.work["events"] < 10
+
+
+def test_dry_friction_is_left_as_the_drive_grows_from_its_level():
+    """The torque on the rotor is the static friction to the last bit, and grows."""
+    turbine = WindTurbine(["bearing_friction"])
+    turbine.set("torque", -1.0)
+    turbine.initialize(0.0)
+    turbine.u[1, 1] = -1.0
+    turbine.step(0.0, 1.0)
+    assert turbine["speed"] == pytest.approx(0.5 / 15.0, rel=1e-9)
+
+
+def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
+    """Head and flow in a loop: solved to H0 n² - n d Q - c Q² = H_static + K Q² at every instant after the valve opens."""
+    scene = read_scene({
+        "title": "centrifugal pump", "stop_time": 6.0,
+        "connections": ["turbine.speed -> gear.turbine_speed", "gear.turbine_torque -> turbine.torque",
+                        "gear.speed -> pump.speed", "pump.torque -> gear.load_torque", "pump.flow -> pipe.flow",
+                        "pipe.head -> pump.head"],
+        "units": {
+            "turbine": {"component": "WindTurbine", "parameters": {"wind": 6.0}},
+            "gear": {"component": "FixedTransmission", "parameters": {"gear_ratio": 30.0, "driven_inertia": 0.02,
+                                                                      "stiffness": 200.0, "shaft_damping": 0.1}},
+            "pump": {"component": "CentrifugalPump"},
+            "pipe": {"component": "WaterPipe", "effects": ["friction"],
+                     "parameters": {"static_head": 10.0, "friction": {"coefficient": 1e6}}},
+        },
+        "master": {"step": 5e-3},
+        "record": {"signals": ["gear.speed", "pump.flow", "pipe.head"]},
+    })
+    result = run(scene, in_process=True)
+    assert result.outcome == "done", result.message
+    n, flow = result["gear.speed"] / 150.0, result["pump.flow"]
+    a, b, c = 6.3e6, 2e3 * n, np.minimum(10.0 - 30.0 * n**2, 0.0)
+    np.testing.assert_allclose(flow, (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a), atol=1e-9)
+    assert flow[0] == 0.0 < flow[-1]
 
 
 @pytest.mark.parametrize("value", [math.inf, math.nan])
