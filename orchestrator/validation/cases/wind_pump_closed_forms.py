@@ -103,7 +103,8 @@ def _centrifugal(measured: dict[str, float], options: Options) -> dict[str, Resu
     """Half and full speed on a pipe that has friction only: head and flow answer each other."""
     runs, found = {}, {}
     for speed in (75.0, 150.0):
-        units = {"pump": {"component": "CentrifugalPump", "parameters": {"speed": speed}},
+        curve = {"rated_speed": 150.0, "shutoff_head": 30.0, "linear_drop": 2e3, "curve_drop": 5.3e6}
+        units = {"pump": {"component": "CentrifugalPump", "parameters": {"speed": speed, **curve}},
                  "pipe": {"component": "WaterPipe", "effects": ["friction"],
                           "parameters": {"static_head": 0.0, "friction": {"coefficient": 1e7}}}}  # fmt: skip
         signals = ["pump.flow", "pipe.head", "pump.torque"]
