@@ -107,9 +107,9 @@ def hull_derivatives(t, x, u, dx, h, added, coriolis, linear, quadratic, restori
     dx[0], dx[1], dx[2] = to_world(w, i, j, k, x[7], x[8], x[9])
     dx[3], dx[4], dx[5], dx[6] = quaternion_rate(w, i, j, k, x[10], x[11], x[12])
     X, Y, Z, K, M, N = wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, tether, external)
+    m = h.inverse
     for n in range(6):
-        m = h.inverse[n]
-        dx[7 + n] = m[0] * X + m[1] * Y + m[2] * Z + m[3] * K + m[4] * M + m[5] * N
+        dx[7 + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
     dx[13] = 0.0
 
 
@@ -133,9 +133,9 @@ def hull_outputs(t, x, u, y, h, added, coriolis, linear, quadratic, restoring, c
         y[n + 3], y[n + 4], y[n + 5] = to_world(w, i, j, k, vx, vy, vz)
     if external is not None:
         X, Y, Z, K, M, N = wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, tether, external)
+        m = h.inverse
         for n in range(6):
-            m = h.inverse[n]
-            y[external.y + n] = m[0] * X + m[1] * Y + m[2] * Z + m[3] * K + m[4] * M + m[5] * N
+            y[external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
 
 
 @kernel
