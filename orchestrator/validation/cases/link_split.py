@@ -33,7 +33,7 @@ HALVINGS, TRIAL = 10, 1000  # macro steps of a trial
 
 def findings(options: Options) -> Findings:
     """Eigenvalues of the small motion, difference from the chain over the stiffness, error over the macro step, its limit."""
-    scene = load_scene("link-split").with_changes({"stop_time": 4.0})
+    scene = load_scene("link-split").with_changes({"stop_time": 2.0})
     shown = run(scene, in_process=options.in_process, progress=options.progress)
     if shown.outcome != "done":
         return Findings((), {"scene": shown}, notes=(shown.message,), complete=False)
