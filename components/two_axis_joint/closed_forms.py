@@ -31,10 +31,10 @@ class SmallMotion(NamedTuple):
 
 def small_motion(chain: TwoLinkChain) -> SmallMotion:
     """Matrices of the hanging chain, or of the stretched one without gravity; of gravity and viscous damping what is on."""
-    m1, l1, a1, i1, m2, a2, i2 = (chain.parameters[n] for n in (
-        "first_mass", "first_length", "first_centre", "first_inertia", "second_mass", "second_centre", "second_inertia"))
-    g = chain.parameters.get("gravity.acceleration", 0.0)
-    d1, d2 = (chain.parameters.get(f"viscous.{n}", 0.0) for n in ("first", "second"))
+    m1, l1, a1, i1 = (chain[f"first_{n}"] for n in ("mass", "length", "centre", "inertia"))
+    m2, a2, i2 = (chain[f"second_{n}"] for n in ("mass", "centre", "inertia"))
+    g = chain["gravity.acceleration"] if "gravity" in chain.on else 0.0
+    d1, d2 = (chain["viscous.first"], chain["viscous.second"]) if "viscous" in chain.on else (0.0, 0.0)
     coupling = m2 * l1 * a2
     return SmallMotion(
         np.array([[i1 + m1 * a1**2 + m2 * l1**2, coupling], [coupling, i2 + m2 * a2**2]]),
