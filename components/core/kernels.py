@@ -47,7 +47,8 @@ def kernel(function):
     dispatcher = njit(cache=True, error_model="numpy")(function)
     cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if cache_file is not None:
-        cache_file._source_stamp = _STAMP
+        # As part of the version it is looked at before anything else is read, which may name classes that are gone.
+        cache_file._version = (cache_file._version, _STAMP)
     return dispatcher
 
 
