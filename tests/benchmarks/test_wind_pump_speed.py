@@ -22,7 +22,7 @@ def best(scene, in_process, runs=3):
 
 
 def test_a_day_of_wind():
-    """Five units, 172 800 macro steps: under 10 s in one process."""
+    """Five units, 108 000 macro steps: under 10 s in one process."""
     scene = load_scene("wind-pump-day")
     assert scene.stop_time == 86400.0
     steps = scene.stop_time / scene.master.step

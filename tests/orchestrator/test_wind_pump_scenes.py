@@ -73,5 +73,5 @@ def test_two_hours_of_the_day_lose_no_water():
     assert delivered[-1] > 1.0
     drawn = result["pipe.tank.supplied"] + result["pipe.tank.overflowed"] + 6.0 * (result["pipe.tank.level"] - 0.5)
     np.testing.assert_allclose(drawn, delivered, rtol=0.0, atol=1e-9)
-    finer = finished(scene.with_changes({"master.step": 0.25}))
+    finer = finished(scene.with_changes({"master.step": 0.4}))
     assert finer["pipe.delivered"][-1] == pytest.approx(delivered[-1], rel=1e-3)
