@@ -23,7 +23,7 @@ STANDING = 1e-9  # and where it no longer falls: gains above 1 amplify the round
 CONTRACTION = 0.3  # what a Jacobian may leave of a residual before it is taken anew
 LIMIT = 50  # corrections at one point
 HALVINGS = 12  # of a correction that makes the residual larger
-SINGULAR = 1e-7  # smallest over largest singular value of I - dG/dx in sizes of the outputs; below it no answer is certain
+SINGULAR = 1e-7  # smallest over largest singular value of I - dG/dx, equilibrated; below it no answer is certain
 ABOUT_ZERO = 1e-3  # of the nominal value: an output below it is compared with it instead of with itself
 NUDGE = 2.0**-20  # of an output's size, for finite differences
 
@@ -83,7 +83,7 @@ class LoopSolver:
         sizes = self._sizes(x, answer)
         assert self.jacobian is not None
         scaled = np.eye(len(x)) - self.jacobian * (sizes / sizes[:, None])
-        spread = np.linalg.svd(scaled, compute_uv=False) if np.isfinite(scaled).all() else np.zeros(1)
+        spread = np.linalg.svd(_equilibrated(scaled), compute_uv=False) if np.isfinite(scaled).all() else np.zeros(1)
         if not spread[-1] > SINGULAR * spread[0]:
             raise StepFailed(", ".join(self.loop.units), t, f"the algebraic loop of {self.loop.text} has no single solution: "
                              f"its gain is 1 there (residual {residual:.2g})", "Change a gain, or give one of the units a state")
@@ -150,3 +150,11 @@ class LoopSolver:
     def counters(self) -> dict[str, float]:
         """For run.json."""
         return {"points": self.points, "evaluations": self.evaluations, "jacobians": self.jacobians, "residual": self.residual}
+
+
+def _equilibrated(matrix: np.ndarray) -> np.ndarray:
+    """Rows and columns divided by their largest entries: an output that is near zero now makes no matrix singular."""
+    for axis in (1, 0, 1, 0):
+        largest = np.abs(matrix).max(axis=axis, keepdims=True)
+        matrix = matrix / np.where(largest > 0.0, largest, 1.0)
+    return matrix

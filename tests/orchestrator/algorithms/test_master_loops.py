@@ -206,6 +206,20 @@ def test_a_kept_jacobian_that_leads_astray_is_taken_anew():
     assert solver.jacobians > 1
 
 
+def test_an_output_near_zero_makes_no_loop_singular():
+    """p = 1e9 (q - 1) + 1 and q = 1: no loop in truth, but I - dG/dx has entries of 1 and 1e9."""
+    table = [0.0, 0.0]
+    ends = [("p", "y"), ("q", "y")]
+    units = [Given("p", 1e9, 1e9), Given("q", 0.0, 0.0)]
+    links = [Link(ends[1], ("p", "u"), 1.0, -1.0), Link(ends[0], ("q", "u"), 1.0, 0.0)]
+    nodes = [Node(unit, slice(k, k + 1), [links[k]], [1 - k], table, History(1), (), True) for k, unit in enumerate(units)]
+    interface = Interface("", {"u": Signal("u", "")}, {"y": Signal("y", "", feedthrough=("u",))}, {}, gives_jacobian=True)
+    solver = LoopSolver(Loop(tuple(ends), ("p", "q")), nodes, table, {end: k for k, end in enumerate(ends)},
+                        {"p": interface, "q": interface})
+    solver.solve(0.0)
+    assert table == [1.0, 1.0]
+
+
 def test_a_loop_that_cannot_be_solved_is_an_error_with_its_residual():
     """y = u + 1 where u = y + |y| + 1: always larger than what it started from."""
     solver, _ = circle(lambda x: 2.0 + x + abs(x))
