@@ -98,6 +98,7 @@ class EnergyAccount:
         self._kept = master.degree + 2
         self._correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
+        self._kind, self._basis = (0.0, b""), np.zeros((len(POINTS), 0))
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
         self.elapsed = 0.0  # s, of all steps so far
@@ -118,7 +119,9 @@ class EnergyAccount:
         self.times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
         present = np.asarray(self.master.signals)[None, self._places]
         self.samples = np.concatenate((present, self.samples[: self._kept - 1]))
-        true = _through(self.times, self.samples, h * (POINTS - 1.0))
+        if (kind := (h, self.times.tobytes())) != self._kind:  # of equal steps all but the first have one basis
+            self._kind, self._basis = kind, _basis(self.times, h * (POINTS - 1.0))
+        true = self._basis @ self.samples
         given = np.stack([meter.given(k, h * POINTS, h) / factor for meter, k, factor in self._inputs], axis=1)
         into, out_of = self._watts * true[:, ::2] * given[:, 1::2], self._watts * given[:, ::2] * true[:, 1::2]
         created, exchanged = h * (WEIGHTS @ (into - out_of)), h * (WEIGHTS @ np.abs(into + out_of)) / 2.0
@@ -165,8 +168,8 @@ class EnergyAccount:
                 in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)}
 
 
-def _through(times: np.ndarray, samples: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """The polynomials through samples (k, m) at times (k,), at other times (n,): (n, m), by Lagrange's formula."""
+def _basis(times: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Lagrange's polynomials for samples at times (k,), at other times (n,): (n, k)."""
     others = ~np.eye(times.size, dtype=bool)
-    basis = [np.prod((at[:, None] - times[o]) / (time - times[o]), axis=1) for time, o in zip(times, others, strict=True)]
-    return np.stack(basis, axis=1) @ samples
+    return np.stack([np.prod((at[:, None] - times[o]) / (time - times[o]), axis=1)
+                     for time, o in zip(times, others, strict=True)], axis=1)
