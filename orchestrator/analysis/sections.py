@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.sparse import coo_matrix
@@ -35,6 +37,13 @@ def crossings(time: np.ndarray, surface: np.ndarray, *signals: np.ndarray) -> li
     roots = spline.roots(extrapolate=False)
     rising = roots[spline(roots, 1) > 0.0]
     return [CubicSpline(time, s)(rising) for s in signals]
+
+
+def swing_frequency(time: np.ndarray, angle: np.ndarray) -> float:
+    """Angular frequency of an angle (n,) that swings about zero, rad/s, from its first to its last crossing of zero."""
+    k = np.flatnonzero(angle[:-1] * angle[1:] < 0.0)
+    passed = time[k] + (time[k + 1] - time[k]) * angle[k] / (angle[k] - angle[k + 1])  # near a zero the angle is straight
+    return math.pi * (passed.size - 1) / float(passed[-1] - passed[0])
 
 
 def distinct(points: np.ndarray, tolerance: float) -> int:

@@ -10,27 +10,16 @@ import pytest
 from components.two_axis_joint.chain import TwoLinkChain
 from components.two_axis_joint.closed_forms import quartic, small_motion
 from components.two_axis_joint.gimbal import GimbalBody
-from orchestrator.run import run
 from orchestrator.scene import load_scene
+from tests.orchestrator.scene_runs import assert_fmus_give_the_same_bits, finished
 
 SCENES = ("gimbal-scan", "gimbal-rotor", "double-pendulum", "damped-chain", "link-split", "joint-stiction")
-
-
-def finished(scene, **options):
-    result = run(scene, in_process=True, **options)
-    assert result.outcome == "done", result.message
-    return result
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_fmus_and_components_give_the_same_bits(name):
     scene = load_scene(name)
-    scene = scene.with_changes({"stop_time": 20 * scene.master.step})
-    ours, theirs = finished(scene), run(scene)
-    assert theirs.outcome == "done", theirs.message
-    assert ours.columns.keys() == theirs.columns.keys()
-    for column, values in ours.columns.items():
-        np.testing.assert_array_equal(values, theirs.columns[column], err_msg=column)
+    assert_fmus_give_the_same_bits(scene.with_changes({"stop_time": 20 * scene.master.step}))
 
 
 def test_the_damped_chain_decays_as_its_quartic_says():

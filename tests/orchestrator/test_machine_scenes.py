@@ -4,28 +4,17 @@ import numpy as np
 import pytest
 
 from components.bearings.deep_groove import DeepGrooveBearing
-from orchestrator.run import run
 from orchestrator.scene import load_scene
+from tests.orchestrator.scene_runs import assert_fmus_give_the_same_bits, finished
 
 PORT = ("displacement_x", "displacement_y", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "tilt_rate_x", "tilt_rate_y", "speed")
 SCENES = ("ball-bearing-clearance", "outer-ring-defect", "rotor-run-up", "gyroscopic-rotor", "rotor-bearings-heat")
 
 
-def finished(scene, **options):
-    result = run(scene, in_process=True, **options)
-    assert result.outcome == "done", result.message
-    return result
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_fmus_and_components_give_the_same_bits(name):
     scene = load_scene(name)
-    scene = scene.with_changes({"stop_time": 20 * scene.master.step})
-    ours, theirs = finished(scene), run(scene)
-    assert theirs.outcome == "done", theirs.message
-    assert ours.columns.keys() == theirs.columns.keys()
-    for column, values in ours.columns.items():
-        np.testing.assert_array_equal(values, theirs.columns[column], err_msg=column)
+    assert_fmus_give_the_same_bits(scene.with_changes({"stop_time": 20 * scene.master.step}))
 
 
 def test_the_coupling_of_rotor_and_bearings_converges_with_the_macro_step():

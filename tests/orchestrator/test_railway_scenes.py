@@ -5,11 +5,11 @@ import pytest
 
 from orchestrator.analysis.railway import measured, passages, statistics
 from orchestrator.analysis.signals import Filter, uniform
-from orchestrator.run import run
 from orchestrator.scene import load_scene
 from orchestrator.validation.case import compare
 from orchestrator.validation.reference import load_table
 from orchestrator.validation.runs import at_speed
+from tests.orchestrator.scene_runs import finished
 
 EFFECTS = ["dropper_slackening", "gravity_sag", "damping"]
 
@@ -22,12 +22,6 @@ def reference_scene(speed=250.0, effects=EFFECTS, **changes):
                                "catenary.support_uplift"]},
         **changes,
     })
-
-
-def finished(scene):
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
-    return result
 
 
 def force(result):

@@ -9,39 +9,29 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from components.rov.arrangement import wrench_matrix, y_arrangement
-from orchestrator.run import run
 from orchestrator.scene import load_scene
+from tests.orchestrator.scene_runs import assert_fmus_give_the_same_bits, finished
 
 SCENES = ("rov-station-keeping", "rov-thruster-failed", "rov-manoeuvre")
 MATRIX = wrench_matrix(*y_arrangement(), "vehicle")
 LINEAR, SQUARE = np.array([4.03, 6.22, 5.18]), np.array([18.18, 21.66, 36.99])  # drag of the default vehicle, N.s/m, N.s²/m²
 
 
-def finished(name, **changes):
-    result = run(load_scene(name).with_changes(changes), in_process=True)
-    assert result.outcome == "done", result.message
-    return result
-
-
 @pytest.fixture(scope="module")
 def kept():
-    return finished("rov-station-keeping")
+    return finished(load_scene("rov-station-keeping"))
 
 
 @pytest.fixture(scope="module")
 def failed():
-    return finished("rov-thruster-failed", stop_time=90.0)
+    return finished(load_scene("rov-thruster-failed").with_changes({"stop_time": 90.0}))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_fmus_and_components_give_the_same_bits(name):
     short = {"stop_time": 0.4} | ({"faults": [{"signal": "thruster_4.thrust", "kind": "override", "value": 0.0, "begin": 0.2}]}
                                   if name == "rov-thruster-failed" else {})
-    ours, theirs = finished(name, **short), run(load_scene(name).with_changes(short))
-    assert theirs.outcome == "done", theirs.message
-    assert ours.columns.keys() == theirs.columns.keys()
-    for column, values in ours.columns.items():
-        np.testing.assert_array_equal(values, theirs.columns[column], err_msg=column)
+    assert_fmus_give_the_same_bits(load_scene(name).with_changes(short))
 
 
 def given_force(result, at: int = -1) -> np.ndarray:
@@ -99,7 +89,7 @@ def test_depth_and_heading_survive_any_thruster(lost):
     """Told at once; which place can still be held depends on the thruster: without a horizontal one, not every place."""
     faults = [{"signal": f"thruster_{lost}.{what}", "kind": "override", "value": 0.0, "begin": 5.0}
               for what in ("thrust", "status.available")]
-    result = finished("rov-thruster-failed", faults=faults, stop_time=40.0)
+    result = finished(load_scene("rov-thruster-failed").with_changes({"faults": faults, "stop_time": 40.0}))
     late = result.time > 30.0
     assert np.abs(result["hull.depth"] - 5.0)[late].max() < 0.02
     assert np.abs(result["hull.yaw"] - 0.6)[late].max() < math.radians(3.0)
@@ -107,7 +97,7 @@ def test_depth_and_heading_survive_any_thruster(lost):
 
 @pytest.fixture(scope="module")
 def moved():
-    return finished("rov-manoeuvre")
+    return finished(load_scene("rov-manoeuvre"))
 
 
 def test_the_manoeuvre_is_followed_along_all_six_axes(moved):
@@ -137,7 +127,8 @@ def test_the_tether_pulls_and_its_pull_is_small(moved):
 
 def test_a_shorter_macro_step_changes_little():
     """The controller samples at 50 Hz whatever the step; what is left is the thrust held over a step, first order."""
-    runs = [finished("rov-station-keeping", stop_time=20.0, **{"master.step": h}) for h in (0.02, 0.01, 0.0025)]
+    scene = load_scene("rov-station-keeping").with_changes({"stop_time": 20.0})
+    runs = [finished(scene.with_changes({"master.step": h})) for h in (0.02, 0.01, 0.0025)]
     exact = runs[2]
     errors = [max(np.abs(np.interp(exact.time, r.time, r[f"hull.{n}"]) - exact[f"hull.{n}"]).max()
                   for n in ("position_north", "position_east")) for r in runs[:2]]

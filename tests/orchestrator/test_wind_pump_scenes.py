@@ -4,28 +4,17 @@ import numpy as np
 import pytest
 
 from orchestrator.analysis.wind_pump import chains, runnings
-from orchestrator.run import run
 from orchestrator.scene import load_scene
+from tests.orchestrator.scene_runs import assert_fmus_give_the_same_bits, finished
 
 SCENES = ("wind-pump-start", "wind-pump-gusts", "wind-pump-day")
 BOTH_CONVERTERS = {"gear_ratio", "crank_radius", "lever_mass", "slider_mass", "clutch_arm", "driven_inertia"}
 
 
-def finished(scene):
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
-    return result
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_fmus_and_components_give_the_same_bits(name):
     scene = load_scene(name)
-    scene = scene.with_changes({"stop_time": 20 * scene.master.step, "record.interval": None})
-    ours, theirs = finished(scene), run(scene)
-    assert theirs.outcome == "done", theirs.message
-    assert ours.columns.keys() == theirs.columns.keys()
-    for column, values in ours.columns.items():
-        np.testing.assert_array_equal(values, theirs.columns[column], err_msg=column)
+    assert_fmus_give_the_same_bits(scene.with_changes({"stop_time": 20 * scene.master.step, "record.interval": None}))
 
 
 def test_the_converter_starts_while_the_fixed_ratio_stands():

@@ -11,6 +11,7 @@ import numpy as np
 from components.two_axis_joint.chain import TwoLinkChain
 from components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
 
+from ...analysis.sections import swing_frequency
 from ...report.chart import Chart, Panel, Series
 from ...results import Result
 from ...run import run
@@ -134,14 +135,6 @@ def propagated(result: Result, unit: str) -> np.ndarray:
     """Eigenvalues of small motion, 1/s, (4,): logarithms of those of what four starts become over the run."""
     ends = np.array([[result[f"{unit}{k}.{n}"][-1] for k in range(1, 5)] for n in MOTION]) / SMALL
     return np.log(np.linalg.eigvals(ends).astype(complex)) / OVER
-
-
-def swing_frequency(time, angle) -> float:
-    """Angular frequency of an angle that swings about zero, rad/s, from its first to its last crossing of zero."""
-    t, angle = np.asarray(time), np.asarray(angle)
-    k = np.flatnonzero(angle[:-1] * angle[1:] < 0.0)
-    crossings = t[k] + (t[k + 1] - t[k]) * angle[k] / (angle[k] - angle[k + 1])  # near a zero the angle is straight
-    return math.pi * (crossings.size - 1) / float(crossings[-1] - crossings[0])
 
 
 def turns(result: Result) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from components.rov.hull import WATER, RovHull
 
+from ...analysis.sections import swing_frequency
 from ...analysis.vehicles import QUATERNION, vehicles
 from ...report.chart import Chart, Panel, Series
 from ...results import Result
@@ -37,8 +38,9 @@ def findings(options: Options) -> Findings:
         result = runs[f"{force:g} N ahead"]
         measured |= {f"speed.{force:g}": result["hull.surge"][-1],
                      f"start.{force:g}": float(np.abs(result["hull.surge"] - start_up(result.time, force)).max())}
-    measured |= {n: frequency(runs[n], n) for n in ("roll", "pitch")}
-    measured["period"] = frequency(runs["roll from 10^-4 degrees"], "roll") / frequency(runs["roll from 90 degrees"], "roll")
+    measured |= {n: swing_frequency(runs[n].time, runs[n][f"hull.{n}"]) for n in ("roll", "pitch")}
+    small, large = (swing_frequency(r.time, r["hull.roll"]) for r in (runs[f"roll from {d} degrees"] for d in ("10^-4", "90")))
+    measured["period"] = small / large
     tumbling = runs["tumbling"]
     for name, values in vehicles(tumbling)[0].constants.items():
         change = np.linalg.norm(values - values[:, :1], axis=0).max() / np.linalg.norm(values[:, 0])
@@ -97,14 +99,6 @@ def start_up(t: np.ndarray, force: float) -> np.ndarray:
     u1, u2 = (delta - LINEAR) / (2.0 * QUADRATIC), (delta + LINEAR) / (2.0 * QUADRATIC)
     decay = np.exp(-delta / MASS * np.asarray(t))
     return u1 * (1.0 - decay) / (1.0 + u1 / u2 * decay)
-
-
-def frequency(result: Result, name: str) -> float:
-    """Angular frequency of an angle that swings about zero, rad/s, from its first to its last crossing of zero."""
-    t, angle = np.asarray(result.time), np.asarray(result[f"hull.{name}"])
-    k = np.flatnonzero(angle[:-1] * angle[1:] < 0.0)
-    crossings = t[k] + (t[k + 1] - t[k]) * angle[k] / (angle[k] - angle[k + 1])  # near a zero the angle is straight
-    return math.pi * (crossings.size - 1) / float(crossings[-1] - crossings[0])
 
 
 def apart(result: Result) -> float:

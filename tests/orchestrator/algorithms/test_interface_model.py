@@ -14,6 +14,7 @@ from orchestrator.coupling import settle
 from orchestrator.run import run
 from orchestrator.scene import read_scene
 from orchestrator.units import open_unit
+from tests.orchestrator.scene_runs import finished
 from tests.support import Linear
 
 
@@ -63,12 +64,6 @@ def pair(step, stop, first, second, law, *, leader=None, acceleration=True, algo
         "contacts": [contact | ({} if leader is None else {"leader": leader})],
         "master": {"algorithm": algorithm, "step": step, "extrapolation": degree, **options},
     })
-
-
-def finished(scene):
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
-    return result
 
 
 # -- the reduced bodies -----------------------------------------------------------------------------------------------------

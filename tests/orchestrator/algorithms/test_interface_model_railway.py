@@ -5,21 +5,15 @@ import pytest
 
 from orchestrator.analysis.railway import measured, passages, statistics
 from orchestrator.analysis.signals import Filter, uniform
-from orchestrator.run import run
 from orchestrator.scene import load_scene
 from orchestrator.validation.case import compare
 from orchestrator.validation.reference import load_table
 from orchestrator.validation.runs import at_speed
+from tests.orchestrator.scene_runs import finished
 
 RAILWAY = "en50318-2002-interface-model"
 SIGNALS = {"record": {"signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height",
                                   "catenary.support_uplift"]}}
-
-
-def finished(scene):
-    result = run(scene, in_process=True)
-    assert result.outcome == "done", result.message
-    return result
 
 
 @pytest.mark.parametrize("speed", [250.0, 300.0])

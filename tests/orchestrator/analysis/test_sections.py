@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from components.core.errors import BadInput
-from orchestrator.analysis.sections import crossings, distinct, section
+from orchestrator.analysis.sections import crossings, distinct, section, swing_frequency
 
 TIME = np.arange(0.0, 20.0, 2e-3)
 TURN = 2 * np.pi
@@ -50,3 +50,8 @@ def test_points_of_a_circle_are_one_group_when_gaps_are_bridged():
     circle = np.stack((np.cos(phi), np.sin(phi)), axis=1)
     assert distinct(circle, 0.04) == 1  # neighbours are 0.0314 apart
     assert distinct(circle, 0.03) == 200
+
+
+def test_the_frequency_of_a_swing_is_read_off_samples():
+    t = np.linspace(0.0, 20.0, 4001)
+    assert swing_frequency(t, np.cos(5.0 * t + 0.3)) == pytest.approx(5.0, rel=1e-7)

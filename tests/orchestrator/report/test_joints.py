@@ -1,10 +1,8 @@
 """Figures of two-axis joints carry what the made-up signals hold: sections, tracks, drifts, rest."""
 
-import json
 import re
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
 
 from components.core.errors import BadInput
@@ -12,31 +10,16 @@ from components.two_axis_joint.gimbal import GimbalBody
 from components.two_axis_joint.gimbal_equations import body_to_base
 from orchestrator import report
 from orchestrator.analysis.joints import axis_direction, joints, poincare
+from tests.orchestrator.report.figures import assert_valid_with_units, drawn, figures, numbers
 from tests.orchestrator.report.joint_runs import chain_run, gimbal_run, three_frictions
 
 UNIT = re.compile(r", (degrees/s|degrees|s|m|1|J|kg·m²/s)$")
 
 
-def figures(blocks):
-    return {b.title: b.figure for b in blocks if b.kind == "figure"}
-
-
-def drawn(figure, name):
-    return [t for t in figure["data"] if t.get("name") == name]
-
-
-def numbers(values):
-    return np.array([np.nan if v is None else v for v in values])
-
-
 @pytest.mark.parametrize("made", [gimbal_run, chain_run, three_frictions])
 def test_every_figure_is_valid_and_every_axis_has_its_unit(made):
     for figure in figures(report.two_axis_joint.blocks(made())).values():
-        go.Figure(figure)  # raises for properties Plotly does not know
-        json.dumps(figure, allow_nan=False)
-        for key, axis in figure["layout"].items():
-            if re.fullmatch(r"[xy]axis\d*", key) and axis["title"]["text"]:
-                assert UNIT.search(axis["title"]["text"]), axis["title"]["text"]
+        assert_valid_with_units(figure, UNIT)
 
 
 def test_a_motion_that_keeps_its_energy_has_sections_and_drifts():

@@ -14,21 +14,14 @@ from orchestrator.analysis.machines import bearings, recorded, rotors, source
 from orchestrator.analysis.whirl import whirl
 from orchestrator.run import run
 from orchestrator.scene import load_scene
+from tests.orchestrator.report.figures import assert_valid_with_units, figures, numbers
 from tests.orchestrator.report.machines import JIS_6306, RATE, SPEED, bearing_run, rotor_run
 
 UNIT = re.compile(r", (m|N|s|mm|µm|Hz|rpm|degrees|mm/s|m/s²|1|1/s|%|√µm)\b|number of at least")
 
 
-def figures(blocks):
-    return {b.title: b.figure for b in blocks if b.kind == "figure"}
-
-
 def named(figure, name):
     return next(t for t in figure["data"] if t.get("name") == name)
-
-
-def numbers(values):
-    return np.array([np.nan if v is None else v for v in values])
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +36,7 @@ def rotor():
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(bearing, rotor):
     for figure in (*bearing.values(), *rotor.values()):
-        go.Figure(figure)  # raises for properties Plotly does not know
-        json.dumps(figure, allow_nan=False)
-        for key, axis in figure["layout"].items():
-            if re.fullmatch(r"[xy]axis\d*", key) and axis["title"]["text"]:
-                assert UNIT.search(axis["title"]["text"]), axis["title"]["text"]
+        assert_valid_with_units(figure, UNIT)
 
 
 def test_bearing_report_has_its_figures_and_tables():

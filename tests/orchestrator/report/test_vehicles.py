@@ -1,31 +1,22 @@
 """Figures of underwater vehicles carry what the made-up signals hold: track, gaps, limits, errors, drift."""
 
-import json
 import re
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
 
 from orchestrator import report
 from orchestrator.analysis.vehicles import vehicles
 from orchestrator.run import run
 from orchestrator.scene import Scene, load_scene
+from tests.orchestrator.report.figures import assert_valid_with_units, figures, numbers
 from tests.orchestrator.report.vehicles import ASIDE, DEPTH, LIMIT, RADIUS, THRUST, vehicle_run
 
 UNIT = re.compile(r", (m|N|degrees|degrees/s|m/s|m/s²|s|1)$")
 
 
-def figures(blocks):
-    return {b.title: b.figure for b in blocks if b.kind == "figure"}
-
-
 def named(figure, name, axis=""):
     return next(t for t in figure["data"] if t.get("name") == name and t.get("xaxis", "x") == "x" + axis)
-
-
-def numbers(values):
-    return np.array([np.nan if v is None else v for v in values])
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +26,7 @@ def blocks():
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(blocks):
     for figure in figures([*blocks, *report.rov.blocks(run(short("rov-tumbling"), in_process=True))]).values():
-        go.Figure(figure)  # raises for properties Plotly does not know
-        json.dumps(figure, allow_nan=False)
-        for key, axis in figure["layout"].items():
-            if re.fullmatch(r"[xy]axis\d*", key) and axis["title"]["text"]:
-                assert UNIT.search(axis["title"]["text"]), axis["title"]["text"]
+        assert_valid_with_units(figure, UNIT)
 
 
 def short(name):

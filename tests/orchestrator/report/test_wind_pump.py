@@ -1,16 +1,15 @@
 """Figures and tables of wind pumps carry what the made-up signals hold: start and stop winds, ratio, energies."""
 
-import json
 import re
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
 
 from components.core.errors import BadInput
 from orchestrator import report
 from orchestrator.analysis.wind_pump import accumulated, branches, chains, efficiencies, moving_mean, runnings
 from orchestrator.scene import Scene, read_scene
+from tests.orchestrator.report.figures import assert_valid_with_units, figures, numbers, tables
 from tests.orchestrator.report.wind_pumps import (
     CP,
     PUMPED,
@@ -26,18 +25,6 @@ from tests.orchestrator.report.wind_pumps import (
 UNIT = re.compile(r", (m/s|rad/s|1|W|l/s|m³|m|s|h)$")
 
 
-def figures(blocks):
-    return {b.title: b.figure for b in blocks if b.kind == "figure"}
-
-
-def tables(blocks):
-    return {b.title: b for b in blocks if b.kind == "cells"}
-
-
-def numbers(values):
-    return np.array([np.nan if v is None else v for v in values], dtype=float)
-
-
 @pytest.fixture(scope="module")
 def shown():
     return report.wind_pump.blocks(hysteresis_run())
@@ -46,11 +33,7 @@ def shown():
 def test_every_figure_is_valid_and_every_axis_has_its_unit(shown):
     found = {**figures(shown), **figures(report.wind_pump.blocks(gusty_run()))}
     for figure in found.values():
-        go.Figure(figure)  # raises for properties Plotly does not know
-        json.dumps(figure, allow_nan=False)
-        for key, axis in figure["layout"].items():
-            if re.fullmatch(r"[xy]axis\d*", key) and axis["title"]["text"]:
-                assert UNIT.search(axis["title"]["text"]), axis["title"]["text"]
+        assert_valid_with_units(figure, UNIT)
 
 
 def test_a_wind_that_rises_and_falls_has_its_branches(shown):

@@ -100,10 +100,5 @@ def test_another_inertia_of_the_gimbal_fails(monkeypatch):
     assert not {"pendulum.inner", "drift.outer_momentum"} & missed
 
 
-def test_a_frequency_is_read_off_samples():
-    t = np.linspace(0.0, 20.0, 4001)
-    assert chain_closed_forms.swing_frequency(t, np.cos(5.0 * t + 0.3)) == pytest.approx(5.0, rel=1e-7)
-
-
 def test_what_was_not_measured_fails():
     assert outcome(compare(load_table("chain-closed-forms").rows, {})) == "failed"
