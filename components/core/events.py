@@ -7,9 +7,9 @@ zero. Besides `derivatives` and `outputs` (see integrators.py) a component suppl
     switch(which, t, x, u, p, *effects)         guard `which` has reached zero: puts the next mode into x; x may jump, too
 
 and binds `rk4_events` to the four. A substep at whose end a guard is negative is cut where the first one changes sign, to the
-last digits; the substep is resumed behind the event. After a switch a guard may be zero or, by rounding, a little less; if it
-stays so, `switch` is called again: a mode must be able to last. A guard that goes below zero and comes back within a substep is
-not seen: the substep has to resolve the motion between events.
+last digits; the substep is resumed behind the event. A guard may rest at zero. After a switch it may, by rounding, be a little
+less; if it stays less, `switch` is called again: a mode must be able to last. A guard that goes below zero and comes back within
+a substep is not seen: the substep has to resolve the motion between events.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .integrators import OdeComponent, rk4_step
 from .kernels import DONE, NOT_CONVERGED, NOT_FINITE, hold_inputs
 
 MOST_EVENTS = 64  # in one substep, above which the modes chase each other
-HALVINGS = 60  # more than the bits of a fraction
+HALVINGS = 90  # of which two in three are more than the bits of a fraction
 SHORTEST = 1e-6  # of a substep, that a mode has to last
 ROWS = 9  # of the workspace
 
@@ -91,7 +91,7 @@ def rk4_events(t, h, n, k, x, u, y, work, counts, p, *effects):
                 low = cut
                 first, now = lowest_guard(t, s + cut, end, u, g, us, p, *effects)  # it may be another that falls
             taken = 0.0
-            if first > 0.0:
+            if first >= 0.0:
                 high, low_value, high_value, side = left, first, last, 0
                 taken, cut = left, left
                 for trial in range(HALVINGS):
@@ -99,7 +99,7 @@ def rk4_events(t, h, n, k, x, u, y, work, counts, p, *effects):
                     if high - low <= narrow:
                         break
                     cut = low + (high - low) * low_value / (low_value - high_value)
-                    if trial % 3 == 2:
+                    if trial % 3 > (1 if low_value > 0.0 else 0):  # from zero, as by a guard that rests there, more often
                         cut = 0.5 * (low + high)
                     cut = min(max(cut, low + 0.5 * narrow), high - 0.5 * narrow)  # else one end would stay where it is
                     rk4_step(t, s, cut, x, end, u, work, p, *effects)

@@ -7,6 +7,7 @@ results are forces in N or torques in N.m to match. A friction that is positive 
 - LuGre: surfaces hang on elastic bristles and stand, but for the bristles' own vibration; one state z per contact.
 - Exact: two levels, kinetic while sliding and static at rest, and a mode: 1 or -1, the direction of sliding, or 0, at rest.
   The mode lies in the component's state: `stick_mode` at the start, `stick_guard` for the event finder, `stick_switch` at events.
+  Surfaces at rest bear HOLDS times the static level, so that a drive of just that level is not undone by its rounding.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from __future__ import annotations
 import math
 
 from .kernels import kernel
+
+HOLDS = 1.0 + 1e-9
 
 
 @kernel
@@ -56,9 +59,9 @@ def stick_mode(v, drive, static):
 
     Without friction, at static 0, nothing is ever at rest, and the mode says nothing.
     """
-    if v > 0.0 or (v == 0.0 and drive > static) or static == 0.0:
+    if v > 0.0 or (v == 0.0 and drive > HOLDS * static) or static == 0.0:
         return 1.0
-    if v < 0.0 or (v == 0.0 and drive < -static):
+    if v < 0.0 or (v == 0.0 and drive < -HOLDS * static):
         return -1.0
     return 0.0
 
@@ -69,7 +72,7 @@ def stick_guard(mode, v, drive, static):
     if static == 0.0:
         return 1.0
     if mode == 0.0:
-        return static - abs(drive)
+        return HOLDS * static - abs(drive)
     return mode * v
 
 
@@ -77,7 +80,7 @@ def stick_guard(mode, v, drive, static):
 def stick_switch(mode, drive, static):
     """Mode after one that has ended, at rate zero: from rest into the direction of the drive, from sliding as `stick_mode`.
 
-    A drive of exactly the static level leaves a rest that has ended: else the event would call for itself for ever.
+    A rest that has ended is left even where the drive is at the very level: else the event would call for itself for ever.
     """
     if mode == 0.0:
         return math.copysign(1.0, drive)

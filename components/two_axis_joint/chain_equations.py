@@ -80,8 +80,8 @@ def bristle_torque(rate, z, bristle, level, lugre):
 
 @kernel
 def static_level(level, stick):
-    """Torque that a joint at rest bears; the margin keeps rounding from breaking loose a joint that bears just its level."""
-    return (1.0 + 1e-9) * stick.static_ratio * level
+    """Torque that a joint at rest bears."""
+    return stick.static_ratio * level
 
 
 @kernel

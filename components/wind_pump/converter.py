@@ -22,7 +22,7 @@ from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
-from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, shaft_mode, speed_ratio
+from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, speed_ratio, switched_shaft
 from .lever import engaged_lever, free_lever, joint_forces, locked_lever
 
 TWIST, ANGLE, RATE, SLIDER, VELOCITY, SPEED, MODE = range(7)  # of the state
@@ -227,8 +227,8 @@ def converter_switch(which, t, x, u, p, mesh, clutches, stresses):
     """The next mode; speeds that are equal in it are made so."""
     if clutches is not None:
         driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, clutches))
-        x[MODE] = shaft_mode(0.0, driving, u[LOAD])
-        x[SPEED] = 0.0 if x[MODE] == STANDING else STARTED
+        x[SPEED] = 0.0
+        x[MODE] = switched_shaft(x[MODE], driving, u[LOAD])
     elif x[MODE] == STANDING:
         torque = shaft_torque(x, u, p)
         _, slider = free_lever(x[ANGLE], x[RATE], torque, 0.0, p)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
-from ..core.friction import stick_mode
 from ..core.kernels import kernel
 from ..core.variables import parameter
 
@@ -42,15 +41,6 @@ def switched_shaft(mode, driving, load):
     if driving == load:
         return STANDING if mode == TURNING else TURNING
     return TURNING if driving > load else STANDING
-
-
-@kernel
-def switched_slip(mode, drive, static):
-    """The next mode of dry friction at rate 0, called as the present one cannot last: what rests breaks loose.
-
-    As above: with a drive that is just the static friction, and grows, torques alone would keep it at rest.
-    """
-    return math.copysign(1.0, drive) if mode == 0.0 else stick_mode(0.0, drive, static)
 
 
 @kernel

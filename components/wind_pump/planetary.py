@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
-from ..core.friction import stick_friction, stick_guard, stick_mode
+from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel, kernel_tuple
 from ..core.variables import choice, input_, output, parameter
 from .driven_shaft import (
@@ -20,7 +20,6 @@ from .driven_shaft import (
     shaft_mode,
     speed_ratio,
     switched_shaft,
-    switched_slip,
 )
 
 SHAFTS = ("sun", "ring", "carrier")
@@ -209,7 +208,7 @@ def gear_switch(which, t, x, u, p, mesh, dry, centrifugal):
         x[MODE] = switched_shaft(x[MODE], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
     elif dry is not None:
         x[THIRD] = 0.0
-        x[SLIP] = switched_slip(x[SLIP], third_drive(x, u, p, centrifugal), dry.static)
+        x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, p, centrifugal), dry.static)
 
 
 @kernel

@@ -10,11 +10,10 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
-from ..core.friction import stick_friction, stick_guard, stick_mode
+from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.kernels import bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, torque_coefficient
-from .driven_shaft import switched_slip
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
@@ -177,7 +176,7 @@ def turbine_switch(which, t, x, u, p, pitch, furling, friction):
     """The rotor comes to rest, turns over, or breaks loose."""
     if friction is not None:
         x[0] = 0.0
-        x[2] = switched_slip(x[2], drive(0.0, u, p, pitch, furling, friction), friction.static)
+        x[2] = stick_switch(x[2], drive(0.0, u, p, pitch, furling, friction), friction.static)
 
 
 @kernel

@@ -143,6 +143,34 @@ def test_a_torque_that_reaches_the_static_level_exactly():
     assert body["inner_angle"] == pytest.approx(0.5 + 0.0625 * 4.0**3 / (6.0 * 0.05), rel=1e-9)
 
 
+@pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
+def test_an_axis_that_bears_just_its_level_does_not_disturb_the_other(orientation):
+    """Outer torque of 0.1 N.m, the level to the last bit; the inner axis comes to rest after rate * I / level, in a binary step."""
+    body = gimbal(("stick_friction",), {"outer_torque": 0.1}, axis_orientation=orientation, start_inner_rate=-0.5,
+                  **{"stick_friction.outer_level": 0.1, "stick_friction.inner_level": 0.05})
+    for k in range(8):
+        body.step(0.125 * k, 0.125)
+    assert body["outer_rate"] == body["inner_rate"] == body["outer_angle"] == 0.0
+    assert body["inner_angle"] == pytest.approx(0.5 - 0.5**2 * 0.05 / (2.0 * 0.05), abs=1e-12)
+    assert body.work["events"] == 1
+
+
+def test_torques_at_the_very_levels_at_random():
+    """Steps, ramps and parabolas between the levels of both axes, from rest and from motion: no modes that chase each other."""
+    rng = np.random.default_rng(5)
+    torques = [0.0, 0.05, -0.05, 0.1, -0.1, 0.2, -0.2]
+    for _ in range(20):
+        body = gimbal(("stick_friction",), axis_orientation=rng.choice(["vertical", "horizontal"]),
+                      start_outer_rate=rng.choice([0.0, 2.0]), start_inner_rate=rng.choice([0.0, -1.0]),
+                      **{f"stick_friction.{axis}_level": rng.choice([0.05, 0.1]) for axis in ("outer", "inner")},
+                      **{"stick_friction.static_ratio": rng.choice([1.0, 2.0])})
+        for k in range(60):
+            begin, end = rng.choice(torques, (2, 2))
+            body.u[0], body.u[1] = begin, rng.choice([0.0, 1.0]) * (end - begin) / 0.05
+            body.u[2] = rng.choice([0.0, 0.0, 1.0, -1.0], 2)
+            body.step(0.05 * k, 0.05)
+
+
 def test_friction_of_one_axis_alone_leaves_the_other_free():
     body = gimbal(("gravity", "stick_friction"), **{"stick_friction.inner_level": 0.0, "stick_friction.outer_level": 0.3})
     energy = body["mechanical_energy"]

@@ -60,6 +60,24 @@ def test_a_resting_turbine_moves_nothing(effects):
     assert [converter[n] for n in ("turbine_torque", "driving_torque", "ratio", "dissipation")] == [0.0] * 4
 
 
+def test_slipping_clutches_start_from_a_rest_in_which_drive_and_load_are_equal():
+    """Nothing moves and nothing brakes; then the turbine speeds up, and the shaft follows as it does with rigid clutches."""
+    rigid, slipping = started(turbine=0.0), started(["compliant_clutches"], turbine=0.0)
+    for converter in (rigid, slipping):
+        converter.u[1, 0] = 1.0
+        converter.step(0.0, 1.0)
+    assert slipping["speed"] == pytest.approx(rigid["speed"], rel=1e-3)
+    assert slipping.work["events"] < 10
+
+
+def test_slipping_clutches_let_a_load_drive_the_resting_shaft():
+    """A load that falls below 0 from 0: 1 N.m/s on 1 kg m²."""
+    converter = started(["compliant_clutches"], turbine=0.0)
+    converter.u[1, 1] = -1.0
+    converter.step(0.0, 1.0)
+    assert converter["speed"] == pytest.approx(0.5, rel=1e-9)
+
+
 def test_a_resting_turbine_under_no_load_either():
     converter = started(turbine=0.0)
     converter.step(0.0, 1.0)

@@ -69,18 +69,33 @@ def restless_switch(which, t, x, u, p):
     """Changes nothing: the guard stays below zero."""
 
 
+@kernel
+def watched_guards(t, x, u, g, p):
+    """The height, and one that rests at zero."""
+    g[0], g[1] = 0.0, x[0]
+
+
+@kernel
+def watched_switch(which, t, x, u, p):
+    """The velocity turns; nothing else ever ends."""
+    if which == 1:
+        ball_switch(which, t, x, u, p)
+
+
 ball = bind(rk4_events, f"{__name__}_ball", derivatives=ball_derivatives, guards=ball_guards, switch=ball_switch,
             outputs=state_outputs)
 puller = bind(rk4_events, f"{__name__}_puller", derivatives=puller_derivatives, guards=puller_guards, switch=puller_switch,
               outputs=state_outputs)
+watched = bind(rk4_events, f"{__name__}_watched", derivatives=ball_derivatives, guards=watched_guards, switch=watched_switch,
+               outputs=state_outputs)
 restless = bind(rk4_events, f"{__name__}_restless", derivatives=ball_derivatives, guards=ball_guards, switch=restless_switch,
                 outputs=state_outputs)
 
 
-def run(advance, x, h, n, p):
+def run(advance, x, h, n, p, guards=1):
     """State after n substeps over h, the counters and the status."""
     x, y, counts = np.array(x, dtype=float), np.zeros(3), np.zeros(3, dtype=np.int64)
-    status = advance(0.0, h, n, 1, x, np.zeros((3, 0)), y, np.zeros((ROWS, 3)), counts, p)
+    status = advance(0.0, h, n, guards, x, np.zeros((3, 0)), y, np.zeros((ROWS, 3)), counts, p)
     return x, counts, status
 
 
@@ -103,6 +118,16 @@ def bounced(t: float, gravity: float, restitution: float, height: float) -> tupl
 def test_a_ball_bounces_as_parabolas_do(n):
     """RK4 is exact on parabolas: what is left is the rounding of the instants, however many impacts a substep holds."""
     x, counts, status = run(ball, (1.0, 0.0, 0.0), 2.5, n, (9.81, 0.8))
+    height, velocity, bounces = bounced(2.5, 9.81, 0.8, 1.0)
+    assert status == DONE
+    assert counts[2] == bounces == x[2]
+    assert x[0] == pytest.approx(height, abs=1e-12)
+    assert x[1] == pytest.approx(velocity, abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [1, 3, 50])
+def test_a_guard_that_rests_at_zero_hides_no_other(n):
+    x, counts, status = run(watched, (1.0, 0.0, 0.0), 2.5, n, (9.81, 0.8), guards=2)
     height, velocity, bounces = bounced(2.5, 9.81, 0.8, 1.0)
     assert status == DONE
     assert counts[2] == bounces == x[2]
