@@ -28,6 +28,7 @@ EXCHANGE = {"base_motion", "payload"}  # with what is outside
 MOMENTA = ("outer_momentum", "angular_momentum")
 ENERGY = "mechanical_energy"
 MOST_DRAWN = 6000  # samples of a curve
+STILL = 1e-9  # of the fastest axis of a joint: one that is slower stands but for rounding
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,12 @@ class JointRecord:
     reach: float
     kept: Mapping[str, np.ndarray]
     constant: frozenset[str]
+
+    @property
+    def moving(self) -> tuple[Axis, ...]:
+        """The axes that move; of one that only rounding moves, figures would show the rounding."""
+        fastest = [float(np.abs(a.rate).max(initial=0.0)) for a in self.axes]
+        return tuple(a for a, rate in zip(self.axes, fastest, strict=True) if rate > STILL * max(fastest))
 
 
 def joints(result: Result) -> list[JointRecord]:
@@ -134,17 +141,17 @@ def drawn(record: JointRecord, begin: float) -> tuple[slice, str]:
 def poincare(result: Result, record: JointRecord, begin: float) -> list[tuple[str, Axis]]:
     """Poincaré sections of a record after `begin`: when it is taken, and the axis with its angle and rate there, (k,) each.
 
-    At the scene's `section`, every axis; without it, each axis of the first two whenever the other one passes 0, of a motion
-    that keeps its energy: of one that dies down, a section says nothing.
+    At the scene's `section`, every axis that moves; without it, each axis of the first two, if both move, whenever the other
+    one passes 0, of a motion that keeps its energy: of one that dies down, a section says nothing.
     """
     kept = after(record, begin)
     if wanted := result.scene.analysis.get("section"):
         angle, turns = result[wanted["angle"]][kept], float(wanted.get("turns", 1.0))
         when = f"{wanted['angle']} at {'each turn' if turns == 1.0 else f'{turns:g} places of a turn'}"
-        return [(when, Axis(a.name, *section(angle, TURN / turns, a.angle[kept], a.rate[kept]))) for a in record.axes]
-    if len(record.axes) < 2 or "energy" not in record.constant:
+        return [(when, Axis(a.name, *section(angle, TURN / turns, a.angle[kept], a.rate[kept]))) for a in record.moving]
+    if len(record.moving) < 2 or "energy" not in record.constant:
         return []
-    first, second = record.axes[:2]
+    first, second = record.moving[:2]
     return [(f"the {passed.name} passes 0", _passages(record.time[kept], passed, other, kept))
             for passed, other in ((first, second), (second, first))]
 

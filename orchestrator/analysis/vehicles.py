@@ -24,6 +24,7 @@ RATES = ("roll_rate", "pitch_rate", "yaw_rate")
 ACCELERATIONS = tuple(f"external.acceleration_{a}" for a in "xyz")
 QUATERNION = tuple(f"quaternion_{n}" for n in "wxyz")
 ERRORS = ("error_north", "error_east", "error_down", "error_roll", "error_pitch", "error_yaw")
+WATER = ("north", "east", "down")
 THRUSTERS = 6
 FULL = 1.0 - 1e-9  # of the command, from which on a thruster gives all it can
 CONSERVING = {"added_mass", "coriolis", "external", "tether"}  # without forces through the latter two
@@ -36,7 +37,8 @@ class Vehicle:
     position: (3, n) north, east, down, m.  axes: (3, 3, n), column j the body's axis j in north, east, down; None where the
     quaternion was not recorded.  signals: angles, speeds, rates, accelerations by name, in SI units; angles are NaN where roll
     and yaw cannot be told.  thrusts: number of the thruster -> (n,) as the hull receives it, N; commands: likewise.
-    errors, scale: what its controller tells.  constants: what the equations keep, by name: (k, n).
+    errors, scale: what its controller tells.  water: velocity of the water, north, east, down, m/s, those that were recorded
+    where they come from.  constants: what the equations keep, by name: (k, n).
     """
 
     unit: str
@@ -48,6 +50,7 @@ class Vehicle:
     commands: Mapping[int, np.ndarray]
     errors: Mapping[str, np.ndarray]
     scale: np.ndarray | None
+    water: Mapping[str, np.ndarray]
     constants: Mapping[str, np.ndarray]
 
     @property
@@ -88,10 +91,12 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
     controller = next((c for c in controllers if c), "")
     errors = {n: np.asarray(result.columns[c]) for n in ERRORS if (c := f"{controller}.{n}") in result.columns}
     scale = result.columns.get(f"{controller}.scale")
+    sources = {a: source(result.scene, unit, f"current.velocity_{a}") for a in WATER}
+    water = {a: np.asarray(result.columns[c]) for a, c in sources.items() if c in result.columns}
     position, quaternion = np.array(list(own(POSITION).values())), own(QUATERNION)
     axes = _axes(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
     constants = {} if axes is None else _constants(result, unit, position, axes, signals)
-    return Vehicle(unit, result.time, position, axes, signals, thrusts, commands, errors, scale, constants)
+    return Vehicle(unit, result.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
 
 
 def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:

@@ -39,8 +39,7 @@ def for_run(result: Result, directory: str | Path) -> Path:
     said = result.info.get("warnings", ())
     for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
-    if result.outcome == "done":
-        blocks += _of_system(result)
+    blocks += _of_system(result)
     computed = numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):
@@ -58,9 +57,12 @@ def for_run(result: Result, directory: str | Path) -> Path:
 
 
 def _of_system(result: Result) -> list[Block]:
-    """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead."""
+    """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead.
+
+    A run that failed has them as far as it went, if it made a step.
+    """
     system = result.scene.analysis.get("system", "")
-    if system not in SYSTEMS:
+    if system not in SYSTEMS or (result.outcome != "done" and result.time.size < 2):
         return []
     try:
         return SYSTEMS[system](result)

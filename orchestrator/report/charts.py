@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -43,6 +44,9 @@ LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
 DRAWN_DOTS = 12_000  # of a cloud
 LABEL_GAP = 0.045  # of the panel's width; labels of lines nearer to one another are left out
 HEADROOM = 0.14  # of the y axis, for the labels of lines
+LEGEND_ROW = 19  # px
+LEGEND_WIDTH = 860  # px between the margins of a figure on a usual screen
+LEGEND_ENTRY = (55.0, 6.4)  # px, about: of an entry's line and gaps, and of a character of its name
 
 
 @dataclass
@@ -85,17 +89,24 @@ def draw_chart(chart: Chart) -> Figure:
         last = i + columns >= count
         _panel(drawing, panel, "" if i == 0 else str(i + 1), place, chart.x_label if last else "", last)
     legend = {"orientation": "h", "x": 0, "y": 1 + (28 if titled else 8) / inner, "yanchor": "bottom"}
+    more = LEGEND_ROW * _further_rows(drawing.shown)  # of the legend: without room for them they run under the figure's buttons
     made = layout(
-        inner + 112,
+        inner + 112 + more,
         shapes=drawing.shapes,
         annotations=drawing.notes,
         showlegend=len(drawing.shown) > 1,
         legend=legend,
-        margin={"l": 66, "r": 90 if scaled else 20, "t": 62, "b": 50},
+        margin={"l": 66, "r": 90 if scaled else 20, "t": 62 + more, "b": 50},
         **drawing.axes,
     )
     text = chart.text + (" Drawn with fewer points than computed; extremes are kept." if drawing.thinned else "")
     return Figure(chart.title, {"data": drawing.data, "layout": made}, text)
+
+
+def _further_rows(names: Iterable[str]) -> int:
+    """How many rows the legend has beyond its first."""
+    line, character = LEGEND_ENTRY
+    return int(sum(line + character * len(n) for n in names) // LEGEND_WIDTH)
 
 
 def _panel(drawing: _Drawing, panel: Panel, n: str, place: tuple[list[float], list[float]], x_label: str, last: bool) -> None:

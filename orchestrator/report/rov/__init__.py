@@ -1,6 +1,7 @@
 """Figures of underwater vehicles: track from above and from the side, attitude, thrusts with their limits, errors, constants.
 
-Read from [analysis]: headings, s between marks of the heading on the track; transient, s, left out of the table of errors.
+Read from [analysis]: headings, s between marks of the heading on the track; transient, s, left out of the table of errors, which
+a run that ends before it does not have.
 """
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...analysis.machines import after_transient
+import numpy as np
+
 from ...analysis.vehicles import vehicles
 from ..charts import draw_chart
 from ..page import Block
@@ -29,7 +31,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     if not found:
         return []
     interval = float(result.scene.analysis.get("headings", float(result.time[-1] - result.time[0]) / MARKS))
-    start = after_transient(result).start
+    start = int(np.searchsorted(result.time, float(result.scene.analysis.get("transient", 0.0))))
     charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found)]
     made: list[Block] = [draw_chart(c) for c in charts if c is not None]
     for vehicle in found:
@@ -37,7 +39,8 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
         if vehicle.thrusts:
             made += [draw_chart(thrusts_chart(vehicle, who)), thrusts_table(vehicle, who)]
         if vehicle.errors:
-            made += [draw_chart(errors_chart(vehicle, who)), errors_table(vehicle, start, who)]
+            made.append(draw_chart(errors_chart(vehicle, who)))
+            made += [errors_table(vehicle, start, who)] if start < result.time.size else []
         if vehicle.constants:
             made.append(draw_chart(constants_chart(vehicle, who)))
     return made

@@ -7,6 +7,7 @@ import numpy as np
 from ...analysis.vehicles import ERRORS, Vehicle
 from ..chart import Chart, Panel, Series
 from ..page import Cells
+from ..style import number
 from .motion import DEGREES
 
 
@@ -37,7 +38,7 @@ def thrusts_table(vehicle: Vehicle, who: str = "") -> Cells:
         limited = float(np.trapezoid(vehicle.at_limit(k).astype(float), vehicle.time)) / whole
         mean = float(np.trapezoid(np.abs(F), vehicle.time)) / whole
         share = f"{100.0 * limited:.3g} %" if k in vehicle.commands else "not recorded"
-        rows.append((f"thruster {k}", f"{F.min():.4g}", f"{F.max():.4g}", f"{mean:.4g}", share))
+        rows.append((f"thruster {k}", number(float(F.min())), number(float(F.max())), number(mean), share))
     return Cells(f"{who}Thrusters", ("", "least, N", "greatest, N", "mean size, N", "time at its limit"), rows,
                  right=frozenset({1, 2, 3, 4}))
 

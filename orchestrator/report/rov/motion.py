@@ -10,7 +10,7 @@ from ...analysis.vehicles import ACCELERATIONS, ANGLES, RATES, SPEEDS, Vehicle
 from ..chart import Chart, Panel, Series
 
 DEGREES = 180.0 / np.pi
-LENGTH = 0.06  # of the track's extent: a mark of the heading
+LENGTH = 0.06  # of a view's extent: a mark of the heading
 VIEWS = (("from above", 1, 1.0, "east, m", 0, 1.0, "north, m"), ("from the south", 1, 1.0, "east, m", 2, -1.0, "−depth, m"))
 
 
@@ -22,16 +22,16 @@ def called(vehicles: Sequence[Vehicle], vehicle: Vehicle, name: str) -> str:
 def track_chart(vehicles: Sequence[Vehicle], interval: float) -> Chart | None:
     """Plan and elevation of the tracks with their set points, those with anything in them; strokes show where the bow points."""
     panels = []
-    extent = max(float(np.ptp(v.position, axis=1).max()) for v in vehicles)
     for title, i, along, x_label, j, up, y_label in VIEWS:
         if not any(np.ptp(v.position[[i, j]], axis=1).any() for v in vehicles):
             continue
+        extent = max(float(np.ptp(v.position[[i, j]], axis=1).max()) for v in vehicles)
         series = []
         for v in vehicles:
             x, y = along * v.position[i], up * v.position[j]
             if v.wanted is not None:
                 series.append(Series(called(vehicles, v, "set point"), along * v.wanted[i], up * v.wanted[j]))
-            if (strokes := _strokes(v, interval, LENGTH * (extent or 1.0))) is not None:
+            if (strokes := _strokes(v, interval, LENGTH * extent)) is not None:
                 series.append(Series("heading", along * strokes[i], up * strokes[j]))
             series += [Series(called(vehicles, v, "track"), x, y), Series("begin", x[:1], y[:1], "points"),
                        Series("end", x[-1:], y[-1:], "points")]
@@ -61,8 +61,9 @@ def unbroken(angle: np.ndarray) -> np.ndarray:
 
 
 def attitude_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
-    """Depth, roll, pitch and yaw over time."""
-    depth = tuple(Series(called(vehicles, v, "depth"), v.time, v.position[2]) for v in vehicles)
+    """Depth with its set point, roll, pitch and yaw over time."""
+    wanted = tuple(Series(called(vehicles, v, "set point"), v.time, v.wanted[2]) for v in vehicles if v.wanted is not None)
+    depth = wanted + tuple(Series(called(vehicles, v, "depth"), v.time, v.position[2]) for v in vehicles)
     ends = [float(f(s.y)) for f in (np.nanmax, np.nanmin) for s in depth]
     panels = [Panel("depth, m", depth, y_range=_downwards(max(ends), min(ends)))]
     for name in ANGLES:
@@ -81,11 +82,14 @@ def _downwards(deep: float, shallow: float) -> tuple[float, float]:
 
 
 def motion_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
-    """Speeds, rates and accelerations in body axes over time; None where none was recorded."""
+    """Speeds, rates and accelerations in body axes, and the water's velocity, over time; None where none was recorded."""
     panels = []
     for label, names, factor in (("speed, m/s", SPEEDS, 1.0), ("rate, degrees/s", RATES, DEGREES),
                                  ("acceleration, m/s²", ACCELERATIONS, 1.0)):  # fmt: skip
         series = tuple(Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
                        for v in vehicles for n in names if n in v.signals)
         panels += [Panel(label, series)] if series else []
-    return Chart("Motion in body axes", "time, s", tuple(panels), "Over ground.", height=200) if panels else None
+    water = tuple(Series(called(vehicles, v, f"water {axis}"), v.time, w) for v in vehicles for axis, w in v.water.items())
+    panels += [Panel("current, m/s", water)] if water else []
+    text = "Speeds are over ground." + (" The current is in axes of the world." if water else "")
+    return Chart("Motion in body axes", "time, s", tuple(panels), text, height=200) if panels else None

@@ -36,10 +36,9 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
 
 def _of_one(result: Result, record: JointRecord, begin: float, who: str) -> list[Chart]:
     charts = []
-    if record.pointing is not None:
-        charts.append(sphere_chart(record, begin, who))
+    if record.pointing is not None and not who:  # of several that are compared, the tracks would all look alike
+        charts.append(sphere_chart(record, begin))
     if record.tip is not None:
         charts.append(tip_chart(record, begin, who))
-    charts.append(phase_chart(record, begin, who))
-    sections = section_chart(poincare(result, record, begin), who)
-    return charts if sections is None else [*charts, sections]
+    further = (phase_chart(record, begin, who), section_chart(poincare(result, record, begin), who))
+    return charts + [c for c in further if c is not None]

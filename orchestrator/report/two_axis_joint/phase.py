@@ -65,11 +65,11 @@ def history_chart(record: JointRecord, begin: float) -> Chart:
     return Chart("Motion", "time, s", panels, "Thin vertical line: end of the transient." if mark else "")
 
 
-def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
-    """Rate over angle of each axis after the transient, with where it begins and ends."""
+def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart | None:
+    """Rate over angle of each axis that moves after the transient, with where it begins and ends; None where all stand."""
     kept, shown = drawn(record, begin)
     panels = []
-    for axis in record.axes:
+    for axis in record.moving:
         angle, rate = wrapped(axis.angle[kept]), DEGREES * axis.rate[kept]
         series = (
             Series("motion", angle, rate),
@@ -77,7 +77,11 @@ def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
             Series("end", angle[-1:], rate[-1:], "points"),
         )
         panels.append(Panel(f"rate of the {axis.name}, degrees/s", series, title=axis.name, x_label="angle, degrees"))
+    if not panels:
+        return None
     text = f"Rate over angle. A closed line is a motion that repeats; one that spirals in loses energy.{shown}"
+    standing = [a.name for a in record.axes if not any(a is m for m in record.moving)]
+    text += f" Not shown, as it does not move: {', '.join(standing)}." if standing else ""
     return Chart(f"{who}Phase portraits", "", tuple(panels), text, columns=max(2, len(panels)), height=330)
 
 

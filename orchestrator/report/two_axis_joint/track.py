@@ -23,7 +23,7 @@ def circle(radius: float) -> Series:
     return Series("edge", radius * np.cos(turn), radius * np.sin(turn), faint=True)
 
 
-def sphere_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
+def sphere_chart(record: JointRecord, begin: float) -> Chart:
     """The axis' track on the unit sphere from three sides; the part on the far side is another line."""
     assert record.pointing is not None
     window, shown = drawn(record, begin)
@@ -37,7 +37,7 @@ def sphere_chart(record: JointRecord, begin: float, who: str = "") -> Chart:
         signs = ["" if sign > 0.0 else "−" for sign in (along, up)]
         panels.append(Panel(f"{signs[1]}{AXES[j]}, 1", tuple(series), title=title, x_label=f"{signs[0]}{AXES[i]}, 1", equal=True))
     text = "Track of the body's axis on the unit sphere; x and y are horizontal, −z is up." + shown
-    return Chart(f"{who}Track of the axis", "", tuple(panels), text, columns=3, height=300)
+    return Chart("Track of the axis", "", tuple(panels), text, columns=3, height=300)
 
 
 def _widened(here: np.ndarray) -> np.ndarray:

@@ -12,10 +12,10 @@ from components.catalogue import component_class
 from ...analysis.wind_pump import Chain, accumulated, efficiencies
 from ..page import Cells
 from ..style import number
+from .shown import Shown, scale
 
 if TYPE_CHECKING:
     from ...results import Result
-    from .shown import Shown
 
 MOST = 12  # rows of runs of one chain
 NAMES = {
@@ -27,11 +27,13 @@ NAMES = {
 
 
 def runs_table(shown: Sequence[Shown]) -> Cells:
-    """Every run of a pump: when it began and ended, and at which wind."""
+    """Every run of a pump: when it began and ended, and at which wind; times as in the figures, in s or h."""
+    seconds, unit = scale(shown[0].chain.time)
     rows: list[tuple[str, ...]] = []
     for s in shown:
         for r in s.runs[:MOST]:
-            cells = (r.begin, r.begin_wind, r.end, r.end_wind, r.turns)
+            begin, end = (None if at is None else at / seconds for at in (r.begin, r.end))
+            cells = (begin, r.begin_wind, end, r.end_wind, r.turns)
             rows.append((s.chain.name, *("" if v is None else number(v) for v in cells)))
         if len(s.runs) > MOST:
             rows.append((s.chain.name, f"and {len(s.runs) - MOST} more", "", "", "", ""))
@@ -40,8 +42,8 @@ def runs_table(shown: Sequence[Shown]) -> Cells:
     text = (f"A pump runs while its shaft is faster than {shown[0].standstill:g} rad/s and makes a turn or more; a "
             f"standstill of up to {shown[0].pause:g} s is none. Empty: it ran when the record began, or still did when it "
             "ended.")  # fmt: skip
-    return Cells("Starts and stops", ("transmission", "starts at, s", "wind then, m/s", "stops at, s", "wind then, m/s", "turns"),
-                 rows, text, frozenset(range(1, 6)))  # fmt: skip
+    return Cells("Starts and stops", ("transmission", f"starts at, {unit}", "wind then, m/s", f"stops at, {unit}",
+                                      "wind then, m/s", "turns"), rows, text, frozenset(range(1, 6)))  # fmt: skip
 
 
 def efficiency_table(result: Result, shown: Sequence[Shown], start: int = 0) -> Cells:

@@ -92,6 +92,17 @@ def test_a_chain_without_losses_keeps_its_energy_and_with_gravity_not_its_moment
     assert joints(gimbal_run(effects=("gravity",), orientation="horizontal"))[0].constant == {"energy"}
 
 
+def test_an_axis_that_only_rounding_moves_has_no_phase_portrait_and_no_section():
+    result = gimbal_run(effects=["gravity"])
+    for name in ("inner_angle", "inner_rate"):
+        result.columns[f"body.{name}"] = 1e-17 * result.columns[f"body.{name}"]
+    made = [b for b in report.two_axis_joint.blocks(result) if b.kind == "figure"]
+    shown = next(b for b in made if b.title == "Phase portraits")
+    assert "xaxis2" not in shown.figure["layout"]
+    assert shown.caption.endswith("Not shown, as it does not move: inner axis.")
+    assert "Poincaré sections" not in {b.title for b in made}
+
+
 def test_several_joints_are_compared_and_what_stands_has_no_line_among_the_rates():
     made = figures(report.two_axis_joint.blocks(three_frictions()))
     figure = made["Motion"]
@@ -102,4 +113,4 @@ def test_several_joints_are_compared_and_what_stands_has_no_line_among_the_rates
     assert np.isnan(late["exact"]).all()
     assert late["creeping"] == pytest.approx(np.degrees(1e-5), rel=1e-3)
     assert np.isfinite(late["damped"]).all()
-    assert [t for t in made if t.startswith("exact: ")] == ["exact: Track of the axis", "exact: Phase portraits"]
+    assert [t for t in made if t.startswith("exact: ")] == ["exact: Phase portraits"]

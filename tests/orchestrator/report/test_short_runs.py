@@ -27,12 +27,14 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     scene = load_scene(name)
     step = scene.master.step
     snapshots = {"record.snapshot_interval": step} if scene.record.snapshots else {}
-    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots}), in_process=True)
+    every = {"record.interval": None, "faults": []}  # faults come later in a run, and a scene whose faults never come is refused
+    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots, **every}), in_process=True)
     assert result.time.size == steps + 1
     html = page(result, tmp_path)
     assert "Recorded signals" in html
     wanted = scene.analysis["system"]
-    short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history"}
+    short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
+             "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run"}
     assert short[wanted] in html
 
 
@@ -55,6 +57,16 @@ def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
         columns = {name: values[:rows] for name, values in whole.columns.items()}
         partial = replace(whole, time=whole.time[:rows], columns=columns, outcome="failed", message="it broke")
         assert "it broke" in page(partial, tmp_path)
+
+
+def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
+    """An added mass above the mass, told as a force once a step: the acceleration grows from step to step."""
+    told = {"algorithm": "gauss-seidel", "feedthrough": "stale", "extrapolation": 0, "iteration": None}
+    result = run(load_scene("rov-added-mass").with_changes({f"master.{k}": v for k, v in told.items()}), in_process=True)
+    assert (result.outcome, result.time.size > 10) == ("failed", True)
+    html = page(result, tmp_path)
+    assert "This run failed" in html
+    assert "Depth and attitude" in html
 
 
 def test_a_unit_that_fails_in_the_run_leaves_a_report(tmp_path):
