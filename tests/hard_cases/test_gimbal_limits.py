@@ -145,7 +145,7 @@ def test_a_torque_that_reaches_the_static_level_exactly():
 
 @pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
 def test_an_axis_that_bears_just_its_level_does_not_disturb_the_other(orientation):
-    """Outer torque of 0.1 N.m, the level to the last bit; the inner axis comes to rest after rate * I / level, in a binary step."""
+    """Outer torque of 0.1 N.m, the level to the last bit; the inner axis comes to rest after rate * I / level."""
     body = gimbal(("stick_friction",), {"outer_torque": 0.1}, axis_orientation=orientation, start_inner_rate=-0.5,
                   **{"stick_friction.outer_level": 0.1, "stick_friction.inner_level": 0.05})
     for k in range(8):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
-from scipy.special import ellipk
+from scipy.special import ellipk, lambertw
 
 from components.rov.hull import AXES, WATER, RovHull
 from components.rov.hull_equations import hull_derivatives
@@ -82,6 +82,16 @@ def test_start_from_rest_follows_riccati(axis, X, XX):
         u1, u2, decay = (delta - X) / (2.0 * XX), (delta + X) / (2.0 * XX), math.exp(-delta / mass * t)
         closed = u1 * (1.0 - decay) / (1.0 + u1 / u2 * decay)
     assert linear(hull)[axis] == pytest.approx(closed, rel=1e-10)  # RK4: (k h)^4 / 120 at k = 2.1 1/s
+
+
+@pytest.mark.parametrize("distance", [0.05, 2.0, 30.0])
+def test_a_distance_is_covered_in_the_time_of_lamberts_function(distance):
+    """Linear drag only, from rest: T (q + W(-e^-q)) with T = m / X, q = distance X / (F T) + 1."""
+    X, F, mass = 4.03, 10.0, 17.0
+    hull = push(started(PUSHED, substep=2e-3, **LEVEL, **{"quadratic_drag.surge": 0.0}), F, 0, 0, 0, 0, 0)
+    q = distance * X / (F * mass / X) + 1.0
+    hull.step(0.0, mass / X * (q + float(lambertw(-math.exp(-q)).real)))
+    assert hull["position_north"] == pytest.approx(distance, rel=1e-9)
 
 
 def test_order_in_the_substep_is_four():
