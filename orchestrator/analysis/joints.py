@@ -132,7 +132,7 @@ def after(record: JointRecord, begin: float) -> slice:
 def drawn(record: JointRecord, begin: float) -> tuple[slice, str]:
     """The samples of a record from a time on that a curve should show, and what to say of it: more only blacken a picture."""
     kept = after(record, begin)
-    if record.time.size - kept.start <= MOST_DRAWN:
+    if record.time.size - kept.start <= MOST_DRAWN + MOST_DRAWN // 10:  # a little more is no reason to leave the end out
         return kept, ""
     end = kept.start + MOST_DRAWN
     return slice(kept.start, end), f" Shown up to {record.time[end]:.4g} s of {record.time[-1]:.4g} s."

@@ -117,7 +117,7 @@ def _case_sections(result: CaseResult, alone: bool) -> list[Section]:
             blocks.append(Text([f"This run failed and is shown as far as it went: {run.message}"], "warning"))
             blocks += generic.time_series(run)
         else:
-            blocks += special(run, rows) if special else generic.time_series(run)
+            blocks += (special(run, rows) if special else []) or generic.time_series(run)
         if rows:
             blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings.get(label, "")))
         blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))

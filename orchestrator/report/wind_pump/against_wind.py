@@ -55,7 +55,8 @@ def branches_chart(shown: Sequence[Shown], followed: Sequence[tuple[str, slice]]
     lines = tuple(Lines(name, tuple(at)) for name, at in marks.items())
     both = {word for s in shown for word, _, _ in s.marks} == {"starts", "stops"}
     why = "the pump starts at a higher wind than it stops at: hysteresis" if both else "inertia is behind the wind"
-    text = f"{shown[0].averaged} Where the branches part, {why}."
+    text = shown[0].averaged
+    text += f" Where the branches part, {why}." if len({way for way, _ in followed}) == 2 else ""
     return Chart("Against the wind", "", _panels(shown, lines_of, lines), text.strip(), columns=2, height=260)
 
 

@@ -38,7 +38,8 @@ def runs_table(shown: Sequence[Shown]) -> Cells:
         if len(s.runs) > MOST:
             rows.append((s.chain.name, f"and {len(s.runs) - MOST} more", "", "", "", ""))
         if not s.runs:
-            rows.append((s.chain.name, "never runs", "", "", "", ""))
+            turned = float(np.max(s.chain.signals["pump_speed"])) > s.standstill
+            rows.append((s.chain.name, "makes less than a turn" if turned else "never runs", "", "", "", ""))
     text = (f"A pump runs while its shaft is faster than {shown[0].standstill:g} rad/s and makes a turn or more; a "
             f"standstill of up to {shown[0].pause:g} s is none. Empty: it ran when the record began, or still did when it "
             "ended.")  # fmt: skip

@@ -53,7 +53,7 @@ def findings(options: Options) -> Findings:
         "without damping it never is. With 5 ms every plain algorithm fails. Iterated with held inputs, a step is one of the "
         "implicit Euler method for the joint's vibration and may be longer; with linear inputs the iteration ends there, too.",
         f"Gauss-Seidel steps one link, then the other with what the first one gave: for the length of a step the joint sees one "
-        f"end moved and the other not. At {1e3 * STEPS[1]:g} ms its error is {tear:.1g} times that of jacobi, which moves both.",
+        f"end moved and the other not. At {1e3 * STEPS[1]:g} ms its error is {tear:.0f} times that of jacobi, which moves both.",
         "All runs of the study are in process; the scene itself ran as the options say.",
     )
     rows = compare(load_table("link-split").rows, measured)
