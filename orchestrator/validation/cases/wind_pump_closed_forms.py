@@ -153,7 +153,8 @@ def _converter(measured: dict[str, float], options: Options) -> dict[str, Result
 
 def _chart(runs: dict[str, Result]) -> Chart:
     curves = {n: (runs[n]["turbine.tip_speed_ratio"], runs[n]["turbine.power_coefficient"]) for n in CURVES}
-    series = [Series(" at a pitch of ".join(n.split(".")) + " degrees" * ("." in n), x, np.maximum(y, 0.0)) for n, (x, y) in curves.items()]
+    names = {n: f"{n.replace('.', ' at a pitch of ')} degrees" if "." in n else n for n in CURVES}
+    series = [Series(names[n], x, np.maximum(y, 0.0)) for n, (x, y) in curves.items()]
     ends = [0.0, max(float(x.max()) for x, _ in curves.values())]
     betz = Series("Betz", ends, [16.0 / 27.0, 16.0 / 27.0], faint=True)
     text = "As the runs passed them. The farm windmill has its best ratio at 1.2, where the others hardly give any torque."
