@@ -208,11 +208,19 @@ class Component:
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
-        """Settle parameters, find the initial state for the present inputs, compute the outputs. May be repeated."""
+        """Settle parameters, find the initial state for the present inputs, compute the outputs. May be repeated.
+
+        `BadInput` for parameters that do not go together, also where they overflow or make a singular matrix.
+        """
         self.t = float(t)
         self.u[1:] = 0.0
         self.counts[:] = 0
-        self._check(self._initialize(self.t))
+        try:
+            status = self._initialize(self.t)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            raise BadInput(self.name, "parameters or inputs of which something cannot be computed", "numbers of a usual size",
+                           f"Check the largest and the smallest of them ({type(error).__name__}: {error}).") from error
+        self._check(status)
         self.refresh()
 
     def step(self, t: float, h: float) -> None:

@@ -44,7 +44,7 @@ class Variable:
     nominal: float = 1.0
     size: int = 0  # 0: a scalar; n: an array that appears as name[1] ... name[n]
     choices: tuple[str, ...] = ()
-    feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between
+    feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between, whatever is on
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -73,7 +73,7 @@ class Variable:
             unit = "" if self.unit == "1" else f" {self.unit}"
             limited = math.isfinite(self.low) or math.isfinite(self.high)
             expected = f"a value in [{self.low:g}, {self.high:g}]{unit}" if limited else "a finite number"
-            raise BadInput(where, came, expected, self.text.capitalize() + ".")
+            raise BadInput(where, came, expected, self.text[:1].upper() + self.text[1:] + ".")
         return int(value) if self.kind is Kind.INTEGER else float(value)
 
 

@@ -14,10 +14,10 @@ from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
 
 
 class Unbalance(Effect):
-    """Center of mass beside the center of the shaft."""
+    """Centre of mass beside the centre of the shaft."""
 
-    eccentricity = parameter(1e-5, "m", "distance of the center of mass from the shaft's center", low=0.0)
-    phase = parameter(0.0, "rad", "angle by which the center of mass is ahead of the rotor's angle")
+    eccentricity = parameter(1e-5, "m", "distance of the centre of mass from the shaft's centre", low=0.0)
+    phase = parameter(0.0, "rad", "angle by which the centre of mass is ahead of the rotor's angle")
 
 
 class InternalDamping(Effect):
@@ -68,8 +68,8 @@ class JeffcottRotor(OdeComponent):
     force_x = input_(0.0, "N", "force on the disk along x", nominal=10.0)
     force_y = input_(0.0, "N", "force on the disk along y", nominal=10.0)
 
-    displacement_x = output("m", "displacement of the shaft's center along x", nominal=1e-5)
-    displacement_y = output("m", "displacement of the shaft's center along y, upwards", nominal=1e-5)
+    displacement_x = output("m", "displacement of the shaft's centre along x", nominal=1e-5)
+    displacement_y = output("m", "displacement of the shaft's centre along y, upwards", nominal=1e-5)
     velocity_x = output("m/s", "velocity along x", nominal=1e-3)
     velocity_y = output("m/s", "velocity along y", nominal=1e-3)
     speed = output("rad/s", "speed of rotation", nominal=100.0)

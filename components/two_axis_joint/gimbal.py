@@ -35,10 +35,10 @@ LIMIT = 2.78  # of RK4, largest eigenvalue times step
 
 
 class Gravity(Effect):
-    """Weight of a body whose center of mass is beside the crossing of the axes; it hangs at angles zero."""
+    """Weight of a body whose centre of mass is beside the crossing of the axes; it hangs at angles zero."""
 
     mass = parameter(2.0, "kg", "mass of the body", low=0.0)
-    distance = parameter(0.15, "m", "distance of the center of mass from the crossing of the axes, along body z", low=0.0)
+    distance = parameter(0.15, "m", "distance of the centre of mass from the crossing of the axes, along body z", low=0.0)
     acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
 
 
@@ -155,7 +155,7 @@ class GimbalBody(EventComponent):
                                 J = J_o + I_x cos² beta + I_z sin² beta
 
     I_y: moment of inertia about the inner axis, I_z: about the body's axis, which hangs down at angles zero and carries the
-    center of mass and the rotor, I_x: about the third, all for the crossing of the axes; J_o: of the frame. A body on a joint of
+    centre of mass and the rotor, I_x: about the third, all for the crossing of the axes; J_o: of the frame. A body on a joint of
     two degrees of freedom is the subject of Akulenko, Bolotnik, Leshchenko and Palii (2020), known to us by its abstract; the
     equations are Lagrange's, written here for this arrangement of the axes. Default numbers are a choice of ours.
     """

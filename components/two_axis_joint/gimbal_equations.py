@@ -1,6 +1,6 @@
 """Equations of the gimbal, for numbers only: what the two axes feel, the accelerations, and the reactions of the base.
 
-Body axes: y is the inner axis, z points from the crossing of the axes to the center of mass and is the rotor's axis, x
+Body axes: y is the inner axis, z points from the crossing of the axes to the centre of mass and is the rotor's axis, x
 completes them. The outer axis lies in the body's x-z plane; its direction (c, 0, s) is all that tells a vertical outer axis
 (c = -sin beta, s = cos beta) from a horizontal one (c = cos beta, s = sin beta), except for gravity.
 Base axes: x and y horizontal, z down; a horizontal outer axis is x, a vertical one is z, and the inner axis is y at alpha = 0.

@@ -55,6 +55,8 @@ class WaterPipe(EventComponent):
 
     Without `air_vessel` the water column follows the pump without inertia. The flow is that of a pump with valves; a negative one
     is taken as it comes. All volumes are 0 at the start, so that delivered = supplied + overflowed + area * rise of the level.
+    Head and outflow are declared to follow the flow at once, as they do with some of the effects: an FMU has one declaration for
+    all of them, and a component shall be coupled as its FMU is.
     """
 
     title = "Delivery pipe and tank"

@@ -3,6 +3,7 @@
 from importlib import import_module
 from pkgutil import walk_packages
 
+import numpy as np
 import pytest
 
 import components
@@ -11,6 +12,7 @@ from components.core.component import Component, Effect
 from components.core.errors import BadInput
 from components.core.variables import choice, input_, integer, output, parameter
 from components.railway.catenary import Catenary
+from components.rov.controller import RovController
 
 
 class Wind(Effect):
@@ -95,6 +97,28 @@ def test_off_is_absent():
 def test_bad_input_is_one_message(effects, parameters, message):
     with pytest.raises(BadInput, match=message):
         Boat(effects, parameters, name="boat")
+
+
+class Overloaded(Boat):
+    """Its start divides, overflows or inverts what has no inverse."""
+
+    load = parameter(0.0, "1", "what is too much")
+
+    def _initialize(self, t):
+        load = self.parameters["load"]
+        np.linalg.inv(np.diag([1.0, load]))
+        return int(1.0 / (load - 1.0) * load**4)
+
+
+@pytest.mark.parametrize("load", [0.0, 1.0, 1e300])
+def test_numbers_that_cannot_be_computed_with_are_bad_input(load):
+    with pytest.raises(BadInput, match=r"boat: .*numbers of a usual size"):
+        Overloaded(parameters={"load": load}, name="boat").initialize(0.0)
+
+
+def test_units_keep_their_letters_in_messages():
+    with pytest.raises(BadInput, match=r"Weight of an axis's error .* per N\.m\."):
+        RovController(parameters={"priority[1]": 0.0})
 
 
 def test_unit_strings_are_checked_where_they_are_declared():
