@@ -108,7 +108,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         missed = misses.relative
         said = [*scene.remarks, *dict.fromkeys(str(w.message) for w in heard), *master.warnings(), *loop.warnings()]
-        info |= {"input_misses": missed, "warnings": [*said, *(account.warnings() if account else ()), *_warnings(missed)]}
+        said += [*(account.warnings() if account else ()), *_warnings(missed, master.told_late)]
+        info |= {"input_misses": missed, "warnings": said}
         info |= {"energy": account.report()} if account else {}
         info |= {"checkpoints": checkpoints.report()} if checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
@@ -131,13 +132,13 @@ def opened(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
     return units | {contact.name: ContactUnit(contact, scene.master.extrapolation) for contact in scene.contacts}
 
 
-def _warnings(misses: Mapping[str, float]) -> list[str]:
-    """What a user should know of a run that reached its end."""
+def _warnings(misses: Mapping[str, float], late: str) -> list[str]:
+    """What a user should know of a run; `late`: what the master knows to be behind it."""
     worst = max(misses, key=misses.__getitem__, default="")
     if not worst or misses[worst] < TOO_FAR:
         return []
     return [f"input {worst} was led to values that missed by {100.0 * misses[worst]:.0f} % of its spread (rms): "
-            "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation"]
+            + (late or "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")]
 
 
 _version = cache(version)  # it parses a file each time, which for a short run takes longer than the run

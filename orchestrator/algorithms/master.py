@@ -85,6 +85,10 @@ class Master:
         self.passes, self.loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
         self._fed = [node for node in self.nodes if node.sources]
         self._solving = bool(self.loops)  # algebraic loops are solved after each step
+        self.told_late = ""  # what to say of a coupling that grows because its loop is told a step late
+        if feedthrough == "stale" and (loop := next((p for p in coupling.passes if isinstance(p, Loop)), None)) is not None:
+            self.told_late = (f"{' and '.join(loop.units)} answer one another at once but are told a step late; where that amplifies, "
+                              "no shorter step mends it. Let master.feedthrough be 'fresh', which solves their loop")
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
@@ -261,6 +265,6 @@ class Master:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
         for (unit, name), value in zip(self.positions, self.sample(), strict=True):
             if not isfinite(value):
-                raise StepFailed(unit, t, f"output {name} is {value}", "Reduce the macro step")
+                raise StepFailed(unit, t, f"output {name} is {value}", self.told_late or "Reduce the macro step")
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
-                raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", "Reduce the macro step")
+                raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", self.told_late or "Reduce the macro step")

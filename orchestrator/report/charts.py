@@ -44,7 +44,7 @@ LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
 DRAWN_DOTS = 12_000  # of a cloud
 LABEL_GAP = 0.045  # of the panel's width; labels of lines nearer to one another are left out
 HEADROOM = 0.14  # of the y axis, for the labels of lines
-LEGEND_ROW = 19  # px
+LEGEND_ROW = 28  # px
 LEGEND_WIDTH = 860  # px between the margins of a figure on a usual screen
 LEGEND_ENTRY = (55.0, 6.4)  # px, about: of an entry's line and gaps, and of a character of its name
 

@@ -16,7 +16,7 @@ from ..charts import draw_chart
 from ..page import Block
 from .constants import constants_chart
 from .control import errors_chart, errors_table, thrusts_chart, thrusts_table
-from .motion import attitude_chart, motion_chart, track_chart
+from .motion import attitude_chart, current_chart, motion_chart, track_chart
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -32,7 +32,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
         return []
     interval = float(result.scene.analysis.get("headings", float(result.time[-1] - result.time[0]) / MARKS))
     start = int(np.searchsorted(result.time, float(result.scene.analysis.get("transient", 0.0))))
-    charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found)]
+    charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found), current_chart(found)]
     made: list[Block] = [draw_chart(c) for c in charts if c is not None]
     for vehicle in found:
         who = f"{vehicle.unit}: " if len(found) > 1 else ""

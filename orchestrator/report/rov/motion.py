@@ -82,14 +82,19 @@ def _downwards(deep: float, shallow: float) -> tuple[float, float]:
 
 
 def motion_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
-    """Speeds, rates and accelerations in body axes, and the water's velocity, over time; None where none was recorded."""
+    """Speeds, rates and accelerations in body axes over time; None where none was recorded."""
     panels = []
     for label, names, factor in (("speed, m/s", SPEEDS, 1.0), ("rate, degrees/s", RATES, DEGREES),
                                  ("acceleration, m/s²", ACCELERATIONS, 1.0)):  # fmt: skip
         series = tuple(Series(called(vehicles, v, n.removeprefix("external.").replace("_", " ")), v.time, factor * v.signals[n])
                        for v in vehicles for n in names if n in v.signals)
         panels += [Panel(label, series)] if series else []
-    water = tuple(Series(called(vehicles, v, f"water {axis}"), v.time, w) for v in vehicles for axis, w in v.water.items())
-    panels += [Panel("current, m/s", water)] if water else []
-    text = "Speeds are over ground." + (" The current is in axes of the world." if water else "")
+    text = "Speeds and rates are over ground."
     return Chart("Motion in body axes", "time, s", tuple(panels), text, height=200) if panels else None
+
+
+def current_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
+    """Velocity of the water over time; None where none was recorded."""
+    water = tuple(Series(called(vehicles, v, axis), v.time, w) for v in vehicles for axis, w in v.water.items())
+    text = "Velocity of the water at the vehicle, in axes of the world."
+    return Chart("Current", "time, s", (Panel("velocity, m/s", water),), text, height=200) if water else None

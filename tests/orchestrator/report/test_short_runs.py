@@ -66,6 +66,8 @@ def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
     assert (result.outcome, result.time.size > 10) == ("failed", True)
     html = page(result, tmp_path)
     assert "This run failed" in html
+    assert "feedthrough" in result.message  # a shorter step fails earlier: it is not what to advise
+    assert "Reduce" not in " ".join([result.message, *result.info["warnings"]])
     assert "Depth and attitude" in html
 
 
