@@ -87,8 +87,8 @@ class Master:
         self._solving = bool(self.loops)  # algebraic loops are solved after each step
         self.told_late = ""  # what to say of a coupling that grows because its loop is told a step late
         if feedthrough == "stale" and (loop := next((p for p in coupling.passes if isinstance(p, Loop)), None)) is not None:
-            self.told_late = (f"{' and '.join(loop.units)} answer one another at once but are told a step late; where that amplifies, "
-                              "no shorter step mends it. Let master.feedthrough be 'fresh', which solves their loop")
+            self.told_late = (f"{' and '.join(loop.units)} answer one another at once but are told a step late; where that "
+                              "amplifies, no shorter step mends it. Let master.feedthrough be 'fresh', which solves their loop")
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
