@@ -8,6 +8,7 @@ from driver import OK, Driven
 
 from components.catalogue import CATALOGUE, component_class
 from fmus.build import built
+from tests.contract.configurations import SMALL
 
 STEP = 1e-3  # s
 STEPS = 300
@@ -47,9 +48,9 @@ def swing(variable):
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_fmu_is_the_component_to_the_last_bit(name, stride):
     effects = selected(component_class(name).effects, stride)
-    component = component_class(name)(effects)
+    component = component_class(name)(effects, SMALL[name])
     unit = Driven(built(name))
-    start = {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
+    start = SMALL[name] | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
     start |= {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
     for n, v in start.items():
         component.set(n, v)

@@ -8,7 +8,7 @@ FACTS: dict[str, Facts] = {
     "WindTurbine": Facts(
         moving=frozenset({"angle"}),
         small={"curve": "heier"},  # which knows pitch
-        plain=(("pitch", "furling", "bearing_friction"), {"start_speed": 20.0}, 20),
+        plain=(("pitch", "furling", "bearing_friction"), {"curve": "heier", "start_speed": 20.0}, 20),
         other_ways=(({"curve": "farm"}, ("furling", "bearing_friction")), ({"curve": "simple", "start_speed": 20.0}, ()),
                     ({"curve": "variant", "start_speed": 20.0}, ("pitch",))),
         disturbance={"wind": 5.0, "torque": 3.0},
