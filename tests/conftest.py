@@ -9,6 +9,7 @@ import pytest
 CONTRACT = Path(__file__).parent / "contract"
 
 
+@pytest.hookimpl(tryfirst=True)  # before the plug-in reads the groups
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The group of every test, for `--dist loadgroup`."""
     for item in items:

@@ -44,13 +44,14 @@ def swing(variable):
     return lambda t: (variable.start + a * math.sin(9 * t), 9 * a * math.cos(9 * t), -81 * a * math.sin(9 * t))
 
 
-@pytest.mark.parametrize("stride", [1, 2, 0], ids=["all effects", "every second", "none"])
+@pytest.mark.parametrize("stride", [1, 0], ids=["all effects", "none"])
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_the_fmu_is_the_component_to_the_last_bit(name, stride):
     effects = selected(component_class(name).effects, stride)
-    component = component_class(name)(effects, SMALL[name])
+    chosen = {n: v for n, v in SMALL[name].items() if isinstance(v, str)}  # a variant that knows all effects
+    component = component_class(name)(effects, chosen)
     unit = Driven(built(name))
-    start = SMALL[name] | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
+    start = chosen | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
     start |= {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
     for n, v in start.items():
         component.set(n, v)
