@@ -1,0 +1,29 @@
+"""The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help is quick.
+
+Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept).
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Sequence
+
+from components.core.errors import BadInput
+
+from . import catalogue, many, packing, run, studies, validate  # noqa: F401 - each adds its commands
+from .common import BAD_INPUT, app
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; ends in SystemExit with the exit code."""
+    logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
+    try:
+        app(arguments)
+    except BadInput as error:
+        print(f"cosimo: {error}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+    except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
+        place = repr(str(error.filename)) if error.filename is not None else "output"
+        print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None

@@ -1,0 +1,95 @@
+"""What there is: lists; FMUs built and checked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput, nearest
+
+from .common import FAILED_CHECK, AsJson, app, print_table
+
+
+@app.command("list")
+def list_(
+    kind: Annotated[str, typer.Argument(help="components, fmus, scenes or cases; all of them without it")] = "",
+    as_json: AsJson = False,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a scene file, for editors.")] = False,
+) -> None:
+    """What there is. Example: cosimo list components"""
+    if schema:
+        from ..scene import Scene
+
+        print(json.dumps(Scene.model_json_schema(), indent=2))
+        return
+    kinds = {"components": _components, "fmus": _fmus, "scenes": _scenes, "cases": _cases}
+    if kind and kind not in kinds:
+        raise BadInput("list", repr(kind), "one of " + ", ".join(kinds), nearest(kind, kinds))
+    found = {name: entries() for name, entries in kinds.items() if kind in ("", name)}
+    if as_json:
+        print(json.dumps(found, indent=2))
+        return
+    for name, entries in found.items():
+        print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
+
+
+def _components() -> list[dict[str, Any]]:
+    from components.catalogue import CATALOGUE, component_class
+
+    classes = {name: component_class(name) for name in CATALOGUE}
+    return [{
+        "name": name, "title": cls.title, "system": cls.system, "effects": list(cls.effects), "presets": list(cls.presets),
+        "variables": [{"name": v.name, "causality": v.causality.value, "unit": v.unit, "start": v.start, "text": v.text}
+                      for v in cls.variables.values()],
+    } for name, cls in classes.items()]
+
+
+def _fmus() -> list[dict[str, Any]]:
+    from components.catalogue import CATALOGUE, component_class
+
+    return [{"name": name, "title": component_class(name).title} for name in CATALOGUE]
+
+
+def _scenes() -> list[dict[str, Any]]:
+    from ..scene import read_toml, scene_files
+
+    return [{"name": name, "title": read_toml(path).get("title", "")} for name, path in scene_files().items()]
+
+
+def _cases() -> list[dict[str, Any]]:
+    from ..validation.cases import CASES
+
+    return [{"name": name, "title": case.title} for name, case in CASES.items()]
+
+
+@app.command()
+def build(
+    names: Annotated[list[str] | None, typer.Argument(help="components; all of them without it")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
+) -> None:
+    """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
+    from components.catalogue import CATALOGUE
+    from fmus.build import build as build_fmu
+
+    for name in names or CATALOGUE:
+        print(build_fmu(name, output))
+
+
+@app.command()
+def check(fmu: Annotated[Path, typer.Argument(help="an FMU file")], as_json: AsJson = False) -> None:
+    """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
+    from fmus.check import check as check_fmu
+
+    if not fmu.is_file():
+        raise BadInput("check", repr(str(fmu)), "an FMU file")
+    findings = check_fmu(fmu)
+    if as_json:
+        found = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
+        print(json.dumps({"fmu": str(fmu), "findings": found}, indent=2))
+    else:
+        print_table(str(fmu), ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
+    if not all(f.ok for f in findings):
+        raise SystemExit(FAILED_CHECK)

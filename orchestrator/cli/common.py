@@ -1,0 +1,87 @@
+"""What several commands share: the application, options, tables on the terminal, changes of a scene given as text."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput, nearest
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+
+FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
+
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
+                  help="Mechanical components as FMUs, coupled simulations of them, and validation against published tables.")
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
+InProcess = Annotated[bool, typer.Option("--in-process", help="Run components in this process, not as FMUs: same bits, faster.")]
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
+
+Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(
+    "Change a parameter, in its SI unit, or analysis.key; may be repeated."))]
+
+
+def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+    """A table on standard output; real numbers with four digits."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*columns, title=title or None, title_justify="left")
+    for row in rows:
+        table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
+    # rich takes 80 columns where there is no terminal, and cuts names
+    Console(width=None if sys.stdout.isatty() else 160).print(table, markup=False)
+
+
+def warn(warnings: Sequence[str]) -> None:
+    """Each on a line of standard error."""
+    for warning in warnings:
+        print(f"cosimo: warning: {warning}", file=sys.stderr)
+
+
+def listed(option: str, texts: Sequence[str]) -> list[str]:
+    """Names separated by commas, but for those inside the brackets of an element."""
+    names = [name.strip() for text in texts for name in re.split(r",(?![^\[]*\])", text)]
+    if not all(names):
+        raise BadInput(option, repr(",".join(texts)), "names separated by commas")
+    return names
+
+
+def switched_on(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
+    """Changes of a scene that switch on effects, each given as "unit.effect"."""
+    from ..coupling import settle
+
+    changes: dict[str, Any] = {}
+    for text in listed("--effects", texts) if texts else []:
+        unit, effect = scene.split(text)
+        if not effect:
+            raise BadInput("--effects", repr(text), "unit.effect")
+        if unit not in scene.units:
+            raise BadInput("--effects", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
+        place = f"units.{unit}.effects"
+        on = changes.setdefault(place, list(scene.units[unit].effects))
+        if effect in on or settle(scene).interfaces[unit].effects.get(effect):
+            raise BadInput("--effects", repr(text), "an effect that is not on already")
+        on.append(effect)
+    return changes
+
+
+def change(scene: Scene, text: str) -> tuple[str, Any]:
+    """(dotted place in the scene, value) of "unit.parameter=value" or "analysis.key=value"."""
+    name, equals, value = text.partition("=")
+    unit, parameter = scene.split(name.strip())
+    if not equals or not parameter or not value:
+        raise BadInput("--set", repr(text), "unit.parameter=value")
+    place = f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}"
+    for read in (int, float):
+        try:
+            return place, read(value)
+        except ValueError:
+            pass
+    return place, {"true": True, "false": False}.get(value, value)

@@ -1,0 +1,54 @@
+"""Sweeps: one scene, many runs."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput
+
+from .common import FAILED_RUN, Changes, app, change
+
+
+@app.command()
+def sweep(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
+        "Values of a parameter, instead of the scene's [sweep]; several make a grid."))] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for sweep.csv and the report.")] = Path("sweep"),
+    values: Changes = None,
+) -> None:
+    """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
+    from .. import report
+    from ..results import made
+    from ..scene import load_scene
+    from ..sweep import sweep as run_sweep
+
+    loaded = load_scene(scene)
+    changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
+    if over:
+        changes["sweep"] = dict(map(_range_of, over))
+    if changes:
+        loaded = loaded.with_changes(changes)
+    made(output)  # now, not after a long sweep
+    found = run_sweep(loaded, progress=True)
+    written = [found.save(output), report.for_sweep(found, output)]
+    failed = [o for o in found.outcomes if o != "done"]
+    print(f"{len(found.outcomes)} points, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    for reason in dict.fromkeys(failed):
+        print(f"cosimo: {reason}", file=sys.stderr)
+    if failed:
+        raise SystemExit(FAILED_RUN)
+
+
+def _range_of(text: str) -> tuple[str, Any]:
+    """("unit.parameter", range) of "unit.parameter=from:to:points"."""
+    place, _, values = text.partition("=")
+    try:
+        first, last, points = values.split(":")
+        return place.strip(), {"from": float(first), "to": float(last), "points": int(points)}
+    except ValueError:
+        raise BadInput("--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31.") from None

@@ -1,0 +1,108 @@
+"""One run of a scene."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from components.core.errors import BadInput
+
+from .common import FAILED_RUN, Changes, InProcess, Output, app, change, listed, print_table, switched_on, warn
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+
+CHECKPOINT = "checkpoint"  # file in the output directory
+
+
+@app.command()
+def run(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    in_process: InProcess = False,
+    output: Output = None,
+    values: Changes = None,
+    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
+        "Switch on effects beside those of the scene; may be repeated."))] = None,
+    algorithm: Annotated[str | None, typer.Option("--algorithm", help=(
+        "jacobi, gauss-seidel, iterative or interface-model"))] = None,
+    step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
+    stop: Annotated[float | None, typer.Option("--stop", help="End of the run, s.")] = None,
+    record: Annotated[list[str] | None, typer.Option("--record", metavar="UNIT.OUTPUT[,...]", help=(
+        "Outputs to keep instead of those of the scene; may be repeated."))] = None,
+    checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
+        f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
+    resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help=(
+        "Do not run: show how the scene is settled, how long its macro step may be, and what a run costs."))] = False,
+) -> None:
+    """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
+
+    To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
+    scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
+    """
+    from ..results import made
+    from ..run import run as run_scene
+    from ..scene import load_scene
+
+    loaded = load_scene(scene)
+    given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
+             "record.signals": listed("--record", record) if record else None}
+    changes = {place: value for place, value in given.items() if value is not None}
+    changes |= switched_on(loaded, effects or []) | dict(change(loaded, text) for text in values or [])
+    if changes:
+        loaded = loaded.with_changes(changes)
+    if in_process and all(unit.fmu for unit in loaded.units.values()):
+        raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
+    if dry_run:
+        for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume)):
+            if value is not None:
+                raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
+        _dry_run(loaded, in_process)
+        return
+    if checkpoint_every is not None and output is None:
+        raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
+    if output is not None:
+        made(output)  # now, not after a long run
+    result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
+                       checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
+    if output is not None:
+        from .. import report
+
+        result.save(output)
+        written = ["result.csv", "run.json"]
+        if result.time.size > 1:
+            written.append(report.for_run(result, output).name)
+        print("wrote " + ", ".join(str(output / name) for name in written))
+    print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
+        (name, result.measures[name], float(c.min()), float(c.max()), float(c[-1]))
+        for name, c in result.columns.items() if c.size
+    ])
+    timing = result.info["timing"]
+    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start")
+    warn(result.info["warnings"])
+    if result.outcome != "done":
+        print(f"cosimo: {result.message}", file=sys.stderr)
+        raise SystemExit(FAILED_RUN)
+
+
+def _dry_run(scene: Scene, in_process: bool) -> None:
+    from components.core.errors import StepFailed
+
+    from ..advice import advise
+    from ..advice.dry_run import lines, tables
+    from ..coupling import settle
+
+    try:
+        advice = advise(scene, in_process=in_process)
+    except StepFailed as error:
+        print(f"cosimo: {error}", file=sys.stderr)
+        raise SystemExit(FAILED_RUN) from None
+    coupling = settle(scene)
+    for table in tables(scene, coupling, advice):
+        print_table(*table)
+    for line in lines(scene, coupling, advice):
+        print(line)
+    warn([*scene.remarks, *advice.warnings(scene)])

@@ -1,0 +1,1 @@
+"""Studies: what accuracy costs in time, what stays stable, which effects matter."""

@@ -1,0 +1,48 @@
+"""Cases held against their tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .common import FAILED_CHECK, AsJson, InProcess, app, print_table
+
+
+@app.command()
+def validate(
+    cases: Annotated[list[str] | None, typer.Argument(help="names of cases, see cosimo list cases; all without it")] = None,
+    in_process: InProcess = False,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
+    as_json: AsJson = False,
+) -> None:
+    """Run cases and hold them against their tables. Example: cosimo validate en50318-2018-ac-simple -o out"""
+    from ..report.style import number
+    from ..validation import validate as validate_cases
+    from ..validation.case import to_json
+
+    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json)
+    if as_json:
+        print(to_json(results))
+    else:
+        for result in results:
+            columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
+            print_table(result.case.title, columns, [
+                (r["quantity"], r["condition"], r["unit"], number(row.measured, r["low"], r["high"]), _range(r["low"], r["high"]),
+                 row.margin, r["standing"], "yes" if r["inside"] else "NO")
+                for row in result.findings.rows for r in [row.to_json()]
+            ])
+            print(f"{result.case.name}: {result.verdict}")
+        print(f"report: {results[0].report}")
+    if any(result.outcome == "failed" for result in results):
+        raise SystemExit(FAILED_CHECK)
+
+
+def _range(low: float | None, high: float | None) -> str:
+    """A range of a table, with the digits that its width asks for; an open end is left out."""
+    from ..report.style import number
+
+    if low is None or high is None:
+        return f"up to {high:.6g}" if low is None else f"from {low:.6g}"
+    return f"{number(low, low, high)} ... {number(high, low, high)}"
