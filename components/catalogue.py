@@ -21,6 +21,7 @@ CATALOGUE = {
     "GimbalBody": "two_axis_joint.gimbal",
     "GimbalController": "two_axis_joint.controller",
     "TorqueMotor": "drives.torque_motor",
+    "ServoMotor": "drives.servo_motor",
     "TwoLinkChain": "two_axis_joint.chain",
     "PlanarLink": "two_axis_joint.link",
     "CompliantJoint": "two_axis_joint.compliant_joint",

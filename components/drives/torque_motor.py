@@ -89,13 +89,19 @@ def back_emf(u, p):
 
 
 @kernel
+def limited_voltage(asked, induced, resistance, saturation):
+    """Voltage that an amplifier with the limits of `Saturation` gives to a motor with the induced voltage, V."""
+    drop = resistance * saturation.current
+    wanted = min(max(asked, induced - drop), induced + drop)
+    return min(max(wanted, -saturation.voltage), saturation.voltage)
+
+
+@kernel
 def amplifier_voltage(u, p, saturation):
     """Voltage at the winding: what is asked, or what the amplifier's limits leave of it."""
     if saturation is None:
         return u[VOLTAGE]
-    induced, drop = back_emf(u, p), p.resistance * saturation.current
-    wanted = min(max(u[VOLTAGE], induced - drop), induced + drop)
-    return min(max(wanted, -saturation.voltage), saturation.voltage)
+    return limited_voltage(u[VOLTAGE], back_emf(u, p), p.resistance, saturation)
 
 
 @kernel

@@ -1,0 +1,226 @@
+"""A servo motor behind a gear, with the inertias that turn with it: it gives a motion and takes the load's torque."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.events import EventComponent, rk4_events
+from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+from . import torque_motor
+
+LIMIT = 2.6  # of RK4: radius of the half disc of eigenvalues times step, real or complex, that it bears
+ANGLE, RATE, CURRENT = 0, 1, 2  # of the state; with stick the mode is its last element
+
+
+class Inductance(Effect):
+    """The current follows with the time constant inductance / resistance; off, it is there at once."""
+
+    inductance = parameter(0.238e-3, "H", "inductance of the winding", low=1e-9)
+
+
+class Saturation(torque_motor.Saturation):
+    """The amplifier's limits: its voltage, and the current, above which it gives no more voltage than the current needs."""
+
+    voltage = parameter(12.0, "V", "largest voltage of the amplifier", low=1e-9, nominal=10.0)
+    current = parameter(4.0, "A", "largest current, held where the voltage allows it", low=1e-9)
+
+
+class ShaftFriction(Effect):
+    """Dry friction of bearings and gear with exact standstill, the start of motion and its end found as events.
+
+    The kinetic level at the wheel is `level` and a share of the torque that the gear passes on, so that a gear of 80 % that
+    drives has a `gear_loss` of 0.2; a load that drives the motor pays the same share, and nothing is ever gained.
+    """
+
+    level = parameter(0.01, "N.m", "kinetic friction at the wheel", low=0.0)
+    static_ratio = parameter(1.5, "1", "static over kinetic friction, without the gear's share", low=1.0)
+    gear_loss = parameter(0.2, "1", "share of the motor's torque that the gear's teeth lose", low=0.0, high=0.99)
+
+    stuck = output("1", "1 while the shaft stands, 0 while it turns")
+
+
+class ServoMotor(EventComponent):
+    """A DC motor with constant field, a gear, and a wheel on the gear's shaft; w is the rate of the wheel, N the gear ratio.
+
+        L i' = V - R i - k N w
+        (N² J_r + J_w) w' = N k i - N² b w - friction - load
+
+    Without `inductance` the current is (V - k N w) / R. `load_torque` brakes a positive rate. The poles of rate and current are the
+    roots of s² + (R/L + B/J) s + (k² N² + R B) / (L J), with J and B at the wheel. Servo motors that move the sleeve of a laparoscope
+    by friction wheels are the subject of Frączak (2013), known to us by its abstract; the equations are the usual ones of a DC
+    motor. Defaults: numbers recalled of a motor of 12 V with a gear of 19:1, none of them published with that drive.
+    """
+
+    title = "Servo motor with gear and wheel"
+    system = "drives"
+    default_stop = 0.5
+
+    inductance = Inductance
+    saturation = Saturation
+    shaft_friction = ShaftFriction
+
+    resistance = parameter(2.3, "Ohm", "resistance of the winding", low=1e-9)
+    constant = parameter(23.4e-3, "N.m/A", "torque of the motor per current, the same number as voltage per rate", low=0.0,
+                         nominal=0.01)
+    gear_ratio = parameter(19.0, "1", "turns of the motor per turn of the wheel; negative: against it", nominal=10.0)
+    rotor_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the rotor, at the motor's shaft", low=0.0, nominal=1e-6)
+    wheel_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the wheel and the gear's last shaft", low=1e-15, nominal=1e-6)
+    damping = parameter(1e-7, "N.m.s/rad", "viscous damping at the motor's shaft", low=0.0, nominal=1e-6)
+    start_angle = parameter(0.0, "rad", "angle of the wheel at the start")
+    start_rate = parameter(0.0, "rad/s", "rate of the wheel at the start")
+    substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    voltage = input_(0.0, "V", "voltage asked of the amplifier", nominal=10.0)
+    load_torque = input_(0.0, "N.m", "torque of the load at the wheel, against a positive rate", nominal=0.1)
+
+    angle = output("rad", "angle of the wheel")
+    rate = output("rad/s", "rate of the wheel", nominal=10.0)
+    current = output("A", "current in the winding", feedthrough=("voltage",))
+    electrical_power = output("W", "power that the amplifier gives, negative where it gets some back", nominal=10.0,
+                              feedthrough=("voltage",))
+
+    presets = {
+        "motor alone": Preset(
+            {"gear_ratio": 1.0, "wheel_inertia": 1e-15, "inductance.inductance": 0.238e-3},
+            "the default motor without gear and wheel: poles at -244.3 and -9419.6 1/s", "recalled", ("inductance",)),
+    }
+
+    def initial_state(self) -> np.ndarray:
+        """Angle and rate of the parameters, the steady current, and the mode of the shaft where it can stick."""
+        p, inductance, saturation, friction = self.settled
+        x = [p.start_angle, p.start_rate]
+        if inductance is not None:
+            x.append(steady_current(p.start_rate, self.u[0], p, saturation))
+        if friction is not None:
+            x.append(0.0)
+        state = np.array(x)
+        if friction is not None:
+            drive = shaft_drive(state, self.u[0], p, inductance, saturation)
+            state[-1] = stick_mode(p.start_rate, drive, static_level(state, self.u[0], p, inductance, saturation, friction))
+        return state
+
+    def energy(self) -> float:
+        """Kinetic energy of rotor and wheel and the energy of the inductance, J."""
+        p, inductance, *_ = self.settled
+        kinetic = 0.5 * shaft_inertia(p) * self.x[RATE] ** 2
+        return float(kinetic if inductance is None else kinetic + 0.5 * inductance.inductance * self.x[CURRENT] ** 2)
+
+    def stable_step(self) -> float:
+        """RK4's limit for the poles of the motor alone, s."""
+        p, inductance, *_ = self._settled()
+        inertia, damping, torque = shaft_inertia(p), p.gear_ratio**2 * p.damping, p.gear_ratio * p.constant
+        if inductance is None:
+            fastest = (torque**2 / p.resistance + damping) / inertia
+        else:
+            L = inductance.inductance
+            matrix = np.array([[-damping / inertia, torque / inertia], [-torque / L, -p.resistance / L]])
+            fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+        return LIMIT / fastest if fastest > 0.0 else math.inf
+
+    def _step(self, t: float, h: float) -> int:
+        if "shaft_friction" in self.on:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return servo_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+
+VOLTAGE, LOAD = ServoMotor.input_indices("voltage", "load_torque")
+
+
+@kernel
+def shaft_inertia(p):
+    """Moment of inertia of rotor and wheel at the wheel, kg.m²."""
+    return p.gear_ratio * p.gear_ratio * p.rotor_inertia + p.wheel_inertia
+
+
+@kernel
+def winding_voltage(rate, u, p, saturation):
+    """Voltage at the winding: what is asked, or what the amplifier's limits leave of it, V."""
+    if saturation is None:
+        return u[VOLTAGE]
+    return torque_motor.limited_voltage(u[VOLTAGE], p.constant * p.gear_ratio * rate, p.resistance, saturation)
+
+
+@kernel
+def steady_current(rate, u, p, saturation):
+    """Current that a rate of the wheel leaves when it has settled, A."""
+    return (winding_voltage(rate, u, p, saturation) - p.constant * p.gear_ratio * rate) / p.resistance
+
+
+@kernel
+def winding_current(x, u, p, inductance, saturation):
+    """Current in the winding, A: of the state, or the settled one."""
+    if inductance is not None:
+        return x[CURRENT]
+    return steady_current(x[RATE], u, p, saturation)
+
+
+@kernel
+def shaft_drive(x, u, p, inductance, saturation):
+    """Torque that accelerates the wheel, dry friction apart, N.m."""
+    torque = p.gear_ratio * p.constant * winding_current(x, u, p, inductance, saturation)
+    return torque - p.gear_ratio * p.gear_ratio * p.damping * x[RATE] - u[LOAD]
+
+
+@kernel
+def gear_friction(x, u, p, inductance, saturation, friction):
+    """Share of the motor's torque that the gear loses, N.m at the wheel."""
+    return friction.gear_loss * abs(p.gear_ratio * p.constant * winding_current(x, u, p, inductance, saturation))
+
+
+@kernel
+def static_level(x, u, p, inductance, saturation, friction):
+    """Largest friction of a shaft that stands, N.m."""
+    return friction.static_ratio * friction.level + gear_friction(x, u, p, inductance, saturation, friction)
+
+
+@kernel
+def servo_derivatives(t, x, u, dx, p, inductance, saturation, friction):
+    """dx/dt of x = (angle, rate[, current][, mode])."""
+    torque = shaft_drive(x, u, p, inductance, saturation)
+    if friction is not None:
+        kinetic = friction.level + gear_friction(x, u, p, inductance, saturation, friction)
+        torque -= stick_friction(x[-1], torque, kinetic)
+        dx[-1] = 0.0
+    dx[ANGLE] = x[RATE]
+    dx[RATE] = torque / shaft_inertia(p)
+    if inductance is not None:
+        induced = p.constant * p.gear_ratio * x[RATE]
+        dx[CURRENT] = (winding_voltage(x[RATE], u, p, saturation) - p.resistance * x[CURRENT] - induced) / inductance.inductance
+
+
+@kernel
+def servo_guards(t, x, u, g, p, inductance, saturation, friction):
+    """What keeps the mode of the shaft."""
+    level = static_level(x, u, p, inductance, saturation, friction)
+    g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, inductance, saturation), level)
+
+
+@kernel
+def servo_switch(which, t, x, u, p, inductance, saturation, friction):
+    """The shaft has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
+    x[RATE] = 0.0
+    level = static_level(x, u, p, inductance, saturation, friction)
+    x[-1] = stick_switch(x[-1], shaft_drive(x, u, p, inductance, saturation), level)
+
+
+@kernel
+def servo_outputs(t, x, u, y, p, inductance, saturation, friction):
+    """Angle, rate, current, electrical power, and whether the shaft stands."""
+    y[0], y[1] = x[ANGLE], x[RATE]
+    y[2] = winding_current(x, u, p, inductance, saturation)
+    y[3] = winding_voltage(x[RATE], u, p, saturation) * y[2]
+    if friction is not None:
+        y[friction.y] = 1.0 if x[-1] == 0.0 else 0.0
+
+
+ServoMotor.advance = bind(rk4_events, __name__, derivatives=servo_derivatives, guards=servo_guards, switch=servo_switch,
+                          outputs=servo_outputs)
+ServoMotor.output_kernel = servo_outputs
+servo_smooth = bind(rk4, __name__, derivatives=servo_derivatives, outputs=servo_outputs)
