@@ -51,10 +51,10 @@ class ServoMotor(EventComponent):
         L i' = V - R i - k N w
         (N² J_r + J_w) w' = N k i - N² b w - friction - load
 
-    Without `inductance` the current is (V - k N w) / R. `load_torque` brakes a positive rate. The poles of rate and current are the
-    roots of s² + (R/L + B/J) s + (k² N² + R B) / (L J), with J and B at the wheel. Servo motors that move the sleeve of a laparoscope
-    by friction wheels are the subject of Frączak (2013), known to us by its abstract; the equations are the usual ones of a DC
-    motor. Defaults: numbers recalled of a motor of 12 V with a gear of 19:1, none of them published with that drive.
+    Without `inductance` the current is (V - k N w) / R. `load_torque` brakes a positive rate. The poles of rate and current are
+    the roots of s² + (R/L + B/J) s + (k² N² + R B) / (L J), with J and B at the wheel. Servo motors that move the sleeve of a
+    laparoscope by friction wheels are the subject of Frączak (2013), known to us by its abstract; the equations are the usual
+    ones of a DC motor. Defaults: numbers recalled of a motor of 12 V with a gear of 19:1, none published with that drive.
     """
 
     title = "Servo motor with gear and wheel"
