@@ -22,8 +22,8 @@ def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
     """A scene's data with units, connections and contacts of its subsystems in the place of their entries, and remarks.
 
     Paths are relative to `folder`. `above`: the files that include this one. What a unit of a subsystem is called in its
-    own file stands behind the entry's name: "subsystem.unit". Stop time, master, records, faults, sweep and analysis of the
-    included scene belong to its own runs and are not taken over.
+    own file stands behind the entry's name: "subsystem.unit". Stop time, master, records, faults, sweep, analysis and study of
+    the included scene belong to its own runs and are not taken over.
     """
     if not isinstance(data.get("units"), Mapping):
         return dict(data), ()

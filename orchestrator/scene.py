@@ -14,11 +14,12 @@ from pydantic import ValidationError
 from components.core.errors import BadInput, nearest
 
 from .analysis.keys import keys_of, unknown
-from .coupling import settle
+from .coupling import Coupling, settle
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
 from .settings import SceneSettings
 from .settings.messages import one_message
+from .settings.study import wanted
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
 
@@ -77,8 +78,16 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
         raise one_message(error, Scene, name) from None
     scene._name, scene._remarks = name, (*remarks, *more)
     _check_analysis(scene.analysis, name)
-    settle(scene)
+    _check_quantities(scene, settle(scene))
     return scene
+
+
+def _check_quantities(scene: Scene, coupling: Coupling) -> None:
+    """Refuse quantities of interest that no run could have."""
+    outputs = [f"{unit}.{n}" for unit, i in coupling.interfaces.items() for n in i.outputs] if scene.study.quantities else []
+    for text in scene.study.quantities:
+        if (signal := wanted(text).signal) not in outputs:
+            raise BadInput(f"{scene.name}: study.quantities", repr(signal), "an output of a unit", nearest(signal, outputs))
 
 
 def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:

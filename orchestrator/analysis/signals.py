@@ -125,3 +125,15 @@ def amplitude_spectrum(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarr
     if x.size % 2 == 0:
         amplitude[-1] *= 0.5
     return np.fft.rfftfreq(x.size, 1.0 / rate), amplitude
+
+
+def amplitude_at(x: np.ndarray, rate: float, frequency: float) -> float:
+    """Amplitude of the part of x (n,), sampled at `rate` Hz, that oscillates at `frequency` Hz; mean removed, Hann window.
+
+    A sine at a distance of two spacings rate/n or more from `frequency` hardly counts.
+    """
+    if not 0.0 < frequency < 0.5 * rate:
+        raise BadInput("amplitude", f"{frequency:g} Hz at {rate:g} samples per second", f"between 0 and {0.5 * rate:g} Hz")
+    weights = dsp.windows.hann(x.size, sym=False)
+    turning = np.exp(-2j * np.pi * frequency / rate * np.arange(x.size))
+    return float(2.0 * abs(((x - x.mean()) * weights) @ turning) / weights.sum())

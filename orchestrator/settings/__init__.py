@@ -5,7 +5,9 @@ from .faults import FaultSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
 from .model import Model, Number
 from .scene import ConnectionSettings, RecordSettings, SceneSettings
+from .study import MonolithSettings, StudySettings
 from .units import SubsystemSettings, UnitSettings
 
 __all__ = ["ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings",
-           "Model", "Number", "RecordSettings", "SceneSettings", "SubsystemSettings", "UnitSettings"]
+           "Model", "MonolithSettings", "Number", "RecordSettings", "SceneSettings", "StudySettings", "SubsystemSettings",
+           "UnitSettings"]

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from sys import float_info
+from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-import numpy as np
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from components.core.errors import BadInput
@@ -15,11 +13,11 @@ from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings
 from .model import UNIT_NAME, Model, Number, Seconds, Sweep, Truth
+from .ranges import ranged
+from .study import StudySettings
 from .units import OrSubsystem, UnitSettings
 
-RANGE = ("from", "to", "points")
 MOST_STEPS = 1e12  # of a run
-MOST_POINTS = 1_000_000  # of one range; each is a run
 
 
 class ConnectionSettings(Model):
@@ -69,6 +67,7 @@ class SceneSettings(Model):
     sweep: Sweep = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
     analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
+    study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())
 
@@ -90,7 +89,7 @@ class SceneSettings(Model):
     @field_validator("sweep", mode="before")
     @classmethod
     def _by_full_name(cls, sweep: Any) -> Any:
-        return dict(_swept(sweep)) if isinstance(sweep, Mapping) else sweep
+        return dict(ranged(sweep)) if isinstance(sweep, Mapping) else sweep
 
     @model_validator(mode="after")
     def _lengths_fit(self) -> Self:
@@ -108,25 +107,3 @@ class SceneSettings(Model):
     def settings(self) -> dict[str, Any]:
         """What was given, as plain data; `read_scene` of it gives the scene again."""
         return self.model_dump(exclude_unset=True)
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= float_info.max
-
-
-def _swept(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Nested tables of a sweep as full names of parameters, each with its values; ranges as evenly spaced ones."""
-    for key, value in table.items():
-        name = prefix + key
-        if not isinstance(value, Mapping):
-            yield name, value
-        elif not value.keys() & set(RANGE):
-            yield from _swept(value, name + ".")
-        else:
-            first, last, points = (value.get(k) for k in RANGE)
-            countable = isinstance(points, int) and 2 <= points <= MOST_POINTS
-            if len(value) != 3 or not (_finite(first) and _finite(last) and countable):
-                raise BadInput(name, repr(dict(value)), f"{{ from = first value, to = last value, points = 2 to {MOST_POINTS} }}")
-            yield name, np.linspace(float(first), float(last), points).tolist()  # type: ignore[arg-type]
-
-

@@ -54,7 +54,7 @@ class UnitSettings(Model):
 class SubsystemSettings(Model):
     """An entry of `units` that stands for the units, connections and contacts of another scene, as "entry.unit".
 
-    What belongs to that scene's own runs is not taken over: stop time, master, records, faults, sweep, analysis.
+    What belongs to that scene's own runs is not taken over: stop time, master, records, faults, sweep, analysis, study.
     """
 
     scene: str = Field(description="name of a shipped scene, or path to a .toml, .ssd or .ssp file, relative to this one")

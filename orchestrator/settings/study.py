@@ -1,0 +1,89 @@
+"""What studies of a scene look at: quantities of interest, meshes, a monolithic scene to compare with, maps of stability.
+
+    [study]
+    quantities = ["pantograph.contact_force, maximum", "bearing.displacement_x, amplitude at 12.5 Hz", "hull.depth, end"]
+    mesh = ["catenary.element"]                     # parameters whose halving refines the mesh of a unit
+    monolith = { scene = "one-body", signals = { "left.position" = "body.x" } }
+    stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from pydantic import Field, field_validator
+
+from components.core.errors import BadInput, nearest
+
+from .model import Model, Sweep
+from .ranges import ranged
+
+QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "course", "amplitude at F Hz")
+AMPLITUDE = re.compile(r"amplitude at (\S+) Hz")
+
+
+class Wanted(NamedTuple):
+    """A quantity of interest as a scene names it. kind: one of `QUANTITY_KINDS`; frequency: Hz, of an amplitude."""
+
+    signal: str
+    kind: str
+    frequency: float
+
+
+def wanted(text: str) -> Wanted:
+    """Of "unit.output, kind"; raises `BadInput`."""
+    signal, comma, kind = (part.strip() for part in text.rpartition(","))  # an element of an array has commas, too
+    if not (signal and comma):
+        raise BadInput("quantities", repr(text), '"unit.output, kind"', "Kinds: " + ", ".join(QUANTITY_KINDS) + ".")
+    if found := AMPLITUDE.fullmatch(kind):
+        try:
+            frequency = float(found[1])
+        except ValueError:
+            frequency = -1.0
+        if not 0.0 < frequency < float("inf"):
+            raise BadInput("quantities", repr(text), "an amplitude at a positive frequency", 'Such as "amplitude at 12.5 Hz".')
+        return Wanted(signal, QUANTITY_KINDS[-1], frequency)
+    if kind not in QUANTITY_KINDS[:-1]:
+        raise BadInput("quantities", f"kind {kind!r}", "one of " + ", ".join(QUANTITY_KINDS), nearest(kind, QUANTITY_KINDS))
+    return Wanted(signal, kind, 0.0)
+
+
+class MonolithSettings(Model):
+    """Another scene with the same physics in one unit: solved once, it tells what the coupled scene should give."""
+
+    scene: str = Field(description="name of a shipped scene or path of a file")
+    signals: dict[str, str] = Field(
+        default={}, description="unit.output of this scene -> unit.output of that one; those of one name need no entry")
+
+
+class StudySettings(Model):
+    """Read by cosimo accuracy, stability and effects."""
+
+    quantities: tuple[str, ...] = Field(default=(), description=(
+        '"unit.output, kind", after the transient of [analysis]; kinds: ' + ", ".join(QUANTITY_KINDS)
+        + "; without it the course and the maximum of every recorded signal"))
+    mesh: tuple[str, ...] = Field(default=(), description="unit.parameter, lengths of elements; halved, the mesh is finer")
+    monolith: MonolithSettings | None = Field(default=None, description="a scene that gives the same signals from one unit")
+    stability: Sweep = Field(default={}, description=(
+        "unit.parameter = [values] or { from, to, points }, one or two of them: axes of the map of cosimo stability"))
+
+    @field_validator("quantities")
+    @classmethod
+    def _readable(cls, quantities: tuple[str, ...]) -> tuple[str, ...]:
+        for text in quantities:
+            wanted(text)
+        return quantities
+
+    @field_validator("stability", mode="before")
+    @classmethod
+    def _by_full_name(cls, table: Any) -> Any:
+        return dict(ranged(table)) if isinstance(table, Mapping) else table
+
+    @field_validator("stability")
+    @classmethod
+    def _drawable(cls, table: dict[str, Any]) -> dict[str, Any]:
+        if len(table) > 2:
+            raise BadInput("stability", f"{len(table)} parameters", "one or two, the axes of a map")
+        return table
