@@ -40,6 +40,7 @@ CATALOGUE = {
     "PistonPump": "wind_pump.piston_pump",
     "CentrifugalPump": "wind_pump.centrifugal_pump",
     "WaterPipe": "wind_pump.pipe",
+    "ServoController": "friction_drive.controller",
 }
 
 

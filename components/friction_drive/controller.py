@@ -1,0 +1,224 @@
+"""Positioning a sleeve by two wheels: a sampled cascade of position and rates, decoupled by the inverse kinematics."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.errors import BadInput
+from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from ..core.variables import choice, input_, output, parameter
+from .kinematics import layout_choice, refuse_singular, sleeve_rates, wheel_rates
+
+ROWS = 8
+WHEELS = 1
+# the state: number of the next sample, then pairs: voltages, integrals, errors, wanted way, encoders at the last sample
+NEXT, VOLTAGES, INTEGRALS, ERRORS, WANTED, LAST, STATES = 0, 1, 3, 5, 7, 9, 11
+
+
+class Quantisation(Effect):
+    """Sensors count whole steps; the rates of the wheels are differences of counts over a sample, instead of measured rates.
+
+    Default of the wheels: 2000 counts a turn of a motor behind a gear of 19:1.
+    """
+
+    wheel_step = parameter(1.65e-4, "rad", "angle of a wheel per count", low=1e-12, nominal=1e-4)
+    feed_step = parameter(1e-5, "m", "feed per count", low=1e-12, nominal=1e-5)
+    rotation_step = parameter(1e-3, "rad", "rotation per count", low=1e-12, nominal=1e-3)
+
+
+class Reference(Effect):
+    """The set point follows a table that is added to the constant one: straight between the rows, a step where times are equal.
+
+    Before the first time the first row holds, after the last the last. A table with fewer rows leaves the rest at 0.
+    """
+
+    time = parameter((0.0, 0.5, *[0.0] * 6), "s", "time of a row, not decreasing", size=ROWS)
+    feed = parameter((0.0, 0.02, *[0.0] * 6), "m", "feed added to the set point", size=ROWS, nominal=0.01)
+    rotation = parameter((0.0, 1.0, *[0.0] * 6), "rad", "rotation added to the set point", size=ROWS)
+
+
+class ServoController(Component):
+    """Cascade for feed and rotation of a sleeve on two wheels; sampled, its voltages held in between.
+
+        wanted motion   v = K_p (set - measured) + set'                    for feed and rotation
+        wanted rates    w_set = inverse kinematics of v, both cut in proportion where one is above `rate_limit`
+        voltage         V = F w_set + K_v (w_set - w) + I,    I' = K_i (w_set - w) + (V limited - V) / T     for each wheel
+
+    What the limit keeps back of the voltage flows back into the integral within the time T, so that it does not wind up. The way
+    is measured at the sleeve, or taken from the wheels' angles without seeing slip. An integral gain of 0 leaves a controller of
+    position and rate: against dry friction it stands with an error instead of hunting. Samples are taken at whole multiples of
+    the period and at the start; at a sample's instant the voltages are its own.
+
+    Frączak (2013), known to us by its abstract, has a control system for such a drive; this cascade and its gains are ours, for
+    some 20 1/s with the default motor.
+    """
+
+    title = "Controller of a friction-wheel drive"
+    system = "friction_drive"
+    counters = ("steps", "samples")
+    default_step = 1e-3
+
+    quantisation = Quantisation
+    reference = Reference
+
+    layout = layout_choice()
+    feedback = choice("sleeve", ("sleeve", "wheels"), "where the way is measured: feed and rotation, or the wheels' angles")
+    wheel_radius = parameter(0.01, "m", "radius of the wheels", low=1e-6, nominal=0.01)
+    sleeve_radius = parameter(0.005, "m", "radius of the sleeve", low=1e-6, nominal=0.01)
+    angle = parameter(math.pi / 6.0, "rad", "angle of the wheels' directions with the axis, for skewed wheels")
+    period = parameter(1e-3, "s", "time between samples", low=1e-6, nominal=1e-3)
+    set_feed = parameter(0.0, "m", "set point of the feed", nominal=0.01)
+    set_rotation = parameter(0.0, "rad", "set point of the rotation")
+    feed_gain = parameter(20.0, "1/s", "feed rate per error of the feed", low=0.0, nominal=10.0)
+    rotation_gain = parameter(20.0, "1/s", "rotation rate per error of the rotation", low=0.0, nominal=10.0)
+    rate_limit = parameter(20.0, "rad/s", "largest rate of a wheel that is asked for", low=1e-9, nominal=10.0)
+    rate_gain = parameter(0.4, "V.s/rad", "voltage per error of a wheel's rate", low=0.0)
+    rate_integral_gain = parameter(10.0, "V/rad", "voltage per error of a wheel's rate and time", low=0.0, nominal=10.0)
+    feed_forward = parameter(0.4446, "V.s/rad", "voltage per wanted rate of a wheel; the default motor induces as much", low=0.0)
+    voltage_limit = parameter(12.0, "V", "largest voltage that is asked for", low=1e-9, nominal=10.0)
+    unwinding_time = parameter(0.02, "s", "time in which the integrals give up what the limit keeps back", low=1e-6)
+
+    first_angle = input_(0.0, "rad", "angle of the first wheel, by its encoder")
+    second_angle = input_(0.0, "rad", "angle of the second wheel")
+    first_rate = input_(0.0, "rad/s", "rate of the first wheel")
+    second_rate = input_(0.0, "rad/s", "rate of the second wheel")
+    feed = input_(0.0, "m", "feed of the sleeve, by its own sensor", nominal=0.01)
+    rotation = input_(0.0, "rad", "rotation of the sleeve")
+
+    first_voltage = output("V", "voltage for the motor of the first wheel", nominal=10.0)
+    second_voltage = output("V", "voltage for the motor of the second wheel", nominal=10.0)
+    feed_error = output("m", "set point less measured feed at the last sample", nominal=0.01)
+    rotation_error = output("rad", "set point less measured rotation at the last sample")
+    wanted_feed = output("m", "set point of the feed at the last sample", nominal=0.01)
+    wanted_rotation = output("rad", "set point of the rotation at the last sample")
+
+    def settle(self) -> tuple[Any, ...]:
+        """What the kernels get; wheels that cannot give both degrees of freedom, and times that go back, are refused."""
+        p, quantisation, reference = self._settled()
+        refuse_singular(self.name, p.layout, p.angle)
+        return p, quantisation, None if reference is None else self._course(reference)
+
+    def _course(self, reference: Any) -> Course:
+        """The rows of the reference, the last one repeated to the end; an earlier time that is not 0 is refused."""
+        falls = np.flatnonzero(np.diff(reference.time) < 0.0)
+        end = int(falls[0]) if falls.size else ROWS - 1
+        if any(column[end + 1 :].any() for column in (reference.time, reference.feed, reference.rotation)):
+            came = f"time[{end + 1}] = {reference.time[end]:g} s, then {reference.time[end + 1]:g} s"
+            raise BadInput(f"{self.name}: reference", came, "times that do not decrease, and zeros behind the last row")
+        rows = np.minimum(np.arange(ROWS), end)
+        return Course(reference.time[rows], reference.feed[rows], reference.rotation[rows])
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self.settle()
+        self.x = np.zeros(STATES)
+        self._now = np.zeros(self.u.shape[1])
+        p, quantisation, _ = self.settled
+        if quantisation is not None:  # as if the wheels had turned at their rates before
+            for i in range(2):
+                self.x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], quantisation.wheel_step)
+        self.x[NEXT] = math.floor(t / p.period * (1.0 + 1e-12)) + 1.0
+        control_sample(t, self.u[0], self.x, *self.settled)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        return control(t, h, self.u, self.x, self.y, self._now, self.counts, *self.settled)
+
+    def _outputs(self, t: float) -> None:
+        control_outputs(self.x, self.y)
+
+
+@kernel_tuple
+class Course(NamedTuple):
+    """Rows of the reference for the kernels, (8,) each."""
+
+    time: np.ndarray
+    feed: np.ndarray
+    rotation: np.ndarray
+
+
+@kernel
+def counted(value, step):
+    """The whole steps at or below a value, in its unit, as an encoder counts them."""
+    return step * math.floor(value / step)
+
+
+@kernel
+def wanted(t, p, course):
+    """(feed, rotation, their rates) of the set point at time t."""
+    feed, rotation, feed_rate, rotation_rate = p.set_feed, p.set_rotation, 0.0, 0.0
+    if course is not None:
+        i = 0
+        while i < ROWS and course.time[i] <= t:
+            i += 1
+        before, after = max(i - 1, 0), min(i, ROWS - 1)
+        feed += course.feed[before]
+        rotation += course.rotation[before]
+        length = course.time[after] - course.time[before]
+        if length > 0.0:
+            feed_rate = (course.feed[after] - course.feed[before]) / length
+            rotation_rate = (course.rotation[after] - course.rotation[before]) / length
+            feed += feed_rate * (t - course.time[before])
+            rotation += rotation_rate * (t - course.time[before])
+    return feed, rotation, feed_rate, rotation_rate
+
+
+@kernel
+def wheel_sample(i, wanted_rate, rate, x, p):
+    """One sample of one wheel: its voltage and integral in x."""
+    error = wanted_rate - rate
+    asked = p.feed_forward * wanted_rate + p.rate_gain * error + x[INTEGRALS + i]
+    voltage = min(max(asked, -p.voltage_limit), p.voltage_limit)
+    x[VOLTAGES + i] = voltage
+    if p.rate_integral_gain > 0.0:  # else there is nothing to unwind, and what the limit keeps back would stay
+        x[INTEGRALS + i] += p.period * (p.rate_integral_gain * error + (voltage - asked) / p.unwinding_time)
+
+
+@kernel
+def control_sample(t, u, x, p, quantisation, course):
+    """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in x."""
+    first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
+    if quantisation is not None:
+        first_angle, second_angle = counted(first_angle, quantisation.wheel_step), counted(second_angle, quantisation.wheel_step)
+        first_rate, second_rate = (first_angle - x[LAST]) / p.period, (second_angle - x[LAST + 1]) / p.period
+        x[LAST], x[LAST + 1] = first_angle, second_angle
+        feed, rotation = counted(feed, quantisation.feed_step), counted(rotation, quantisation.rotation_step)
+    if p.feedback == WHEELS:
+        feed, rotation = sleeve_rates(first_angle, second_angle, p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
+    x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, p, course)
+    x[ERRORS], x[ERRORS + 1] = x[WANTED] - feed, x[WANTED + 1] - rotation
+    first, second = wheel_rates(feed_rate + p.feed_gain * x[ERRORS], rotation_rate + p.rotation_gain * x[ERRORS + 1],
+                                p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
+    share = p.rate_limit / max(abs(first), abs(second), p.rate_limit)
+    wheel_sample(0, share * first, first_rate, x, p)
+    wheel_sample(1, share * second, second_rate, x, p)
+
+
+@kernel
+def control_outputs(x, y):
+    """Voltages, errors and set point of the last sample."""
+    y[0], y[1] = x[VOLTAGES], x[VOLTAGES + 1]
+    y[2], y[3] = x[ERRORS], x[ERRORS + 1]
+    y[4], y[5] = x[WANTED], x[WANTED + 1]
+
+
+@kernel
+def control(t, h, u, x, y, now, counts, p, quantisation, course):
+    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
+    while x[NEXT] * p.period <= t + h + 1e-9 * p.period:
+        s = min(max(x[NEXT] * p.period - t, 0.0), h)
+        for j in range(u.shape[1]):
+            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
+        control_sample(x[NEXT] * p.period, now, x, p, quantisation, course)
+        x[NEXT] += 1.0
+        counts[1] += 1
+    counts[0] += 1
+    hold_inputs(u, h)
+    control_outputs(x, y)
+    for j in range(STATES):
+        if not math.isfinite(x[j]):
+            return NOT_FINITE
+    return DONE
