@@ -40,7 +40,10 @@ CATALOGUE = {
     "PistonPump": "wind_pump.piston_pump",
     "CentrifugalPump": "wind_pump.centrifugal_pump",
     "WaterPipe": "wind_pump.pipe",
+    "FourBar": "wrist.four_bar",
+    "PipeRobot": "pipe_robot.robot",
     "ServoController": "friction_drive.controller",
+    "FrictionWheels": "friction_drive.wheels",
 }
 
 

@@ -1,0 +1,166 @@
+"""A planar four-bar linkage between two shafts: no mass, motion one way, torque the other."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Component, Effect
+from ..core.errors import BadInput, StepFailed
+from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.variables import choice, input_, output, parameter
+from .linkage import Linkage, change_points, check_lengths, position
+
+ANGLE, MOTION, LOADED = ("input_angle",), ("input_angle", "input_rate"), ("input_angle", "load_torque")
+
+
+class PinDamping(Effect):
+    """Viscous friction of all four pins, each in proportion to the rate of its two links against each other."""
+
+    coefficient = parameter(1e-3, "N.m.s/rad", "damping of a pin", low=0.0)
+    dissipation = output("W", "power lost in the pins", nominal=1e-3, feedthrough=MOTION)
+
+
+class RockerSpring(Effect):
+    """A torsion spring from the ground to the rocker, as ligaments between two bones are one."""
+
+    stiffness = parameter(1.0, "N.m/rad", "stiffness of the spring", low=0.0)
+    rest_angle = parameter(1.9, "rad", "rocker angle at which it has no torque")
+
+
+class CouplerPoint(Effect):
+    """A point that the coupler carries: its path is the coupler curve."""
+
+    along = parameter(0.025, "m", "distance from the crank's tip along the coupler")
+    across = parameter(0.02, "m", "distance from the coupler's line, to its left")
+    x = output("m", "place along the ground from the crank's pin", nominal=0.1, feedthrough=ANGLE)
+    y = output("m", "place across the ground", nominal=0.1, feedthrough=ANGLE)
+    velocity_x = output("m/s", "velocity along the ground", nominal=0.1, feedthrough=MOTION)
+    velocity_y = output("m/s", "velocity across the ground", nominal=0.1, feedthrough=MOTION)
+
+
+class FourBar(Component):
+    """Crank, coupler and rocker on a ground, K1 cos psi - K2 cos phi + K3 = cos(phi - psi) (Freudenstein).
+
+        K1 = d/a, K2 = d/c, K3 = (a² - b² + c² + d²) / (2 a c);    ratio = psi'/phi' = a sin(theta - phi) / (c sin(theta - psi))
+        input_torque = ratio load_torque + what springs and pins add: the linkage itself takes no power
+
+    phi, psi, theta: angles of crank, rocker and coupler; a, b, c, d: `crank`, `coupler`, `rocker`, `ground`. Where coupler and
+    rocker are in one line (toggle), the ratio is infinite: a run fails as soon as the transmission angle is closer to that than
+    `least_transmission_angle`. A linkage in which all links can lie in one line has change points, where two assemblies meet:
+    `change_point` says how it goes on, "through" without a kink, as bodies with inertia do, or "fold" within its assembly.
+    The exact root is used there, so that position, ratio and torque have no gap.
+    Sandow (2020), of which the abstract was at hand, calls the wrist a linkage of two gears and four bars. That a gear of it is
+    such a unit, one for the sagittal and one for the coronal plane with the proximal row between two in series, is our reading,
+    and so are all lengths: the defaults are a textbook crank-rocker of the size of a carpus.
+    """
+
+    title = "Planar four-bar linkage"
+    system = "wrist"
+    counters = ("steps",)
+
+    pin_damping = PinDamping
+    rocker_spring = RockerSpring
+    coupler_point = CouplerPoint
+
+    crank = parameter(0.020, "m", "length a of the crank, which the input turns", low=1e-6)
+    coupler = parameter(0.050, "m", "length b of the coupler", low=1e-6)
+    rocker = parameter(0.040, "m", "length c of the rocker, the output", low=1e-6)
+    ground = parameter(0.055, "m", "distance d of the pins in the ground", low=1e-6)
+    assembly = choice("open", ("open", "crossed"), "side of the crank's diagonal on which coupler and rocker meet")
+    change_point = choice("refuse", ("refuse", "through", "fold"), "what a linkage does where all its links lie in one line")
+    least_transmission_angle = parameter(1e-3, "rad", "nearest approach to the toggle", low=1e-6, high=1.0)
+
+    input_angle = input_(0.5 * math.pi, "rad", "crank angle from the ground's direction")
+    input_rate = input_(0.0, "rad/s", "rate of the crank")
+    load_torque = input_(0.0, "N.m", "torque that brakes the rocker")
+
+    output_angle = output("rad", "rocker angle from the ground's direction", feedthrough=ANGLE)
+    output_rate = output("rad/s", "rate of the rocker", feedthrough=MOTION)
+    input_torque = output("N.m", "torque that brakes the crank", feedthrough=(*MOTION, "load_torque"))
+    ratio = output("1", "rate of the rocker over that of the crank", feedthrough=ANGLE)
+    transmission_angle = output("rad", "angle between coupler and rocker, 0 and pi in the toggle", feedthrough=ANGLE)
+    coupler_angle = output("rad", "angle of the coupler from the ground's direction, within -pi and pi", feedthrough=ANGLE)
+
+    def energy(self) -> float:
+        """Energy of the rocker's spring, J; 0 without one."""
+        spring = self.settled[2]
+        if spring is None:
+            return 0.0
+        return float(0.5 * spring.stiffness * (self.get("output_angle") - spring.rest_angle) ** 2)
+
+    def _initialize(self, t: float) -> int:
+        a, b, c, d = (float(self.get(n)) for n in ("crank", "coupler", "rocker", "ground"))
+        check_lengths(self.name, a, b, c, d)
+        points, way = change_points(a, b, c, d), str(self.get("change_point"))
+        if any(points) and way == "refuse":
+            where = " and ".join(text for there, text in zip(points, ("0", "180 degrees"), strict=True) if there)
+            raise BadInput(self.name, f"a linkage with a change point at the crank angle {where}", "word of how it goes on there",
+                           "Set change_point to through or fold, or change a length.")
+        if not any(points) and way != "refuse":
+            raise BadInput(self.name, f"change_point = {way!r}", "a linkage with a change point",
+                           "It would have no effect: two pairs of links are not equally long together.")
+        sign = 1.0 if self.get("assembly") == "open" else -1.0
+        near, far = ((1.0 if way == "through" else -1.0) if there else 0.0 for there in points)
+        self._limit = math.cos(float(self.get("least_transmission_angle")))
+        self.settled = (Linkage(a, b, c, d, sign, near, far), *self._settled()[1:])
+        self.x = np.zeros(0)
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        self.counts[0] += 1
+        hold_inputs(self.u, h)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t: float) -> None:
+        linkage = self.settled[0]
+        cosine = cosine_of_transmission(self.u[0, INPUT_ANGLE], linkage)
+        inside = (linkage.near != 0.0 or cosine < self._limit) and (linkage.far != 0.0 or cosine > -self._limit)
+        if not inside:  # also where the angle is no number
+            reached = "beyond" if abs(cosine) > 1.0 else "at"
+            angle = self.u[0, INPUT_ANGLE]
+            raise StepFailed(self.name, t, f"crank angle {angle:.6g} rad is {reached} the toggle, where coupler and rocker are in "
+                             "one line", "Keep the crank within its range, or change the lengths")
+        linkage_outputs(self.u[0], self.y, *self.settled)
+
+
+INPUT_ANGLE, INPUT_RATE, LOAD = FourBar.input_indices("input_angle", "input_rate", "load_torque")
+OUTPUT_ANGLE, OUTPUT_RATE, INPUT_TORQUE, RATIO, TRANSMISSION, COUPLER = FourBar.output_indices(
+    "output_angle", "output_rate", "input_torque", "ratio", "transmission_angle", "coupler_angle"
+)
+
+
+@kernel
+def cosine_of_transmission(angle, p):
+    """Cosine of the transmission angle at a crank angle; beyond -1 or 1 where the linkage does not close."""
+    square = p.crank**2 + p.ground**2 - 2.0 * p.crank * p.ground * math.cos(angle)
+    return (p.coupler**2 + p.rocker**2 - square) / (2.0 * p.coupler * p.rocker)
+
+
+@kernel
+def linkage_outputs(u, y, p, pins, spring, point):
+    """Position, rates and torques; p: `Linkage`."""
+    angle, rate = u[INPUT_ANGLE], u[INPUT_RATE]
+    rocker, ratio, sine, cosine = position(angle, p)
+    x, z = p.crank * math.cos(angle), p.crank * math.sin(angle)  # the crank's tip
+    along, across = p.ground + p.rocker * math.cos(rocker) - x, p.rocker * math.sin(rocker) - z  # from there to the rocker's
+    # per rate of the crank: the rates of those two components, and of the coupler
+    along_slope, across_slope = z - p.rocker * math.sin(rocker) * ratio, p.rocker * math.cos(rocker) * ratio - x
+    coupler_ratio = (along * across_slope - across * along_slope) / p.coupler**2
+    load = u[LOAD]
+    if spring is not None:
+        load += spring.stiffness * (rocker - spring.rest_angle)
+    y[OUTPUT_ANGLE], y[OUTPUT_RATE], y[RATIO] = rocker, ratio * rate, ratio
+    y[INPUT_TORQUE] = ratio * load
+    y[TRANSMISSION], y[COUPLER] = math.atan2(abs(sine), cosine), math.atan2(across, along)
+    if pins is not None:
+        share = 1.0 + (coupler_ratio - 1.0) ** 2 + (ratio - coupler_ratio) ** 2 + ratio * ratio
+        y[INPUT_TORQUE] += pins.coefficient * share * rate
+        y[pins.y] = pins.coefficient * share * rate * rate
+    if point is not None:
+        one, two = along / p.coupler, across / p.coupler
+        right, up = one * point.along - two * point.across, two * point.along + one * point.across
+        y[point.y], y[point.y + 1] = x + right, z + up
+        y[point.y + 2], y[point.y + 3] = (-z - coupler_ratio * up) * rate, (x + coupler_ratio * right) * rate
