@@ -93,3 +93,106 @@ def stick_friction(mode, drive, kinetic):
     if mode == 0.0:
         return drive
     return mode * kinetic
+
+
+# -- exact, with levels that differ in the two directions --------------------------------------------------------------
+@kernel
+def directed_mode(v, drive, forward, backward):
+    """`stick_mode` where the static level is `forward` against motion to the positive side, `backward` to the negative one."""
+    if v > 0.0 or (v == 0.0 and drive > HOLDS * forward):
+        return 1.0
+    if v < 0.0 or (v == 0.0 and drive < -HOLDS * backward):
+        return -1.0
+    return 0.0
+
+
+@kernel
+def directed_guard(mode, v, drive, forward, backward):
+    """`stick_guard` for two static levels; levels that fall to zero let go."""
+    if mode == 0.0:
+        return min(HOLDS * forward - drive, HOLDS * backward + drive)
+    return mode * v
+
+
+@kernel
+def directed_switch(mode, drive, forward, backward):
+    """`stick_switch` for two static levels: from rest into the direction of whichever level has been passed."""
+    if mode == 0.0:
+        return 1.0 if forward - drive < backward + drive else -1.0
+    return directed_mode(0.0, drive, forward, backward)
+
+
+@kernel
+def directed_friction(mode, drive, forward, backward):
+    """Friction in a mode, against a positive rate, for two kinetic levels; at rest what balances the drive."""
+    if mode == 0.0:
+        return drive
+    return forward if mode > 0.0 else -backward
+
+
+# In the plane of contact: slip s and deflection z are vectors (x, y), and friction acts against the slip, whatever its direction.
+SLIDES = 1.0  # the mode of a planar contact that slides; 0, at rest, as above
+
+
+@kernel
+def smoothed_planar(sx, sy, level, damping):
+    """(x, y) of level * tanh(damping |s| / level) in the direction of the slip: damping * s where the slip is small."""
+    slip = math.hypot(sx, sy)
+    share = damping * slip
+    if share == 0.0 or level == 0.0:
+        return 0.0, 0.0
+    share = level * math.tanh(share / level) / slip
+    return share * sx, share * sy
+
+
+@kernel
+def planar_lugre_rate(sx, sy, zx, zy, stiffness, kinetic, static, stribeck, fastest):
+    """Rate of the bristles' deflection in the plane, s - stiffness |s| z / level(|s|), kept to `fastest` as `lugre_rate` is."""
+    slip = math.hypot(sx, sy)
+    relaxation = stiffness * slip / lugre_level(slip, kinetic, static, stribeck)
+    rx, ry = sx - relaxation * zx, sy - relaxation * zy
+    if relaxation > fastest:
+        rx *= fastest / relaxation
+        ry *= fastest / relaxation
+    return rx, ry
+
+
+@kernel
+def planar_stick_rate(mode, sx, sy, zx, zy, fastest):
+    """Rate of the deflection of a contact that holds elastically and slides: all of the slip at rest; else its direction only.
+
+    While the contact slides, the deflection keeps its length and turns into the direction of the slip, within a path of that
+    length, though no faster than `fastest`, 1/s. So two contacts that stick share a load as their stiffness has it, where
+    rigid ones would leave it open, and nothing creeps: at rest the deflection is a function of the place alone.
+    """
+    if mode != SLIDES:
+        return sx, sy
+    squared = zx * zx + zy * zy
+    if squared == 0.0:
+        return 0.0, 0.0
+    along = (sx * zx + sy * zy) / squared
+    rx, ry = sx - along * zx, sy - along * zy
+    relaxation = math.sqrt((sx * sx + sy * sy) / squared)
+    if relaxation > fastest:
+        rx *= fastest / relaxation
+        ry *= fastest / relaxation
+    return rx, ry
+
+
+@kernel
+def planar_stick_guard(mode, sx, sy, zx, zy, breakaway):
+    """Positive while the mode holds: what is missing of the deflection that breaks loose, or the slip along the deflection."""
+    length = math.hypot(zx, zy)
+    if mode != SLIDES:
+        return HOLDS * breakaway - length
+    return (sx * zx + sy * zy) / length if length > 0.0 else 0.0
+
+
+@kernel
+def planar_stick_switch(mode, zx, zy, sliding):
+    """(mode, zx, zy) after a mode has ended: the other one, at the deflection of a contact that slides."""
+    length = math.hypot(zx, zy)
+    if length > 0.0:
+        zx *= sliding / length
+        zy *= sliding / length
+    return SLIDES - mode, zx, zy

@@ -1,0 +1,61 @@
+"""What both pipe robots share: the inner mass's spring, the harmonic force, the pipe's slope, the load in tow."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.kernels import kernel
+from ..core.variables import input_
+
+LIMIT = 2.78  # of RK4, largest eigenvalue times step
+
+
+class HarmonicForce(Effect):
+    """A force amplitude * sin(phase) between body and inner mass; the phase grows with the frequency. Positive: body forwards."""
+
+    amplitude = input_(20.0, "N", "amplitude of the force", nominal=10.0)
+    frequency = input_(60.0, "rad/s", "angular frequency of the force", nominal=10.0)
+
+
+class Tow(Effect):
+    """A force on the body along the pipe: a load in tow, a coupling to another robot, the drag of a fluid."""
+
+    force = input_(0.0, "N", "force on the body, positive forwards")
+
+
+@kernel
+def spring_force(stretch, rate, p, cubic):
+    """Force on the body by spring and damper when the inner mass is `stretch` further on, N; `cubic`: values or None."""
+    force = p.stiffness * stretch + p.damping * rate
+    if cubic is not None:
+        force += cubic.stiffness * stretch**3
+    return force
+
+
+@kernel
+def spring_energy(stretch, p, cubic):
+    """Energy of the spring, J."""
+    energy = 0.5 * p.stiffness * stretch**2
+    if cubic is not None:
+        energy += 0.25 * cubic.stiffness * stretch**4
+    return energy
+
+
+def fastest_eigenvalue(body: float, inner: float, spring: tuple[float, float], contact: tuple[float, float]) -> float:
+    """Largest |eigenvalue| of body and inner mass, 1/s; spring and contact to the pipe: (stiffness, damping); free and stuck."""
+    (k, c), (k_pipe, c_pipe) = spring, contact
+    pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    to_pipe = np.array([[1.0, 0.0], [0.0, 0.0]])
+    masses = np.c_[[body, inner]]
+    A = np.block([[np.zeros((2, 2)), np.eye(2)],
+                  [-(k * pair + k_pipe * to_pipe) / masses, -(c * pair + c_pipe * to_pipe) / masses]])  # fmt: skip
+    stuck = np.array([[0.0, 1.0], [-k / inner, -c / inner]])
+    return max(float(np.abs(np.linalg.eigvals(A)).max()), float(np.abs(np.linalg.eigvals(stuck)).max()))
+
+
+def limit_of(eigenvalue: float) -> float:
+    """RK4's limit for an eigenvalue, s."""
+    return LIMIT / eigenvalue if eigenvalue > 0.0 else math.inf

@@ -1,0 +1,355 @@
+"""A robot that a vibrating mass moves through a pipe, with friction that is weaker forwards than backwards."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect, Preset
+from ..core.errors import BadInput, StepFailed
+from ..core.events import EventComponent, rk4_events
+from ..core.friction import directed_mode
+from ..core.integrators import rk4
+from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.variables import input_, output, parameter
+from .contact import (
+    LOCKED,
+    Bristles,
+    LuGreFriction,
+    SmoothedFriction,
+    bristle_levels,
+    bristle_rate,
+    contact_guard,
+    contact_switch,
+    direction,
+    friction_on_body,
+)
+from .parts import HarmonicForce, Tow, fastest_eigenvalue, limit_of
+from .robot_equations import (
+    CONTACT,
+    INNER,
+    INNER_VELOCITY,
+    PHASE,
+    PHASE_RATE,
+    POSITION,
+    VELOCITY,
+    dissipated_power,
+    downhill,
+    drive_of,
+    exciter_power,
+    inner_accelerations,
+    levels,
+    robot_energy,
+    stretch_of,
+    unbalance_of,
+    weight_power,
+)
+
+FASTEST_PHASE = 1.0  # rad in a substep, above which the excitation is not followed
+FORCES = ("harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
+
+
+class HarmonicExciter(HarmonicForce):
+    """A force between body and inner mass that is harmonic in time; positive: body forwards."""
+
+    excludes = ("prescribed_motion", "unbalance")
+
+
+class PrescribedMotion(Effect):
+    """The inner mass is driven against the body: its way from it is amplitude * sin(frequency * t), whatever force that takes."""
+
+    excludes = ("harmonic_force", "unbalance")
+    amplitude = parameter(0.02, "m", "amplitude of the motion of the inner mass against the body", low=0.0)
+    frequency = parameter(60.0, "rad/s", "angular frequency of the motion", low=0.0)
+
+
+class Unbalance(Effect):
+    """A pair of unbalances on the inner mass that turn against each other, driven by a torque: their force is along the pipe.
+
+    Their own motion reacts on the drive, which has to lift their power over the resonance; a weak one stays caught there
+    (Sommerfeld). At angle 0 the unbalance is across the pipe, at pi / 2 in front. It belongs to the inner mass.
+    """
+
+    excludes = ("harmonic_force", "prescribed_motion")
+    mass = parameter(0.1, "kg", "mass of the unbalance, of both together; a part of the inner mass", low=1e-9)
+    radius = parameter(0.02, "m", "distance of the unbalance from its shaft", low=1e-9)
+    inertia = parameter(2e-5, "kg.m2", "moment of inertia of rotor and shaft without the unbalance", low=0.0)
+    damping = parameter(1e-5, "N.m.s/rad", "viscous friction of the shaft", low=0.0)
+    start_angle = parameter(0.0, "rad", "angle at the start")
+    start_rate = parameter(0.0, "rad/s", "rate at the start")
+
+    torque = input_(0.0, "N.m", "torque of the motor", nominal=0.1)
+    rate = output("rad/s", "rate of the unbalance", nominal=10.0)
+    angle = output("rad", "angle of the unbalance")
+
+
+class CubicSpring(Effect):
+    """A share of the spring's force that grows with the third power of its stretch; negative: the spring softens."""
+
+    stiffness = parameter(1e6, "N/m3", "factor of the third power of the stretch")
+    largest_stretch = parameter(0.05, "m", "stretch beyond which a run fails; it sets the stable step", low=1e-9)
+
+
+class Route(Effect):
+    """The pipe along the way: its slope, and a factor on the friction; off: level and as given."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
+    largest_factor = parameter(1.5, "1", "factor of friction beyond which a run fails; it sets the stable step", low=0.0)
+    slope = input_(0.0, "rad", "slope of the pipe, positive where forwards is upwards", nominal=0.1)
+    friction_factor = input_(1.0, "1", "friction over that of the parameters")
+    weight_power = output("W", "power that the weight gives, negative uphill", feedthrough=("route.slope",))
+
+
+class PipeRobot(EventComponent):
+    """A body braced in a pipe by inclined elastic elements, and in it an inner mass on a spring that is shaken along the pipe.
+
+        m1 x1'' = f - R - m1 g sin(slope) + tow,    m2 x2'' = -f - m2 g sin(slope)
+        f = k s + c s' + F sin(psi),    s = x2 - x1
+
+    R is dry friction: `forward_friction` against motion forwards, `backward_friction` against motion backwards. It sticks
+    exactly: at rest the body's velocity is zero to the last bit, up to static_ratio times the level; breaking loose and
+    stopping are events. Since R is weaker forwards, a force without mean moves the robot forwards.
+    One exciter: `harmonic_force`, `prescribed_motion`, or `unbalance`; without any, the robot is pulled or stands.
+    Spring and inner mass start at rest against the body, `start_stretch` from where they hang on the slope.
+    The arrangement (inclined elastic elements, exciter along one axis) is that of Matuliauskas and Spruogis (2002), known to
+    us by the abstract; equations and numbers are ours, the equations as in the literature on locomotion by vibration
+    (Zimmermann, Zeidis, Bolotnik).
+    """
+
+    title = "Pipe robot with inclined elastic elements"
+    system = "pipe_robot"
+    default_stop = 10.0
+
+    harmonic_force = HarmonicExciter
+    prescribed_motion = PrescribedMotion
+    unbalance = Unbalance
+    bristles = Bristles
+    cubic_spring = CubicSpring
+    smoothed_friction = SmoothedFriction
+    lugre_friction = LuGreFriction
+    tow = Tow
+    route = Route
+
+    body_mass = parameter(1.0, "kg", "mass of the body", low=1e-9)
+    inner_mass = parameter(0.5, "kg", "mass on the spring", low=1e-9)
+    stiffness = parameter(2000.0, "N/m", "stiffness of the spring", low=1e-9)
+    damping = parameter(5.0, "N.s/m", "damping between body and inner mass", low=0.0)
+    forward_friction = parameter(2.0, "N", "kinetic friction against motion forwards", low=0.0)
+    backward_friction = parameter(8.0, "N", "kinetic friction against motion backwards", low=0.0)
+    static_ratio = parameter(1.0, "1", "static over kinetic friction, without smoothed_friction", low=1.0)
+    start_position = parameter(0.0, "m", "position of the body at the start")
+    start_velocity = parameter(0.0, "m/s", "velocity of body and inner mass at the start")
+    start_stretch = parameter(0.0, "m", "way of the inner mass from where it hangs, at the start")
+    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    position = output("m", "position of the body")
+    velocity = output("m/s", "velocity of the body")
+    inner_position = output("m", "position of the inner mass, unstretched that of the body")
+    inner_velocity = output("m/s", "velocity of the inner mass")
+    friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
+    mode = output("1", "1 sliding forwards, -1 backwards, 0 at rest")
+    exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=(*FORCES, "unbalance.torque"))
+    dissipation = output("W", "power lost in friction, damper and bearings", nominal=10.0, feedthrough=("route.friction_factor",))
+    mechanical_energy = output("J", "kinetic energy, energy of the spring and of LuGre's bristles")
+
+    presets = {
+        "force of 20 N": Preset(
+            {"harmonic_force.amplitude": 20.0, "harmonic_force.frequency": 60.0, "forward_friction": 2.0,
+             "backward_friction": 8.0}, "numbers of ours, 0.360 m/s in the mean", "computed", ("harmonic_force",)),
+        "true stick phases": Preset(
+            {"harmonic_force.amplitude": 1.5, "harmonic_force.frequency": 60.0, "forward_friction": 2.0,
+             "backward_friction": 8.0}, "numbers of ours: it stands a part of every period", "computed", ("harmonic_force",)),
+        "bristles at 60 degrees": Preset(
+            {"bristles.angle": math.pi / 3.0, "bristles.friction": 0.3},
+            "numbers of ours: friction 3.2 times as strong backwards", "computed", ("harmonic_force", "bristles")),
+    }  # fmt: skip
+
+    def _initialize(self, t: float) -> int:
+        if "bristles" in self.on:
+            for name in ("forward_friction", "backward_friction"):
+                if self.get(name) != type(self).variables[name].start:
+                    raise BadInput(self.name, f"{name} = {self.get(name):g} N with the effect 'bristles'", "one of the two",
+                                   "The bristles give the levels of friction.")
+        if "smoothed_friction" in self.on and self.get("static_ratio") != 1.0:
+            raise BadInput(self.name, f"static_ratio = {self.get('static_ratio'):g} with the effect 'smoothed_friction'", "1",
+                           "Smoothed friction knows no rest; take lugre_friction, or the exact one.")
+        self._check_unbalance()
+        self._check_bristles()
+        return super()._initialize(t)
+
+    def _check_unbalance(self) -> None:
+        if "unbalance" in self.on and self.get("unbalance.mass") > self.get("inner_mass"):
+            raise BadInput(self.name, f"unbalance.mass = {self.get('unbalance.mass'):g} kg",
+                           f"at most the inner mass, {self.get('inner_mass'):g} kg", "The unbalance belongs to it.")
+        if "unbalance" in self.on and self.get("unbalance.mass") == self.get("inner_mass") and not self.get("unbalance.inertia"):
+            raise BadInput(self.name, "an unbalance that is all of the inner mass, without inertia of the rotor",
+                           "a mass or an inertia besides", "In front and behind nothing would resist its turning.")
+
+    def _check_bristles(self) -> None:
+        if "bristles" not in self.on or not {"smoothed_friction", "lugre_friction"} & {*self.on}:
+            return
+        factor = self.get("route.largest_factor") if "route" in self.on else 1.0
+        lean = factor * self.get("bristles.friction") * math.tan(self.get("bristles.angle"))
+        if 1.0 - lean <= LOCKED:
+            raise BadInput(self.name, f"bristles with friction * tan(angle) = {lean:.4g}, locked backwards",
+                           "less than 1 with smoothed_friction or lugre_friction, also at route.largest_factor",
+                           "Leave both effects off: exact friction holds a locked robot.")
+
+    def initial_state(self) -> np.ndarray:
+        """x: position, velocity, inner position, inner velocity, mode or deflection of LuGre's bristles[, phase[, its rate]]."""
+        p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route = self.settled
+        sag = hanging_stretch(p.inner_mass * downhill(self.u[0], route), p.stiffness, cubic.stiffness if cubic else 0.0)
+        if math.isnan(sag):
+            raise BadInput(self.name, "a softening spring that does not hold the inner mass on the slope", "a stiffer one")
+        x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
+        if harmonic is not None:
+            x.append(0.0)
+        if unbalance is not None:
+            x += [unbalance.start_angle, unbalance.start_rate]
+        state = np.array(x)
+        if smoothed is None and lugre is None:
+            drive, _ = drive_of(self.t, state, self.u[0], p, harmonic, prescribed, cubic, tow, route)
+            forward, backward = levels(self.u[0], p, bristles, route)
+            state[CONTACT] = directed_mode(p.start_velocity, drive, p.static_ratio * forward, p.static_ratio * backward)
+        return state
+
+    def energy(self) -> float:
+        """The output `mechanical_energy`, J."""
+        p, _, prescribed, unbalance, _, cubic, _, lugre, *_ = self.settled
+        return float(robot_energy(self.t, self.x, p, prescribed, unbalance, cubic, lugre))
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
+        p, _, prescribed, unbalance, bristles, cubic, smoothed, lugre, _, route = self._settled()
+        k, inner = p.stiffness, p.inner_mass
+        if cubic is not None:
+            k += 3.0 * max(cubic.stiffness, 0.0) * cubic.largest_stretch**2
+        if unbalance is not None:
+            q, inertia = unbalance_of(unbalance)
+            inner -= q * q / inertia
+        factor = route.largest_factor if route is not None else 1.0
+        pair = bristle_levels(bristles, factor) if bristles is not None else (
+            p.forward_friction * factor, p.backward_friction * factor)
+        contact = (0.0, 0.0)
+        if smoothed is not None:
+            contact = (0.0, max(pair) / smoothed.width)
+        if lugre is not None:
+            contact = (lugre.stiffness, lugre.damping)
+        if prescribed is not None:
+            k_pipe, c_pipe = contact
+            mass = p.body_mass + p.inner_mass
+            return limit_of(float(np.abs(np.roots([mass, c_pipe, k_pipe])).max()))
+        return limit_of(fastest_eigenvalue(p.body_mass, inner, (k, p.damping), contact)) if inner > 0.0 else math.inf
+
+    def _step(self, t: float, h: float) -> int:
+        if not {"smoothed_friction", "lugre_friction"} & {*self.on}:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return robot_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+    def _check(self, status: int) -> None:
+        if status == NOT_FINITE:
+            raise StepFailed(self.name, self.t, "the excitation turns by over a radian within a substep, the stretch of a cubic"
+                             " spring or the factor of friction left its range, or the state is not finite",
+                             "Reduce substep; check frequency, route.friction_factor and cubic_spring.largest_stretch")
+        super()._check(status)
+
+
+def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:
+    """Stretch at which spring and weight down the pipe are in balance, m; not a number where a softening spring gives way."""
+    stretch = -weight / stiffness
+    for _ in range(60):
+        slope = stiffness + 3.0 * cubic * stretch**2
+        if slope <= 0.0:
+            return math.nan
+        change = (weight + stiffness * stretch + cubic * stretch**3) / slope
+        stretch -= change
+        if abs(change) <= 1e-15 * abs(stretch):
+            return stretch
+    return math.nan
+
+
+@kernel
+def in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, route):
+    """Whether the substep follows the excitation, and stretch and factor of friction are in their range."""
+    fine = True
+    if harmonic is not None:
+        fine = abs(u[harmonic.u + 1]) * p.substep <= FASTEST_PHASE
+    if prescribed is not None:
+        fine = prescribed.frequency * p.substep <= FASTEST_PHASE
+    if unbalance is not None:
+        fine = abs(x[PHASE_RATE]) * p.substep <= FASTEST_PHASE
+    if cubic is not None:
+        stretch, _ = stretch_of(t, x, prescribed)
+        fine = fine and abs(stretch) <= cubic.largest_stretch
+    if route is not None:
+        fine = fine and 0.0 <= u[route.u + 1] <= route.largest_factor
+    return fine
+
+
+@kernel
+def robot_derivatives(t, x, u, dx, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+    """dx/dt; not a number outside the range of the model. A prescribed motion needs no state of the inner mass."""
+    drive, mass = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
+    forward, backward = levels(u, p, bristles, route)
+    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, smoothed, lugre)
+    dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / mass
+    dx[CONTACT] = 0.0
+    if lugre is not None:
+        dx[CONTACT] = bristle_rate(x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, lugre, p.substep)
+    if prescribed is not None:
+        dx[INNER] = dx[INNER_VELOCITY] = 0.0
+    else:
+        inner, angular = inner_accelerations(x, u, p, harmonic, unbalance, cubic, route)
+        dx[INNER], dx[INNER_VELOCITY] = x[INNER_VELOCITY], inner
+        if unbalance is not None:
+            dx[PHASE], dx[PHASE_RATE] = x[PHASE_RATE], angular
+    if harmonic is not None:
+        dx[PHASE] = u[harmonic.u + 1]
+    if not in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, route):
+        dx[VELOCITY] = math.nan
+
+
+@kernel
+def robot_guards(t, x, u, g, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+    """What keeps the body sliding, or at rest."""
+    drive, _ = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
+    forward, backward = levels(u, p, bristles, route)
+    g[0] = contact_guard(x[VELOCITY], x[CONTACT], drive, forward, backward, p.static_ratio)
+
+
+@kernel
+def robot_switch(which, t, x, u, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+    """The body stops, turns back, or breaks loose."""
+    x[VELOCITY] = 0.0
+    drive, _ = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
+    forward, backward = levels(u, p, bristles, route)
+    x[CONTACT] = contact_switch(x[CONTACT], drive, forward, backward, p.static_ratio)
+
+
+@kernel
+def robot_outputs(t, x, u, y, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+    """Motion, friction, powers, energy, and what the effects add."""
+    drive, mass = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
+    forward, backward = levels(u, p, bristles, route)
+    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, smoothed, lugre)
+    stretch, rate = stretch_of(t, x, prescribed)
+    y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[POSITION] + stretch, x[VELOCITY] + rate
+    y[4] = -friction
+    y[5] = x[CONTACT]
+    if smoothed is not None or lugre is not None:
+        y[5] = direction(x[VELOCITY])
+    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, harmonic, prescribed, unbalance, cubic, route)
+    y[7] = dissipated_power(t, x, friction, forward, backward, p, prescribed, unbalance, lugre)
+    y[8] = robot_energy(t, x, p, prescribed, unbalance, cubic, lugre)
+    if unbalance is not None:
+        y[unbalance.y], y[unbalance.y + 1] = x[PHASE_RATE], x[PHASE]
+    if route is not None:
+        y[route.y] = weight_power(t, x, u, p, prescribed, unbalance, route)
+
+
+PipeRobot.advance = bind(rk4_events, __name__, derivatives=robot_derivatives, guards=robot_guards, switch=robot_switch,
+                         outputs=robot_outputs)
+PipeRobot.output_kernel = robot_outputs
+robot_smooth = bind(rk4, __name__, derivatives=robot_derivatives, outputs=robot_outputs)
