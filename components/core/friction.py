@@ -180,6 +180,15 @@ def planar_stick_rate(mode, sx, sy, zx, zy, fastest):
 
 
 @kernel
+def planar_stick_deflection(mode, zx, zy, sliding):
+    """The deflection that bears: at rest as it is, while sliding at the length of a contact that slides."""
+    length = math.hypot(zx, zy)
+    if mode != SLIDES or length == 0.0:
+        return zx, zy
+    return sliding / length * zx, sliding / length * zy
+
+
+@kernel
 def planar_stick_guard(mode, sx, sy, zx, zy, breakaway):
     """Positive while the mode holds: what is missing of the deflection that breaks loose, or the slip along the deflection."""
     length = math.hypot(zx, zy)
@@ -191,8 +200,5 @@ def planar_stick_guard(mode, sx, sy, zx, zy, breakaway):
 @kernel
 def planar_stick_switch(mode, zx, zy, sliding):
     """(mode, zx, zy) after a mode has ended: the other one, at the deflection of a contact that slides."""
-    length = math.hypot(zx, zy)
-    if length > 0.0:
-        zx *= sliding / length
-        zy *= sliding / length
+    zx, zy = planar_stick_deflection(SLIDES, zx, zy, sliding)
     return SLIDES - mode, zx, zy

@@ -1,0 +1,309 @@
+"""The sleeve under two wheels: effects and equations that the wheels' unit and the whole drive have in common.
+
+State: feed, rotation, their rates; with bristles or exact stick the deflections of both contacts and, with exact stick, their
+modes; with friction of the trocar the seal's deflection and mode. What else a unit holds stands behind. First number of a pair
+is along the axis, second around it; the surface of the sleeve is taken as a plane.
+
+All tractions are laws at full preload times the share of it that is left: a contact without preload bears nothing.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.friction import (
+    SLIDES,
+    planar_lugre_rate,
+    planar_stick_deflection,
+    planar_stick_guard,
+    planar_stick_rate,
+    planar_stick_switch,
+    smoothed_planar,
+)
+from ..core.kernels import kernel
+from ..core.variables import output, parameter
+from .kinematics import SKEWED, directions
+
+FEED, ROTATION, FEED_RATE, ROTATION_RATE, DEFLECTIONS = range(5)
+MODES = DEFLECTIONS + 4  # with exact stick
+GUARDS = 3  # two contacts and the seal
+LIMIT = 2.6  # of RK4: radius of the half disc of eigenvalues times step, real or complex, that it bears
+
+
+class SmoothedSlip(Effect):
+    """Friction that grows with the slip as the parameter `creep` has it, and ends at the level: level * tanh(creep |s| / level).
+
+    The cheapest law; under a load that should stand the sleeve creeps.
+    """
+
+    excludes = ("lugre_slip", "exact_slip")
+
+
+class LuGreSlip(Effect):
+    """Friction by elastic bristles in the plane of contact (LuGre); their fastest relaxation is held to one per substep."""
+
+    excludes = ("smoothed_slip", "exact_slip")
+    static_ratio = parameter(1.2, "1", "static over kinetic friction", low=1.0)
+    stiffness = parameter(6e4, "N/m", "stiffness of the bristles of a contact at full preload", low=0.0, nominal=1e4)
+    damping = parameter(60.0, "N.s/m", "damping of the bristles of a contact at full preload", low=0.0, nominal=10.0)
+    viscous = parameter(0.4, "N.s/m", "viscous friction of a contact at full preload", low=0.0)
+    stribeck_rate = parameter(5e-3, "m/s", "slip over which friction falls from static to kinetic", low=1e-9)
+
+
+class ExactSlip(Effect):
+    """Friction that holds: a contact at rest is an elastic one, and slides from the static level on, found as an event.
+
+    Rigid contacts would leave the tractions of two wheels at rest open; the elastic ones share a load by their deflections.
+    """
+
+    excludes = ("smoothed_slip", "lugre_slip")
+    static_ratio = parameter(1.2, "1", "static over kinetic friction", low=1.0)
+    deflection = parameter(1e-4, "m", "elastic deflection at the kinetic level", low=1e-9, nominal=1e-4)
+    damping_time = parameter(1e-3, "s", "damping over stiffness of the contact", low=0.0, nominal=1e-3)
+
+    first_stuck = output("1", "1 while the first contact holds, 0 while it slides")
+    second_stuck = output("1", "1 while the second contact holds, 0 while it slides")
+
+
+class TrocarFriction(Effect):
+    """Friction of the trocar's seal on the sleeve, in the direction of its motion; it holds as `exact_slip` does."""
+
+    level = parameter(2.0, "N", "kinetic friction of the seal", low=0.0)
+    static_ratio = parameter(1.3, "1", "static over kinetic friction", low=1.0)
+    deflection = parameter(5e-4, "m", "elastic deflection of the seal at the kinetic level", low=1e-9, nominal=1e-4)
+    damping_time = parameter(1e-3, "s", "damping over stiffness of the seal", low=0.0, nominal=1e-3)
+
+    stuck = output("1", "1 while the seal holds the sleeve, 0 while it slides")
+
+
+class Gravity(Effect):
+    """Weight of the sleeve along its axis."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0, nominal=10.0)
+    inclination = parameter(0.5, "rad", "angle by which the feed rises above the horizontal")
+
+
+class PreloadLoss(Effect):
+    """Wheels lose a share of their normal force, over a time, smoothly."""
+
+    start = parameter(0.5, "s", "instant at which the loss begins")
+    duration = parameter(0.05, "s", "time that the loss takes", low=1e-6)
+    first = parameter(1.0, "1", "share of its preload that the first wheel loses", low=0.0, high=1.0)
+    second = parameter(0.0, "1", "share of its preload that the second wheel loses", low=0.0, high=1.0)
+
+
+@kernel
+def preload_share(k, t, loss):
+    """Share of its preload that contact k has at t."""
+    if loss is None:
+        return 1.0
+    passed = min(max((t - loss.start) / loss.duration, 0.0), 1.0)
+    return 1.0 - (loss.first if k == 0 else loss.second) * passed * passed * (3.0 - 2.0 * passed)
+
+
+@kernel
+def slip(k, x, rate, p):
+    """Slip of the sleeve on wheel k that turns at `rate`, m/s; with free rollers along the wheel's direction only."""
+    c1, s1, c2, s2 = directions(p.layout, p.angle)
+    c, s = (c1, s1) if k == 0 else (c2, s2)
+    sx, sy = x[FEED_RATE] - p.wheel_radius * rate * c, p.sleeve_radius * x[ROTATION_RATE] - p.wheel_radius * rate * s
+    if p.layout != SKEWED:
+        along = sx * c + sy * s
+        return along * c, along * s
+    return sx, sy
+
+
+@kernel
+def friction_level(p):
+    """Kinetic friction of a contact at full preload, N."""
+    return p.friction * p.normal_force
+
+
+@kernel
+def deflection_rate(k, x, sx, sy, p, lugre, exact):
+    """Rate of the deflection of contact k; zero for laws without one."""
+    if lugre is not None:
+        level, z = friction_level(p), DEFLECTIONS + 2 * k
+        return planar_lugre_rate(sx, sy, x[z], x[z + 1], lugre.stiffness, level, lugre.static_ratio * level,
+                                 lugre.stribeck_rate, 1.0 / p.substep)
+    if exact is not None:
+        z = DEFLECTIONS + 2 * k
+        return planar_stick_rate(x[MODES + k], sx, sy, x[z], x[z + 1], 1.0 / p.substep)
+    return 0.0, 0.0
+
+
+@kernel
+def traction(k, t, x, sx, sy, p, smoothed, lugre, exact, loss):
+    """Force of wheel k on the sleeve, N."""
+    share = preload_share(k, t, loss)
+    if smoothed is not None:
+        fx, fy = smoothed_planar(sx, sy, friction_level(p), p.creep)
+        return -share * fx, -share * fy
+    rx, ry = deflection_rate(k, x, sx, sy, p, lugre, exact)
+    if lugre is not None:
+        z = DEFLECTIONS + 2 * k
+        return (-share * (lugre.stiffness * x[z] + lugre.damping * rx + lugre.viscous * sx),
+                -share * (lugre.stiffness * x[z + 1] + lugre.damping * ry + lugre.viscous * sy))
+    if exact is not None:
+        z, stiffness = DEFLECTIONS + 2 * k, share * friction_level(p) / exact.deflection
+        zx, zy = planar_stick_deflection(x[MODES + k], x[z], x[z + 1], exact.deflection)
+        return -stiffness * (zx + exact.damping_time * rx), -stiffness * (zy + exact.damping_time * ry)
+    return -share * p.creep * sx, -share * p.creep * sy
+
+
+@kernel
+def seal_place(lugre, exact):
+    """Place of the seal's deflection in the state."""
+    if lugre is not None:
+        return DEFLECTIONS + 4
+    if exact is not None:
+        return DEFLECTIONS + 6
+    return DEFLECTIONS
+
+
+@kernel
+def seal_rate(x, p, lugre, exact, trocar):
+    """Rate of the seal's deflection."""
+    z = seal_place(lugre, exact)
+    return planar_stick_rate(x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1], 1.0 / p.substep)
+
+
+@kernel
+def sleeve_derivatives(t, x, first, second, force, torque, dx, p, smoothed, lugre, exact, trocar, gravity, loss):
+    """dx/dt of the sleeve's part of the state for the wheels' rates; returns the loads of the wheels, N.m."""
+    dx[FEED], dx[ROTATION] = x[FEED_RATE], x[ROTATION_RATE]
+    c1, s1, c2, s2 = directions(p.layout, p.angle)
+    ax, ay = slip(0, x, first, p)
+    bx, by = slip(1, x, second, p)
+    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
+    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    along, around = qx + rx + force, qy + ry + torque / p.sleeve_radius
+    if lugre is not None or exact is not None:
+        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, lugre, exact)
+        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, lugre, exact)
+    if exact is not None:
+        dx[MODES] = dx[MODES + 1] = 0.0
+    if trocar is not None:
+        z, stiffness = seal_place(lugre, exact), trocar.level / trocar.deflection
+        dx[z], dx[z + 1] = seal_rate(x, p, lugre, exact, trocar)
+        dx[z + 2] = 0.0
+        zx, zy = planar_stick_deflection(x[z + 2], x[z], x[z + 1], trocar.deflection)
+        along -= stiffness * (zx + trocar.damping_time * dx[z])
+        around -= stiffness * (zy + trocar.damping_time * dx[z + 1])
+    if gravity is not None:
+        along -= p.mass * gravity.acceleration * math.sin(gravity.inclination)
+    dx[FEED_RATE] = along / p.mass
+    dx[ROTATION_RATE] = p.sleeve_radius * around / p.inertia
+    return p.wheel_radius * (qx * c1 + qy * s1), p.wheel_radius * (rx * c2 + ry * s2)
+
+
+@kernel
+def sleeve_guards(x, first, second, g, p, lugre, exact, trocar):
+    """What keeps the modes of both contacts and the seal; those that are not there are never left."""
+    g[0] = g[1] = g[2] = 1.0
+    if exact is not None:
+        breakaway = exact.static_ratio * exact.deflection
+        ax, ay = slip(0, x, first, p)
+        bx, by = slip(1, x, second, p)
+        z = DEFLECTIONS
+        g[0] = planar_stick_guard(x[MODES], ax, ay, x[z], x[z + 1], breakaway)
+        g[1] = planar_stick_guard(x[MODES + 1], bx, by, x[z + 2], x[z + 3], breakaway)
+    if trocar is not None and trocar.level > 0.0:
+        z = seal_place(lugre, exact)
+        g[2] = planar_stick_guard(x[z + 2], x[FEED_RATE], p.sleeve_radius * x[ROTATION_RATE], x[z], x[z + 1],
+                                  trocar.static_ratio * trocar.deflection)
+
+
+@kernel
+def sleeve_switch(which, x, lugre, exact, trocar):
+    """A contact or the seal breaks loose, or comes to rest."""
+    if exact is not None and which < 2:
+        m, z = MODES + which, DEFLECTIONS + 2 * which
+        x[m], x[z], x[z + 1] = planar_stick_switch(x[m], x[z], x[z + 1], exact.deflection)
+    if trocar is not None and which == 2:
+        z = seal_place(lugre, exact)
+        x[z + 2], x[z], x[z + 1] = planar_stick_switch(x[z + 2], x[z], x[z + 1], trocar.deflection)
+
+
+@kernel
+def sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss):
+    """Kinetic energy of the sleeve, height above feed zero, and what the deflections hold, J."""
+    twice = p.mass * x[FEED_RATE] * x[FEED_RATE] + p.inertia * x[ROTATION_RATE] * x[ROTATION_RATE]
+    for k in range(2):
+        z, share = DEFLECTIONS + 2 * k, preload_share(k, t, loss)
+        if lugre is not None:
+            twice += share * lugre.stiffness * (x[z] * x[z] + x[z + 1] * x[z + 1])
+        if exact is not None:
+            twice += share * friction_level(p) / exact.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
+    if trocar is not None:
+        z = seal_place(lugre, exact)
+        twice += trocar.level / trocar.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
+    energy = 0.5 * twice
+    if gravity is not None:
+        energy += p.mass * gravity.acceleration * math.sin(gravity.inclination) * x[FEED]
+    return energy
+
+
+@kernel
+def contact_outputs(t, x, first, second, y, at, p, smoothed, lugre, exact, loss):
+    """Slips and tractions of both contacts, margin and power of the contacts into y[at:]; returns the loads of the wheels."""
+    c1, s1, c2, s2 = directions(p.layout, p.angle)
+    ax, ay = slip(0, x, first, p)
+    bx, by = slip(1, x, second, p)
+    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
+    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    y[at], y[at + 1], y[at + 2], y[at + 3] = ax, ay, bx, by
+    y[at + 4], y[at + 5], y[at + 6], y[at + 7] = qx, qy, rx, ry
+    y[at + 8] = min(free_share(math.hypot(qx, qy), preload_share(0, t, loss) * friction_level(p)),
+                    free_share(math.hypot(rx, ry), preload_share(1, t, loss) * friction_level(p)))
+    y[at + 9] = -(qx * ax + qy * ay + rx * bx + ry * by)
+    return p.wheel_radius * (qx * c1 + qy * s1), p.wheel_radius * (rx * c2 + ry * s2)
+
+
+@kernel
+def stuck_outputs(x, y, lugre, exact, trocar):
+    """Which contacts hold, and whether the seal does."""
+    if exact is not None:
+        y[exact.y], y[exact.y + 1] = 1.0 if x[MODES] != SLIDES else 0.0, 1.0 if x[MODES + 1] != SLIDES else 0.0
+    if trocar is not None:
+        y[trocar.y] = 1.0 if x[seal_place(lugre, exact) + 2] != SLIDES else 0.0
+
+
+@kernel
+def free_share(force, level):
+    """Share of the kinetic friction that a traction leaves; 0 where there is none."""
+    return 1.0 - force / level if level > 0.0 else 0.0
+
+
+def sleeve_state(start: tuple[float, float, float, float], lugre, exact, trocar) -> np.ndarray:
+    """State at the start: feed, rotation and their rates, contacts relaxed and at rest."""
+    size = seal_place(lugre, exact) + (3 if trocar is not None else 0)
+    return np.array([*start, *np.zeros(size - len(start))])
+
+
+def stiffest(p, smoothed, lugre, exact, trocar) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(masses, stiffness, damping) of sleeve and wheels' rims at rest, in surface coordinates: along, around, first, second.
+
+    Shapes (2,), (4, 4), (4, 4); the wheels' masses are theirs to know. For the largest eigenvalue.
+    """
+    c1, s1, c2, s2 = directions(p.layout, p.angle)
+    stiffness, damping = 0.0, p.creep
+    if lugre is not None:
+        stiffness, damping = lugre.stiffness, lugre.damping + lugre.viscous
+    if exact is not None:
+        stiffness = friction_level(p) / exact.deflection
+        damping = stiffness * exact.damping_time
+    shape = np.zeros((4, 4))
+    for k, (c, s) in enumerate(((c1, s1), (c2, s2))):
+        slips = np.zeros((2, 4))
+        slips[:, :2] = np.eye(2) if p.layout == SKEWED else np.outer((c, s), (c, s))
+        slips[:, 2 + k] = -c, -s
+        shape += slips.T @ slips
+    K, D = stiffness * shape, damping * shape
+    if trocar is not None:
+        held = trocar.level / trocar.deflection * np.diag([1.0, 1.0, 0.0, 0.0])
+        K, D = K + held, D + trocar.damping_time * held
+    return np.array([p.mass, p.inertia / p.sleeve_radius**2]), K, D

@@ -1,0 +1,179 @@
+"""Two friction wheels and the sleeve they move: from the wheels' rates to their loads and the sleeve's motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.errors import BadInput
+from ..core.events import EventComponent, rk4_events
+from ..core.integrators import rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+from .kinematics import layout_choice
+from .sleeve import (
+    FEED,
+    FEED_RATE,
+    GUARDS,
+    LIMIT,
+    ROTATION,
+    ROTATION_RATE,
+    ExactSlip,
+    Gravity,
+    LuGreSlip,
+    PreloadLoss,
+    SmoothedSlip,
+    TrocarFriction,
+    contact_outputs,
+    sleeve_derivatives,
+    sleeve_energy,
+    sleeve_guards,
+    sleeve_state,
+    sleeve_switch,
+    stiffest,
+    stuck_outputs,
+)
+
+FIRST, SECOND, BOTH = ("first_rate",), ("second_rate",), ("first_rate", "second_rate")
+
+
+class FrictionWheels(EventComponent):
+    """A sleeve with two degrees of freedom, feed z and rotation phi, and two wheels that are pressed on it.
+
+        s_k = (z', r phi') - R w_k t_k,    t_k = (cos a_k, sin a_k)
+        m z'' = sum of Q_k along + F,    J phi'' = r sum of Q_k around + M,    load of wheel k = R Q_k . t_k
+
+    s_k: slip, Q_k: force of wheel k on the sleeve, against the slip. With plain wheels it has both components, with free rollers
+    (see kinematics.py) the one along t_k only. Without an effect of friction the contacts creep: Q = -creep s, without a limit;
+    one of `smoothed_slip`, `lugre_slip` and `exact_slip` gives them one, friction * normal_force, whatever the direction.
+
+    Frączak (2013), known to us by its abstract, has friction wheels that move a laparoscope's sleeve in two degrees of freedom;
+    equations, layouts and numbers are ours, of the size that instrument has. The wheels' inertia belongs to their motors.
+    """
+
+    title = "Friction wheels and sleeve"
+    system = "friction_drive"
+    guards_count = GUARDS
+
+    smoothed_slip = SmoothedSlip
+    lugre_slip = LuGreSlip
+    exact_slip = ExactSlip
+    trocar_friction = TrocarFriction
+    gravity = Gravity
+    preload_loss = PreloadLoss
+
+    layout = layout_choice()
+    angle = parameter(math.pi / 6.0, "rad", "angle of the skewed wheels to the axis of the sleeve", low=0.0, high=0.5 * math.pi)
+    wheel_radius = parameter(0.01, "m", "radius of the wheels", low=1e-6, nominal=0.01)
+    sleeve_radius = parameter(0.005, "m", "radius of the sleeve", low=1e-6, nominal=0.01)
+    mass = parameter(0.15, "kg", "mass of the sleeve with its instrument", low=1e-9)
+    inertia = parameter(1.875e-6, "kg.m2", "moment of inertia about the sleeve's axis", low=1e-15, nominal=1e-6)
+    normal_force = parameter(15.0, "N", "normal force of each wheel, its preload", low=1e-9, nominal=10.0)
+    friction = parameter(0.4, "1", "coefficient of kinetic friction of wheel and sleeve", low=1e-9)
+    creep = parameter(600.0, "N.s/m", "traction per slip of a contact that creeps, at full preload", low=0.0, nominal=100.0)
+    start_feed = parameter(0.0, "m", "feed at the start")
+    start_rotation = parameter(0.0, "rad", "rotation at the start")
+    start_feed_rate = parameter(0.0, "m/s", "rate of feed at the start")
+    start_rotation_rate = parameter(0.0, "rad/s", "rate of rotation at the start")
+    substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    first_rate = input_(0.0, "rad/s", "rate of the first wheel", nominal=10.0)
+    second_rate = input_(0.0, "rad/s", "rate of the second wheel", nominal=10.0)
+    external_force = input_(0.0, "N", "force on the sleeve along its axis, in the direction of feed")
+    external_torque = input_(0.0, "N.m", "torque on the sleeve about its axis", nominal=0.005)
+
+    first_torque = output("N.m", "load of the first wheel, against a positive rate", nominal=0.05, feedthrough=FIRST)
+    second_torque = output("N.m", "load of the second wheel, against a positive rate", nominal=0.05, feedthrough=SECOND)
+    feed = output("m", "position of the sleeve along its axis", nominal=0.1)
+    feed_rate = output("m/s", "rate of feed", nominal=0.1)
+    rotation = output("rad", "angle of the sleeve about its axis")
+    rotation_rate = output("rad/s", "rate of rotation", nominal=10.0)
+    first_slip_axial = output("m/s", "slip of the sleeve on the first wheel, along the axis", nominal=0.1, feedthrough=FIRST)
+    first_slip_around = output("m/s", "slip of the sleeve on the first wheel, around it", nominal=0.1, feedthrough=FIRST)
+    second_slip_axial = output("m/s", "slip of the sleeve on the second wheel, along the axis", nominal=0.1, feedthrough=SECOND)
+    second_slip_around = output("m/s", "slip of the sleeve on the second wheel, around it", nominal=0.1, feedthrough=SECOND)
+    first_traction_axial = output("N", "force of the first wheel on the sleeve, along the axis", feedthrough=FIRST)
+    first_traction_around = output("N", "force of the first wheel on the sleeve, around it", feedthrough=FIRST)
+    second_traction_axial = output("N", "force of the second wheel on the sleeve, along the axis", feedthrough=SECOND)
+    second_traction_around = output("N", "force of the second wheel on the sleeve, around it", feedthrough=SECOND)
+    margin = output("1", "share of the kinetic friction still free, of the wheel that has less; 0 without preload",
+                    feedthrough=BOTH)
+    contact_power = output("W", "power that the contacts take up: lost, but for what deflections store", feedthrough=BOTH)
+    mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
+
+    def _initialize(self, t: float) -> int:
+        refuse_idle_creep(self)
+        return super()._initialize(t)
+
+    def initial_state(self) -> np.ndarray:
+        """Motion of the parameters, contacts relaxed."""
+        p, _, lugre, exact, trocar, *_ = self.settled
+        return sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
+
+    def energy(self) -> float:
+        """The output `mechanical_energy`, J."""
+        p, _, *rest = self.settled
+        return float(sleeve_energy(self.t, self.x, p, *rest))
+
+    def stable_step(self) -> float:
+        """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
+        p, smoothed, lugre, exact, trocar, *_ = self._settled()
+        masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
+        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:2, :2] / masses[:, None], -D[:2, :2] / masses[:, None]]])
+        fastest = float(np.abs(np.linalg.eigvals(A)).max())
+        return LIMIT / fastest if fastest > 0.0 else math.inf
+
+    def _step(self, t: float, h: float) -> int:
+        if "exact_slip" in self.on or "trocar_friction" in self.on:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return wheels_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+
+def refuse_idle_creep(component) -> None:
+    """`BadInput` for a given `creep` with a law of friction that has none; of this unit and the whole drive."""
+    given = component.get("creep")
+    if given != type(component).variables["creep"].start:
+        for effect in ("lugre_slip", "exact_slip"):
+            if effect in component.on:
+                raise BadInput(component.name, f"creep = {given:g} N.s/m with {effect!r}",
+                               "contacts that creep: 'smoothed_slip' or none of the effects of slip",
+                               f"The stiffness of contacts with {effect!r} is a parameter of that effect.")
+
+
+RATE_1, RATE_2, FORCE, TORQUE = FrictionWheels.input_indices("first_rate", "second_rate", "external_force", "external_torque")
+SLIPS, ENERGY = FrictionWheels.output_indices("first_slip_axial", "mechanical_energy")
+
+
+@kernel
+def wheels_derivatives(t, x, u, dx, p, smoothed, lugre, exact, trocar, gravity, loss):
+    """dx/dt of the sleeve, see sleeve.py."""
+    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], u[FORCE], u[TORQUE], dx, p, smoothed, lugre, exact, trocar, gravity, loss)
+
+
+@kernel
+def wheels_guards(t, x, u, g, p, smoothed, lugre, exact, trocar, gravity, loss):
+    """What keeps the modes of both contacts and the seal."""
+    sleeve_guards(x, u[RATE_1], u[RATE_2], g, p, lugre, exact, trocar)
+
+
+@kernel
+def wheels_switch(which, t, x, u, p, smoothed, lugre, exact, trocar, gravity, loss):
+    """A contact or the seal breaks loose, or comes to rest."""
+    sleeve_switch(which, x, lugre, exact, trocar)
+
+
+@kernel
+def wheels_outputs(t, x, u, y, p, smoothed, lugre, exact, trocar, gravity, loss):
+    """Loads of the wheels, motion of the sleeve, contacts, energy."""
+    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, smoothed, lugre, exact, loss)
+    y[2], y[3], y[4], y[5] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
+    y[ENERGY] = sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss)
+    stuck_outputs(x, y, lugre, exact, trocar)
+
+
+FrictionWheels.advance = bind(rk4_events, __name__, derivatives=wheels_derivatives, guards=wheels_guards, switch=wheels_switch,
+                              outputs=wheels_outputs)
+FrictionWheels.output_kernel = wheels_outputs
+wheels_smooth = bind(rk4, __name__, derivatives=wheels_derivatives, outputs=wheels_outputs)
