@@ -42,6 +42,7 @@ CATALOGUE = {
     "WaterPipe": "wind_pump.pipe",
     "FourBar": "wrist.four_bar",
     "PipeRobot": "pipe_robot.robot",
+    "ExciterProgram": "pipe_robot.program",
     "ServoController": "friction_drive.controller",
     "FrictionWheels": "friction_drive.wheels",
 }
