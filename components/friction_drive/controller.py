@@ -15,8 +15,8 @@ from .kinematics import layout_choice, refuse_singular, sleeve_rates, wheel_rate
 
 ROWS = 8
 WHEELS = 1
-# the state: number of the next sample, then pairs: voltages, integrals, errors, wanted way, encoders at the last sample
-NEXT, VOLTAGES, INTEGRALS, ERRORS, WANTED, LAST, STATES = 0, 1, 3, 5, 7, 9, 11
+# the state: number of the next sample, then pairs: voltages, integrals, errors, wanted way, integrals of the way, last encoders
+NEXT, VOLTAGES, INTEGRALS, ERRORS, WANTED, MOTION, LAST, STATES = 0, 1, 3, 5, 7, 9, 11, 13
 
 
 class Quantisation(Effect):
@@ -44,14 +44,14 @@ class Reference(Effect):
 class ServoController(Component):
     """Cascade for feed and rotation of a sleeve on two wheels; sampled, its voltages held in between.
 
-        wanted motion   v = K_p (set - measured) + set'                    for feed and rotation
+        wanted motion   v = set' + K_p e + M,    M' = K_m e + (v limited - v) / T       for feed and rotation; e: error
         wanted rates    w_set = inverse kinematics of v, both cut in proportion where one is above `rate_limit`
-        voltage         V = F w_set + K_v (w_set - w) + I,    I' = K_i (w_set - w) + (V limited - V) / T     for each wheel
+        voltage         V = F w_set + K_v (w_set - w) + I,    I' = K_i (w_set - w) + (V limited - V) / T    for each wheel
 
-    What the limit keeps back of the voltage flows back into the integral within the time T, so that it does not wind up. The way
-    is measured at the sleeve, or taken from the wheels' angles without seeing slip. An integral gain of 0 leaves a controller of
-    position and rate: against dry friction it stands with an error instead of hunting. Samples are taken at whole multiples of
-    the period and at the start; at a sample's instant the voltages are its own.
+    What the limits keep back of motion and voltage flows back into the integrals within the time T, so that they do not wind up.
+    The way is measured at the sleeve, or taken from the wheels' angles without seeing slip. Without integrals, K_m = K_i = 0, the
+    drive stands with an error where dry friction holds it; with them it may hunt. Samples are taken at whole multiples of the
+    period and at the start; at a sample's instant the voltages are its own.
 
     Frączak (2013), known to us by its abstract, has a control system for such a drive; this cascade and its gains are ours, for
     some 20 1/s with the default motor.
@@ -75,6 +75,8 @@ class ServoController(Component):
     set_rotation = parameter(0.0, "rad", "set point of the rotation")
     feed_gain = parameter(20.0, "1/s", "feed rate per error of the feed", low=0.0, nominal=10.0)
     rotation_gain = parameter(20.0, "1/s", "rotation rate per error of the rotation", low=0.0, nominal=10.0)
+    feed_integral_gain = parameter(0.0, "1/s2", "feed rate per error of the feed and time", low=0.0, nominal=100.0)
+    rotation_integral_gain = parameter(0.0, "1/s2", "rotation rate per error of the rotation and time", low=0.0, nominal=100.0)
     rate_limit = parameter(20.0, "rad/s", "largest rate of a wheel that is asked for", low=1e-9, nominal=10.0)
     rate_gain = parameter(0.4, "V.s/rad", "voltage per error of a wheel's rate", low=0.0)
     rate_integral_gain = parameter(10.0, "V/rad", "voltage per error of a wheel's rate and time", low=0.0, nominal=10.0)
@@ -167,14 +169,19 @@ def wanted(t, p, course):
 
 
 @kernel
+def integrated(integral, gain, error, back, period):
+    """An integral after a sample; `back`: what a limit takes from it per time. One without gain stays: nothing would refill it."""
+    return integral + period * (gain * error + back) if gain > 0.0 else integral
+
+
+@kernel
 def wheel_sample(i, wanted_rate, rate, x, p):
     """One sample of one wheel: its voltage and integral in x."""
     error = wanted_rate - rate
     asked = p.feed_forward * wanted_rate + p.rate_gain * error + x[INTEGRALS + i]
     voltage = min(max(asked, -p.voltage_limit), p.voltage_limit)
     x[VOLTAGES + i] = voltage
-    if p.rate_integral_gain > 0.0:  # else there is nothing to unwind, and what the limit keeps back would stay
-        x[INTEGRALS + i] += p.period * (p.rate_integral_gain * error + (voltage - asked) / p.unwinding_time)
+    x[INTEGRALS + i] = integrated(x[INTEGRALS + i], p.rate_integral_gain, error, (voltage - asked) / p.unwinding_time, p.period)
 
 
 @kernel
@@ -190,9 +197,13 @@ def control_sample(t, u, x, p, quantisation, course):
         feed, rotation = sleeve_rates(first_angle, second_angle, p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
     x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, p, course)
     x[ERRORS], x[ERRORS + 1] = x[WANTED] - feed, x[WANTED + 1] - rotation
-    first, second = wheel_rates(feed_rate + p.feed_gain * x[ERRORS], rotation_rate + p.rotation_gain * x[ERRORS + 1],
-                                p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
+    feed_rate += p.feed_gain * x[ERRORS] + x[MOTION]
+    rotation_rate += p.rotation_gain * x[ERRORS + 1] + x[MOTION + 1]
+    first, second = wheel_rates(feed_rate, rotation_rate, p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
     share = p.rate_limit / max(abs(first), abs(second), p.rate_limit)
+    back = (share - 1.0) / p.unwinding_time
+    x[MOTION] = integrated(x[MOTION], p.feed_integral_gain, x[ERRORS], back * feed_rate, p.period)
+    x[MOTION + 1] = integrated(x[MOTION + 1], p.rotation_integral_gain, x[ERRORS + 1], back * rotation_rate, p.period)
     wheel_sample(0, share * first, first_rate, x, p)
     wheel_sample(1, share * second, second_rate, x, p)
 
