@@ -41,6 +41,7 @@ CATALOGUE = {
     "CentrifugalPump": "wind_pump.centrifugal_pump",
     "WaterPipe": "wind_pump.pipe",
     "FourBar": "wrist.four_bar",
+    "ForearmTendons": "wrist.tendons",
     "PipeRobot": "pipe_robot.robot",
     "ExciterProgram": "pipe_robot.program",
     "ServoController": "friction_drive.controller",

@@ -121,8 +121,8 @@ class FourBar(Component):
         if not inside:  # also where the angle is no number
             reached = "beyond" if abs(cosine) > 1.0 else "at"
             angle = self.u[0, INPUT_ANGLE]
-            raise StepFailed(self.name, t, f"crank angle {angle:.6g} rad is {reached} the toggle, where coupler and rocker are in "
-                             "one line", "Keep the crank within its range, or change the lengths")
+            raise StepFailed(self.name, t, f"crank angle {angle:.6g} rad is {reached} the toggle, where coupler and rocker are "
+                             "in one line", "Keep the crank within its range, or change the lengths")
         linkage_outputs(self.u[0], self.y, *self.settled)
 
 

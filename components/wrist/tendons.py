@@ -1,0 +1,242 @@
+"""The five muscles of the forearm that move the wrist: excitation, activation, force, and torque on the hand by moment arms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.errors import BadInput
+from ..core.integrators import OdeComponent, rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output, parameter
+
+MUSCLES = ("fcr", "fcu", "ecrl", "ecrb", "ecu")
+COUNT, ROWS = len(MUSCLES), 12
+ORDER = "; FCR, FCU, ECRL, ECRB, ECU"
+TURNING = ("flexion", "deviation", "flexion_rate", "deviation_rate")
+
+
+class Programme(Effect):
+    """Excitations over time, added to the inputs: straight lines between rows, the first before them, the last after them.
+
+    A table with fewer rows than the arrays leaves the rest at 0.
+    """
+
+    time = parameter(0.0, "s", "time of a row, not decreasing", size=ROWS)
+    fcr = parameter(0.0, "1", "excitation of flexor carpi radialis", size=ROWS, low=0.0, high=1.0)
+    fcu = parameter(0.0, "1", "excitation of flexor carpi ulnaris", size=ROWS, low=0.0, high=1.0)
+    ecrl = parameter(0.0, "1", "excitation of extensor carpi radialis longus", size=ROWS, low=0.0, high=1.0)
+    ecrb = parameter(0.0, "1", "excitation of extensor carpi radialis brevis", size=ROWS, low=0.0, high=1.0)
+    ecu = parameter(0.0, "1", "excitation of extensor carpi ulnaris", size=ROWS, low=0.0, high=1.0)
+
+
+class Fibres(Effect):
+    """Force by the length of the fibres: the active one falls as exp(-(l - 1)² / width), a stretched fibre pulls passively.
+
+    Passive: (exp(4 s / stretch) - 1) / (exp(4) - 1) of the largest force at the strain s > 0. Form as in Thelen (2003), recalled.
+    Lengths of FCR, FCU and ECU are read in OpenSim's model of the wrist, the others recalled; that the fibres have their best
+    length in the neutral position is ours.
+    """
+
+    length = parameter((0.0628, 0.0509, 0.081, 0.0588, 0.0622), "m", "best length of the fibres" + ORDER, size=COUNT, low=1e-3)
+    width = parameter(0.45, "1", "width of the active force, relative length squared", low=1e-3)
+    stretch = parameter(0.6, "1", "strain at which a fibre pulls with the largest force, passively", low=1e-3)
+
+
+class ForceVelocity(Effect):
+    """Hill's hyperbola: shortening fibres pull less, none at the greatest rate; those that are lengthened pull more.
+
+    Ten fibre lengths a second as the greatest rate is read in OpenSim's model of the wrist; the shape is recalled.
+    """
+
+    greatest_rate = parameter((0.628, 0.509, 0.81, 0.588, 0.622), "m/s", "rate of shortening without force" + ORDER, size=COUNT,
+                              low=1e-3)
+    curvature = parameter(0.25, "1", "Hill's constant over the largest force; smaller is more curved", low=1e-3)
+    lengthened = parameter(1.4, "1", "force of a quickly lengthened fibre over its isometric force", low=1.0 + 1e-6)
+
+
+class VaryingArms(Effect):
+    """Moment arms of flexion that change with the flexion; off, they stay as in the neutral position.
+
+    FCR, ECRL, ECRB, ECU as in the table at biomed.bas.bg, "Moment Arms with Respect to Flexio/Extensio Axis", first order.
+    """
+
+    slope = parameter((-0.81e-3, 0.0, 3.1e-3, 1.8e-3, 2.8e-3), "m/rad", "moment arm per flexion" + ORDER, size=COUNT)
+
+
+class ForearmTendons(OdeComponent):
+    """Muscles pull the hand by tendons that run over it at given moment arms, and end beyond both rows.
+
+        a' = (e - a) / T(e > a: rise, else fall),   F = largest_force a * (length and velocity, if on)
+        s = arm_f flexion + arm_d deviation,   torques = sum F ds/dflexion, sum F ds/ddeviation,   power = sum F s'
+
+    e: excitation within 0 and 1; a: activation; s: shortening from the neutral position. The torques belong to the angles of the
+    hand: no tendon ends at a carpal bone (but FCU, by the pisiform, which is left out), and so they know nothing of the rows'
+    axes, which divide them by the rows' motion. Fingers' and thumb's muscles are not here: measured torques of the whole
+    forearm, 5.2 to 18.7 N.m in flexion (Delp, Grierson, Buchanan 1996), are larger than what these five give.
+    Sources: that tendons load the linkage is the rule "load" of Sandow (2020), of which the abstract was at hand; the equations
+    are ours. Largest forces of FCR, FCU, ECU: OpenSim's model of the wrist (Gonzalez, Buchanan, Delp 1997), read; of ECRL and
+    ECRB: recalled. Arms of flexion but FCU's: table at biomed.bas.bg, read; the others and the times of activation: recalled.
+    """
+
+    title = "Muscles of the forearm with their tendons over the wrist"
+    system = "wrist"
+    default_stop = 1.0
+
+    programme = Programme
+    fibres = Fibres
+    force_velocity = ForceVelocity
+    varying_arms = VaryingArms
+
+    largest_force = parameter((59.7, 102.6, 110.0, 100.0, 117.0), "N", "force at full activation" + ORDER, size=COUNT, low=0.0,
+                              nominal=100.0)
+    flexion_arm = parameter((0.0177, 0.015, -0.0102, -0.0137, -0.0057), "m", "moment arm of flexion, negative: extends" + ORDER,
+                            size=COUNT, nominal=0.01)
+    radial_arm = parameter((0.008, -0.014, 0.019, 0.013, -0.021), "m", "moment arm of radial deviation, negative: ulnar" + ORDER,
+                           size=COUNT, nominal=0.01)
+    rise_time = parameter(0.015, "s", "time constant of activation", low=1e-4)
+    fall_time = parameter(0.05, "s", "time constant of relaxation", low=1e-4)
+    substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
+
+    excitation = input_(0.0, "1", "excitation within 0 and 1" + ORDER, size=COUNT)
+    flexion = input_(0.0, "rad", "flexion of the hand")
+    deviation = input_(0.0, "rad", "radial deviation of the hand")
+    flexion_rate = input_(0.0, "rad/s", "its rate")
+    deviation_rate = input_(0.0, "rad/s", "rate of the deviation")
+
+    flexion_torque = output("N.m", "torque on the hand that flexes", feedthrough=TURNING)
+    deviation_torque = output("N.m", "torque on the hand towards the radius", feedthrough=TURNING)
+    power = output("W", "power given to the hand", feedthrough=TURNING)
+    activation = output("1", "activation" + ORDER, size=COUNT)
+    force = output("N", "force of the tendon" + ORDER, size=COUNT, nominal=100.0, feedthrough=TURNING)
+
+    def initial_state(self) -> np.ndarray:
+        """Activations that have settled at the present excitations; a programme of times that decrease is refused."""
+        programme = self.settled[1]
+        if programme is not None:
+            falls = np.flatnonzero(np.diff(programme.time) < 0.0)
+            last = int(falls[0]) if falls.size else ROWS - 1
+            behind = [getattr(programme, name)[last + 1 :] for name in ("time", *MUSCLES)]
+            if any(v.any() for v in behind):
+                came = f"programme.time[{last + 1}] = {programme.time[last]:g} s, then {programme.time[last + 1]:g} s"
+                raise BadInput(self.name, came, "times that do not decrease, and zeros behind the last row")
+        return np.array([wanted(i, self.t, self.u[0], programme) for i in range(COUNT)])
+
+    def energy(self) -> float:
+        """Energy of the fibres' passive stretch, J; 0 without `fibres`."""
+        p, _, fibres, _, arms = self.settled
+        if fibres is None:
+            return 0.0
+        total = 0.0
+        for i in range(COUNT):
+            strain = -shortening(i, self.u[0], p, arms)[0] / fibres.length[i]
+            if strain > 0.0:
+                s = strain / fibres.stretch
+                scale = p.largest_force[i] * fibres.length[i] * fibres.stretch
+                total += scale * (math.expm1(STIFFENING * s) / STIFFENING - s) / math.expm1(STIFFENING)
+        return total
+
+    def stable_step(self) -> float:
+        """RK4's limit for the shorter time constant, s."""
+        return 2.78 * min(float(self.get("rise_time")), float(self.get("fall_time")))
+
+
+EXCITATION, FLEXION, DEVIATION, FLEXION_RATE, DEVIATION_RATE = ForearmTendons.input_indices(
+    "excitation[1]", "flexion", "deviation", "flexion_rate", "deviation_rate"
+)
+FLEXION_TORQUE, DEVIATION_TORQUE, POWER, ACTIVATION, FORCE = ForearmTendons.output_indices(
+    "flexion_torque", "deviation_torque", "power", "activation[1]", "force[1]"
+)
+STIFFENING = 4.0  # of the passive stretch
+
+
+@kernel
+def programmed(i, programme):
+    """Excitations of the muscle i in the programme's rows, (ROWS,)."""
+    if i == 0:
+        return programme.fcr
+    if i == 1:
+        return programme.fcu
+    if i == 2:
+        return programme.ecrl
+    if i == 3:
+        return programme.ecrb
+    return programme.ecu
+
+
+@kernel
+def wanted(i, t, u, programme):
+    """Excitation of the muscle i at time t, within 0 and 1."""
+    value = u[EXCITATION + i]
+    if programme is not None:
+        rows = programmed(i, programme)
+        after = 0
+        while after < ROWS and programme.time[after] <= t and (after == 0 or programme.time[after] >= programme.time[after - 1]):
+            after += 1
+        if after == 0:
+            value += rows[0]
+        elif after == ROWS or programme.time[after] < programme.time[after - 1]:
+            value += rows[after - 1]
+        else:
+            before = after - 1
+            share = (t - programme.time[before]) / (programme.time[after] - programme.time[before])
+            value += rows[before] + share * (rows[after] - rows[before])
+    return min(max(value, 0.0), 1.0)
+
+
+@kernel
+def shortening(i, u, p, arms):
+    """(shortening of the muscle i in m, its moment arm of flexion in m)."""
+    arm, pulled = p.flexion_arm[i], p.flexion_arm[i] * u[FLEXION] + p.radial_arm[i] * u[DEVIATION]
+    if arms is not None:
+        pulled += 0.5 * arms.slope[i] * u[FLEXION] * u[FLEXION]
+        arm += arms.slope[i] * u[FLEXION]
+    return pulled, arm
+
+
+@kernel
+def by_velocity(rate, curvature, lengthened):
+    """Force over the isometric one at a rate of shortening over the greatest; both branches have one slope at 0."""
+    if rate >= 1.0:
+        return 0.0
+    if rate >= 0.0:
+        return (1.0 - rate) / (1.0 + rate / curvature)
+    gained, slope = lengthened - 1.0, -rate * (1.0 + 1.0 / curvature)
+    return 1.0 + gained * slope / (gained + slope)
+
+
+@kernel
+def tendon_derivatives(t, x, u, dx, p, programme, fibres, velocity, arms):
+    """dx/dt of x = the activations."""
+    for i in range(COUNT):
+        way = wanted(i, t, u, programme) - x[i]
+        dx[i] = way / (p.rise_time if way > 0.0 else p.fall_time)
+
+
+@kernel
+def tendon_outputs(t, x, u, y, p, programme, fibres, velocity, arms):
+    """Torques, power, activations, forces."""
+    y[FLEXION_TORQUE], y[DEVIATION_TORQUE], y[POWER] = 0.0, 0.0, 0.0
+    for i in range(COUNT):
+        pulled, arm = shortening(i, u, p, arms)
+        rate = arm * u[FLEXION_RATE] + p.radial_arm[i] * u[DEVIATION_RATE]
+        share = x[i]
+        if fibres is not None:
+            strain = -pulled / fibres.length[i]
+            share *= math.exp(-strain * strain / fibres.width)
+        if velocity is not None:
+            share *= by_velocity(rate / velocity.greatest_rate[i], velocity.curvature, velocity.lengthened)
+        if fibres is not None and pulled < 0.0:
+            passive = -pulled / (fibres.length[i] * fibres.stretch)
+            share += math.expm1(STIFFENING * passive) / math.expm1(STIFFENING)
+        force = p.largest_force[i] * share
+        y[FLEXION_TORQUE] += force * arm
+        y[DEVIATION_TORQUE] += force * p.radial_arm[i]
+        y[POWER] += force * rate
+        y[ACTIVATION + i], y[FORCE + i] = x[i], force
+
+
+ForearmTendons.advance = bind(rk4, __name__, derivatives=tendon_derivatives, outputs=tendon_outputs)
+ForearmTendons.output_kernel = tendon_outputs
