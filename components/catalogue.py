@@ -43,9 +43,13 @@ CATALOGUE = {
     "FourBar": "wrist.four_bar",
     "ForearmTendons": "wrist.tendons",
     "PipeRobot": "pipe_robot.robot",
+    "RollingPipeRobot": "pipe_robot.rolling",
+    "PipeRoute": "pipe_robot.route",
+    "TowCoupling": "pipe_robot.tow",
     "ExciterProgram": "pipe_robot.program",
     "ServoController": "friction_drive.controller",
     "FrictionWheels": "friction_drive.wheels",
+    "Wrist": "wrist.wrist",
 }
 
 

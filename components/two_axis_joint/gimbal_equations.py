@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from ..core.contact import stop_depth, stop_torque
 from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard
 from ..core.kernels import kernel
 
@@ -74,18 +75,6 @@ def specific_force(u, gravity, base):
     if base is None:
         return 0.0, 0.0, gravity.acceleration
     return -u[base.u + 2], -u[base.u + 3], gravity.acceleration - u[base.u + 4]
-
-
-@kernel
-def stop_torque(angle, rate, lower, upper, stiffness, dissipation):
-    """Torque of the stops on an axis: stiffness * depth * (1 + dissipation * rate into the stop), never pulling."""
-    depth, into = angle - upper, rate
-    if angle < lower:
-        depth, into = lower - angle, -rate
-    if depth <= 0.0:
-        return 0.0
-    torque = max(stiffness * depth * (1.0 + dissipation * into), 0.0)
-    return torque if angle < lower else -torque
 
 
 @kernel
@@ -160,12 +149,6 @@ def outer_momentum(x, u, p, rotor, base):
     if rotor is not None:
         momentum += s * rotor.spin_momentum
     return momentum
-
-
-@kernel
-def stop_depth(angle, lower, upper):
-    """How far an angle is beyond its stops, rad."""
-    return max(angle - upper, lower - angle, 0.0)
 
 
 @kernel

@@ -1,0 +1,228 @@
+"""Motion of the wrist's two rows: axes and angles of the hand from two coordinates, and back.
+
+Axes in the radius, origin in the wrist's centre at rest: z flexes (positive: towards the palm), x deviates (positive: towards the
+radius), y is the long axis, from the forearm to the fingers. Two ways in which the rows share the motion:
+
+- `rules`: the proximal row turns by q1 about n_p = (sin e_p, 0, cos e_p), fixed in the radius; the distal row, and the hand
+  with it, by q2 about n_d = (-sin e_d, 0, cos e_d), fixed in the proximal row. R_hand = Rot(n_p, q1) Rot(n_d, q2). So the
+  proximal row flexes and the distal one extends in radial deviation, and both flex in flexion.
+- `opensim_half`: each row makes half of the flexion q1 and half of the deviation q2, R_hand = R² with R = Rz(q1/2) Rx(q2/2): the
+  equal shares of the wrist model of Gonzalez, Buchanan and Delp (1997) as it comes with OpenSim. There the rows flex in no
+  deviation, which contradicts the rule of Sandow (2020).
+
+Flexion, deviation and roll are the angles of R_hand = Rz(flexion) Rx(deviation) Ry(roll). Small angles, rules:
+(flexion, deviation) = A q, A = [[cos e_p, cos e_d], [sin e_p, -sin e_d]], det A = -sin(e_p + e_d).
+Sources: that rows turn about two axes, the distal one carried, and the signs are of Sandow (2020), known to us by its abstract;
+the axes' directions, their tilts and the formulas are ours.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.errors import BadInput
+from ..core.kernels import kernel, kernel_tuple
+
+RULES, OPENSIM_HALF = range(2)
+COUPLING_MODELS = ("rules", "opensim_half")
+PROXIMAL_TILT, DISTAL_TILT = math.radians(15.0), math.radians(45.0)
+ROW_OFFSET = 0.02  # m, of the second axis along the long axis
+LEAST_CROSSING = 0.02  # |sin| of the angle between the axes, below which flexion and deviation are no longer two motions
+Vector = tuple[float, float, float]
+
+
+@kernel_tuple
+class Axes(NamedTuple):
+    """Where the two axes lie at rest, for kernels: tilts in rad, distance along the long axis in m."""
+
+    model: int
+    proximal_tilt: float
+    distal_tilt: float
+    offset: float
+
+
+DEFAULT_AXES = Axes(RULES, PROXIMAL_TILT, DISTAL_TILT, 0.0)
+
+
+@kernel_tuple
+class Pose(NamedTuple):
+    """Directions in the radius: rotation of rows per coordinate, long axes, and the angles of the hand with their derivatives.
+
+    proximal_1, proximal_2: angular velocity of the proximal row at unit rate of q1, q2; hand_1, hand_2: of the hand.
+    row, hand: the long axis of the proximal row and of the hand.  flexion_1 = d flexion / d q1, and so on.
+    """
+
+    proximal_1: Vector
+    proximal_2: Vector
+    hand_1: Vector
+    hand_2: Vector
+    row: Vector
+    hand: Vector
+    flexion: float
+    deviation: float
+    roll: float
+    flexion_1: float
+    flexion_2: float
+    deviation_1: float
+    deviation_2: float
+
+
+@kernel
+def dot(a, b):
+    """Scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    """Vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def combined(p, a, q, b):
+    """p a + q b."""
+    return p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]
+
+
+@kernel
+def turned(axis, angle, v):
+    """The vector v turned about a unit vector (Rodrigues)."""
+    c, s = math.cos(angle), math.sin(angle)
+    w = cross(axis, v)
+    along = (1.0 - c) * dot(axis, v)
+    return c * v[0] + s * w[0] + along * axis[0], c * v[1] + s * w[1] + along * axis[1], c * v[2] + s * w[2] + along * axis[2]
+
+
+@kernel
+def row_axes(axes):
+    """(n_p, n_d) at rest."""
+    return ((math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)),
+            (-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)))
+
+
+@kernel
+def with_row(q1, q2, axes, v):
+    """A vector of the proximal row in the radius."""
+    if axes.model == RULES:
+        return turned((math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)), q1, v)
+    return turned((0.0, 0.0, 1.0), 0.5 * q1, turned((1.0, 0.0, 0.0), 0.5 * q2, v))
+
+
+@kernel
+def with_hand(q1, q2, axes, v):
+    """A vector of the distal row, or of the hand, in the radius."""
+    if axes.model == RULES:
+        return with_row(q1, q2, axes, turned((-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)), q2, v))
+    return with_row(q1, q2, axes, with_row(q1, q2, axes, v))
+
+
+@kernel
+def row_turning(q1, q2, axes):
+    """Angular velocities of the proximal row at unit rate of q1 and of q2, in the radius."""
+    if axes.model == RULES:
+        return (math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)), (0.0, 0.0, 0.0)
+    return (0.0, 0.0, 0.5), (0.5 * math.cos(0.5 * q1), 0.5 * math.sin(0.5 * q1), 0.0)
+
+
+@kernel
+def hand_turning(q1, q2, axes):
+    """Angular velocities of the hand at unit rate of q1 and of q2, in the radius."""
+    first, second = row_turning(q1, q2, axes)
+    if axes.model == RULES:
+        return first, with_row(q1, q2, axes, (-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)))
+    return (combined(1.0, first, 1.0, with_row(q1, q2, axes, first)),
+            combined(1.0, second, 1.0, with_row(q1, q2, axes, second)))
+
+
+@kernel
+def angles_of_hand(q1, q2, axes):
+    """(flexion, deviation, roll), rad."""
+    hand = with_hand(q1, q2, axes, (0.0, 1.0, 0.0))
+    across, palm = with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), with_hand(q1, q2, axes, (0.0, 0.0, 1.0))
+    return math.atan2(-hand[0], hand[1]), math.asin(max(-1.0, min(1.0, hand[2]))), math.atan2(-across[2], palm[2])
+
+
+@kernel
+def angle_rates(flexion, deviation, turning):
+    """Rates of (flexion, deviation, roll) of a hand with an angular velocity; infinite where the deviation is a right angle."""
+    c, s = math.cos(flexion), math.sin(flexion)
+    forward = c * turning[1] - s * turning[0]
+    roll = forward / math.cos(deviation)
+    return turning[2] - math.sin(deviation) * roll, c * turning[0] + s * turning[1], roll
+
+
+@kernel
+def pose(q1, q2, axes):
+    """Everything the equations need of a position, see `Pose`."""
+    proximal_1, proximal_2 = row_turning(q1, q2, axes)
+    hand_1, hand_2 = hand_turning(q1, q2, axes)
+    flexion, deviation, roll = angles_of_hand(q1, q2, axes)
+    flexion_1, deviation_1, _ = angle_rates(flexion, deviation, hand_1)
+    flexion_2, deviation_2, _ = angle_rates(flexion, deviation, hand_2)
+    return Pose(proximal_1, proximal_2, hand_1, hand_2, with_row(q1, q2, axes, (0.0, 1.0, 0.0)),
+                with_hand(q1, q2, axes, (0.0, 1.0, 0.0)), flexion, deviation, roll,
+                flexion_1, flexion_2, deviation_1, deviation_2)
+
+
+def forward(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> Vector:
+    """(flexion, deviation, roll) of the hand, rad, from the two coordinates, rad."""
+    return angles_of_hand(proximal, distal, axes)
+
+
+def jacobian(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> np.ndarray:
+    """Derivatives of flexion, deviation and roll by the two coordinates, (3, 2)."""
+    flexion, deviation, _ = angles_of_hand(proximal, distal, axes)
+    return np.array([angle_rates(flexion, deviation, turning) for turning in hand_turning(proximal, distal, axes)]).T
+
+
+def small_angle_matrix(axes: Axes = DEFAULT_AXES) -> np.ndarray:
+    """A, (2, 2): (flexion, deviation) = A q for small angles."""
+    return jacobian(0.0, 0.0, axes)[:2]
+
+
+def crossing(axes: Axes) -> float:
+    """Sine of the angle between the two axes at rest, 1 for the axes of `opensim_half`."""
+    return math.sin(axes.proximal_tilt + axes.distal_tilt) if axes.model == RULES else 1.0
+
+
+def check_axes(axes: Axes, where: str) -> None:
+    """`BadInput` for axes that are nearly parallel: deviation is then no motion of its own."""
+    if not abs(sine := crossing(axes)) >= LEAST_CROSSING:
+        came = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad: axes that cross at a sine of {sine:.2g}"
+        raise BadInput(where, came, f"a sine of at least {LEAST_CROSSING:g}, either way",
+                       "Tilt one of the axes: about parallel ones the hand has one motion instead of two.")
+
+
+def inverse(flexion: float, deviation: float, axes: Axes = DEFAULT_AXES) -> Vector:
+    """(proximal coordinate, distal coordinate, roll) of a hand with these angles, rad, on the branch through the rest position.
+
+    Rules, closed form: with d the long axis of the hand, sin q2 = -(d . n_p) / sin(e_p + e_d), and q1 turns the long axis about
+    n_p into d. Half and half: Newton's method from the coordinates themselves.
+    `BadInput` where no position of the rows gives such angles, or the axes are nearly parallel.
+    """
+    check_axes(axes, "inverse kinematics")
+    c = math.cos(deviation)
+    hand = (-math.sin(flexion) * c, math.cos(flexion) * c, math.sin(deviation))
+    came = f"flexion {flexion:g} and deviation {deviation:g} rad"
+    refused = BadInput("inverse kinematics", came, "angles that the rows can reach")
+    if axes.model == RULES:
+        n_p, n_d = row_axes(axes)
+        sine = -dot(hand, n_p) / crossing(axes)
+        if not abs(sine) <= 1.0:
+            raise refused
+        q2 = math.asin(sine)
+        start = turned(n_d, q2, (0.0, 1.0, 0.0))
+        q1 = math.atan2(dot(n_p, cross(start, hand)), dot(start, hand) - dot(start, n_p) * dot(hand, n_p))
+        return q1, q2, angles_of_hand(q1, q2, axes)[2]
+    q = np.array([flexion, deviation])
+    for _ in range(20):
+        there = forward(q[0], q[1], axes)
+        missing = np.array([flexion - there[0], deviation - there[1]])
+        if np.abs(missing).max() < 1e-13:
+            return float(q[0]), float(q[1]), there[2]
+        q += np.linalg.solve(jacobian(q[0], q[1], axes)[:2], missing)
+    raise refused

@@ -1,0 +1,166 @@
+"""The five pairs of isometric ligaments: where they are attached, how long they are, how they pull.
+
+Which pairs are isometric is Sandow's (conference abstract, 2008): lunate-radius, trapezium-scaphoid, scapho-lunate,
+luno-triquetral, radio-triquetral. Everything else here is ours:
+
+- The bones of the proximal row turn along one arc to different extents (that they do so is of the abstract of Sandow, 2020):
+  the scaphoid by the whole row angle, lunate and triquetrum by a share of it. The trapezium goes with the distal row.
+- A ligament is exactly isometric where one of its ends lies on the axis about which its bones turn against each other. Here
+  one end lies beside it by `off_axis`, towards the other end: the ligament is shortest at rest, and the less isometric, the
+  farther beside. Ends are fixed in the bones; an axis that is moved leaves them where they are.
+- Tension over strain s beyond the slack length L0, of stiffness k at large strain, with a toe of width e:
+  T = k L0 s² / (2 e) up to s = e, then k L0 (s - e / 2), times (1 + damping * strain rate) and never less than zero.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.kernels import kernel, kernel_tuple
+from .kinematics import (
+    DISTAL_TILT,
+    PROXIMAL_TILT,
+    ROW_OFFSET,
+    Axes,
+    combined,
+    cross,
+    dot,
+    hand_turning,
+    row_turning,
+    with_hand,
+    with_row,
+)
+
+LIGAMENTS = ("lunate_radius", "trapezium_scaphoid", "scapho_lunate", "luno_triquetral", "radio_triquetral")
+NONE_CUT, COUNT = 0, len(LIGAMENTS)
+TRAPEZIUM_SCAPHOID = 1
+STIFFNESS, OFF_AXIS = 5e4, 3e-3  # N/m, m
+
+
+@kernel_tuple
+class Ligaments(NamedTuple):
+    """For kernels, one row a ligament, in the order of `LIGAMENTS`.
+
+    ends: (5, 6), both ends at rest in the radius, m.  extents: (5, 2), share of the row angle by which the bones at the ends
+    turn; the second end of trapezium-scaphoid goes with the distal row.  slack: (5,) m.  stiffness: (5,) N/m, 0 for a cut one.
+    """
+
+    ends: np.ndarray
+    extents: np.ndarray
+    slack: np.ndarray
+    stiffness: np.ndarray
+    toe: float
+    damping: float
+
+
+def attachments(off_axis: np.ndarray) -> np.ndarray:
+    """Ends at rest, (5, 6) m, for distances (5,) m of the second ends from the axes as they are by default."""
+    n_p = np.array([math.sin(PROXIMAL_TILT), 0.0, math.cos(PROXIMAL_TILT)])
+    n_d = np.array([-math.sin(DISTAL_TILT), 0.0, math.cos(DISTAL_TILT)])
+    along, second = np.array([0.0, 1.0, 0.0]), np.array([0.0, ROW_OFFSET, 0.0])
+
+    def pair(middle, axis, first_along, second_along, distance, beside):
+        side = math.copysign(1.0, distance)
+        return np.r_[middle + first_along * axis + distance * along, middle + second_along * axis + side * beside * along]
+
+    origin = np.zeros(3)
+    d = np.asarray(off_axis, dtype=float)
+    return np.array([
+        pair(origin, n_p, 0.0, 0.0, -12e-3, d[0]),
+        pair(second, n_d, 15e-3, 15e-3, -8e-3, d[1]),
+        pair(origin, n_p, 8e-3, 3e-3, 6e-3, d[2]),
+        pair(origin, n_p, -3e-3, -9e-3, 6e-3, d[3]),
+        pair(origin, n_p, 6e-3, -12e-3, -14e-3, d[4]),
+    ])
+
+
+def make_ligaments(stiffness: np.ndarray, off_axis: np.ndarray, prestrain: float, toe: float, damping: float,
+                   lunate: float, triquetrum: float, cut: int) -> Ligaments:
+    """Ligaments from the parameters of a component; `cut`: number of the one that is missing, 0 for none."""
+    ends = attachments(off_axis)
+    k = np.array(stiffness, dtype=float)
+    if cut != NONE_CUT:
+        k[cut - 1] = 0.0
+    extents = np.array([[0.0, lunate], [1.0, 1.0], [1.0, lunate], [lunate, triquetrum], [0.0, triquetrum]])
+    lengths = np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1)
+    return Ligaments(ends, extents, lengths / (1.0 + prestrain), k, toe, damping)
+
+
+@kernel
+def end_of_bone(q1, q2, extent, axes, point):
+    """(place, its derivatives by q1 and by q2) of a point of the proximal row that turns to an extent of the row's angle."""
+    place = with_row(extent * q1, extent * q2, axes, point)
+    first, second = row_turning(extent * q1, extent * q2, axes)
+    by_1, by_2 = cross(first, place), cross(second, place)
+    return place, (extent * by_1[0], extent * by_1[1], extent * by_1[2]), (extent * by_2[0], extent * by_2[1], extent * by_2[2])
+
+
+@kernel
+def end_of_hand(q1, q2, axes, point):
+    """(place, its derivatives by q1 and by q2) of a point of the distal row."""
+    middle = with_row(q1, q2, axes, (0.0, axes.offset, 0.0))
+    arm = with_hand(q1, q2, axes, (point[0], point[1] - axes.offset, point[2]))
+    row_1, row_2 = row_turning(q1, q2, axes)
+    hand_1, hand_2 = hand_turning(q1, q2, axes)
+    return (combined(1.0, middle, 1.0, arm), combined(1.0, cross(row_1, middle), 1.0, cross(hand_1, arm)),
+            combined(1.0, cross(row_2, middle), 1.0, cross(hand_2, arm)))
+
+
+@kernel
+def ligament_length(j, q1, q2, axes, ligaments):
+    """(length, its derivatives by q1 and by q2) of ligament j (from 0), m and m/rad."""
+    e = ligaments.ends
+    a, a_1, a_2 = end_of_bone(q1, q2, ligaments.extents[j, 0], axes, (e[j, 0], e[j, 1], e[j, 2]))
+    if j == TRAPEZIUM_SCAPHOID:
+        b, b_1, b_2 = end_of_hand(q1, q2, axes, (e[j, 3], e[j, 4], e[j, 5]))
+    else:
+        b, b_1, b_2 = end_of_bone(q1, q2, ligaments.extents[j, 1], axes, (e[j, 3], e[j, 4], e[j, 5]))
+    r = combined(1.0, b, -1.0, a)
+    length = math.sqrt(dot(r, r))
+    return length, dot(r, combined(1.0, b_1, -1.0, a_1)) / length, dot(r, combined(1.0, b_2, -1.0, a_2)) / length
+
+
+@kernel
+def spring_tension(strain, toe):
+    """(tension, energy) per k L0 and per k L0²."""
+    if strain <= 0.0:
+        return 0.0, 0.0
+    if strain < toe:
+        return strain * strain / (2.0 * toe), strain * strain * strain / (6.0 * toe)
+    return strain - 0.5 * toe, 0.5 * strain * (strain - toe) + toe * toe / 6.0
+
+
+@kernel
+def ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments):
+    """(tension, strain, torque on q1, torque on q2, energy, power lost) of ligament j."""
+    length, by_1, by_2 = ligament_length(j, q1, q2, axes, ligaments)
+    slack = ligaments.slack[j]
+    strain = length / slack - 1.0
+    per_k, energy = spring_tension(strain, ligaments.toe)
+    elastic = ligaments.stiffness[j] * slack * per_k
+    growth = by_1 * rate_1 + by_2 * rate_2
+    tension = elastic * max(0.0, 1.0 + ligaments.damping * growth / slack)
+    return (tension, strain, -tension * by_1, -tension * by_2, ligaments.stiffness[j] * slack * slack * energy,
+            (tension - elastic) * growth)
+
+
+@kernel
+def bundle_pull(q1, q2, rate_1, rate_2, axes, ligaments):
+    """(torque on q1, torque on q2, energy, power lost) of all of them."""
+    torque_1 = torque_2 = energy = lost = 0.0
+    for j in range(COUNT):
+        if ligaments.stiffness[j] > 0.0:
+            _, _, first, second, stored, heat = ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments)
+            torque_1 += first
+            torque_2 += second
+            energy += stored
+            lost += heat
+    return torque_1, torque_2, energy, lost
+
+
+def lengths(q1: float, q2: float, axes: Axes, ligaments: Ligaments) -> np.ndarray:
+    """Lengths and their derivatives by q1 and q2, (5, 3), m and m/rad."""
+    return np.array([ligament_length(j, q1, q2, axes, ligaments) for j in range(COUNT)])
