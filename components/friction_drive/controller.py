@@ -170,7 +170,7 @@ def wanted(t, p, course):
 
 @kernel
 def integrated(integral, gain, error, back, period):
-    """An integral after a sample; `back`: what a limit takes from it per time. One without gain stays: nothing would refill it."""
+    """An integral after a sample; `back`: what a limit takes from it per time. Without gain it stays: nothing would refill it."""
     return integral + period * (gain * error + back) if gain > 0.0 else integral
 
 

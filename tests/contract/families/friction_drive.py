@@ -21,4 +21,13 @@ FACTS: dict[str, Facts] = {
         disturbance={"first_rate": 5.0, "second_rate": 3.0, "external_force": 1.0, "external_torque": 0.002},
         strengths=STRENGTHS, structural=LAW, form=FORM,
     ),
+    "ServoController": Facts(
+        plain=(("quantisation", "reference"), {"feed_integral_gain": 100.0}, 20),
+        other_ways=(({"feedback": "wheels", "layout": "orthogonal"}, ()),),
+        disturbance={"feed": 1e-3, "rotation": -0.02, "first_rate": 0.1},
+        strengths={"reference.feed[2]": ({"reference.rotation[2]": 0.0}, 1e-5),
+                   "reference.rotation[2]": ({"reference.feed[2]": 0.0}, 1e-4)},
+        structural=frozenset({"quantisation"}),  # rates are differences of counts, however small the steps
+        form=frozenset({"reference.time"}),
+    ),
 }
