@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import itertools
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -24,11 +24,12 @@ from components.core.errors import BadInput, nearest
 from .analysis.machines import after_transient
 from .analysis.sections import section as section_of
 from .coupling import settle
-from .results import Result
+from .results import Result, write_table
 from .run import run
 from .scene import Scene
 from .units.component import find
 
+T = TypeVar("T")
 KINDS: dict[str, Callable[[np.ndarray], Any]] = {
     "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
 }
@@ -52,19 +53,10 @@ class Sweep:
 
     def save(self, directory: str | Path) -> Path:
         """Write sweep.csv: one row a point, the first line the column names with units."""
-        directory = Path(directory)
         columns = {**self.varied, **self.measures}
         names = [f"{n}, {self.units[n]}" if self.units[n] else n for n in columns]
-        try:
-            directory.mkdir(parents=True, exist_ok=True)
-            with open(directory / "sweep.csv", "w", encoding="utf-8") as file:
-                file.write(",".join(f'"{n}"' for n in [*names, "outcome"]) + "\n")
-                for *values, outcome in zip(*(c.tolist() for c in columns.values()), self.outcomes, strict=True):
-                    file.write(",".join([*map(str, values), '"' + outcome.replace('"', "'") + '"']) + "\n")
-        except OSError as error:
-            where = repr(str(directory))
-            raise BadInput("output directory", where, "a place that can be written", f"{error.strerror}.") from None
-        return directory / "sweep.csv"
+        rows = zip(*(c.tolist() for c in columns.values()), self.outcomes, strict=True)
+        return write_table(directory, "sweep.csv", [*names, "outcome"], rows)
 
 
 def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
@@ -92,7 +84,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     rows: list[dict[str, float]] = []
     outcomes, section = [], []
     units = {name: _unit(scene, name) for name in scene.sweep}
-    for _, one in _shown(made, scene.title or scene.name, progress):
+    for _, one in tracked(made, scene.title or scene.name, progress):
         row, points_of, outcome = {}, np.zeros(0), ""
         try:
             result = run(one, in_process=True)
@@ -151,13 +143,11 @@ def section_points(result: Result) -> np.ndarray:
     return section_of(result[wanted["angle"]][kept], spacing, result[wanted["signal"]][kept])[0]
 
 
-def _shown(items: list[tuple[dict[str, Any], Scene]], title: str, progress: bool) -> Iterable[tuple[dict[str, Any], Scene]]:
-    """The items, with a progress bar on a terminal."""
+def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
+    """The items one by one, with a progress bar on a terminal."""
     if not (progress and sys.stderr.isatty()):
         return items
     from rich.console import Console
     from rich.progress import track
 
-    shown: Iterator[tuple[dict[str, Any], Scene]] = iter(
-        track(items, description=title, console=Console(stderr=True), transient=True))
-    return shown
+    return iter(track(items, description=title, console=Console(stderr=True), transient=True))

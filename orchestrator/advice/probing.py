@@ -95,8 +95,8 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
         units = opened(scene, stack, in_process)
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
-        contacts, unknown = _contacts(scene, coupling, master, units)
-        return Advice(contacts, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
+        found, unknown = contacts(scene, coupling, master, units)
+        return Advice(found, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
 
 
 def _timed(scene: Scene, master: Master) -> float:
@@ -112,9 +112,9 @@ def _timed(scene: Scene, master: Master) -> float:
     return median(times[WARM:] or times)
 
 
-def _contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
-              ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
-    """What each pair of units tells, and why the others do not."""
+def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
+             ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
+    """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
     found, unknown = [], []
     if scene.master.algorithm not in ("jacobi", "gauss-seidel"):
         return (), ()

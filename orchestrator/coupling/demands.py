@@ -18,7 +18,7 @@ def check_stepping(master: MasterSettings, interfaces: Mapping[str, Interface], 
     if master.control is not None:
         _check_control(master, interfaces, links)
     if master.events:
-        _all("master.events", "a list of signals", "change the length of a step", {n: _free(i) for n, i in interfaces.items()})
+        _all("master.events", "a list of signals", "change the length of a step", {n: free(i) for n, i in interfaces.items()})
         _all("master.events", "a list of signals", "save their state, so that a step can end at an event",
              {n: i.saves_state for n, i in interfaces.items()})
     for bond in bonds:
@@ -39,7 +39,7 @@ def _check_control(master: MasterSettings, interfaces: Mapping[str, Interface], 
         if beyond:
             raise BadInput("master.step", f"{master.step:g} s", f"{'at least' if label == 'min_step' else 'at most'} "
                            f"{where}.{label}, {limit:g} s; it is the first step")
-    _all(f"{where}.method", repr(control.method), "change the length of a step", {n: _free(i) for n, i in interfaces.items()})
+    _all(f"{where}.method", repr(control.method), "change the length of a step", {n: free(i) for n, i in interfaces.items()})
     if control.method == "doubling":
         _all(f"{where}.method", "'doubling'", "save their state", {n: i.saves_state for n, i in interfaces.items()})
     if not smooth(interfaces, links):
@@ -47,7 +47,8 @@ def _check_control(master: MasterSettings, interfaces: Mapping[str, Interface], 
                        "and so no error to go by", "Remove master.control.")
 
 
-def _free(interface: Interface) -> bool:
+def free(interface: Interface) -> bool:
+    """Whether a unit takes steps of any length."""
     return interface.variable_step and not interface.fixed_step
 
 

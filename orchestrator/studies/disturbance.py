@@ -1,0 +1,145 @@
+"""Whether a coupled run lets a small disturbance grow: two runs from one start, in one of which all inputs are pushed once.
+
+What the two differ by, in every signal that is handed over and in parts of its nominal value, is looked at in its second
+differences over time: of what stands off or drifts away evenly, as a free body does that was pushed, nothing is left, and what
+goes to and fro keeps its rate of growth. A fourth of the run is for what dies out; the largest second differences of the last
+fourth over those of the second one are the growth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from components.core.errors import BadInput, StepFailed
+
+from ..algorithms import master_of
+from ..algorithms.energy import EnergyAccount, metered
+from ..algorithms.node import Node
+from ..coupling import Coupling, settle
+from ..coupling.demands import free
+from ..run import opened
+from ..scene import Scene
+from ..settings import IterationSettings
+from ..stepping.stretched import stretch_of
+from ..units.interface import Row
+
+PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
+BEFORE = 3  # steps before the push, which fill the histories of the inputs
+FEWEST = 32  # steps that tell growth from a transient
+CLEAR = 1e3  # a factor in size that needs no longer look
+EVEN = 1.002  # a factor that the sampling of an oscillation's crests may feign
+SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
+LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What became of a disturbance. rate: 1/s, of its logarithm; infinite where a run failed, which `failure` tells.
+
+    steps: macro steps made to find out.
+    """
+
+    rate: float
+    steps: int
+    failure: str = ""
+
+
+class Disturbed:
+    """A scene that was started once and is run from there again and again, with any macro step; its units are in this process.
+
+    Raises `BadInput` for units that cannot go back to a start or cannot change the length of a step, and `StepFailed` where
+    the scene does not start.
+    """
+
+    def __init__(self, scene: Scene, stack: ExitStack):
+        if iterative := scene.master.algorithm == "iterative":
+            tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
+            scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
+        self._noise = LOST if iterative else 0.0
+        self._coupling = coupling = settle(scene)
+        for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
+                           ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
+            if what:
+                raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
+        units = opened(scene, stack, in_process=True)
+        meters = metered(units, coupling)
+        units |= meters
+        self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
+        account = EnergyAccount(self.master, coupling, meters, correction=scene.master.energy_correction) if meters else None
+        self._steppable = account or self.master
+        self._steppable.initialize(0.0)
+        self._start = self._steppable.save()
+        self._stretch = stretch_of(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
+        self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
+
+    @property
+    def longest(self) -> float:
+        """The longest macro step that the scene's stop time has room for, s."""
+        return self.scene.stop_time / (FEWEST + BEFORE + 1)
+
+    def growth(self, h: float, steps: int) -> Growth:
+        """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
+        whole = max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
+        made = 0
+        for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):
+            calm, failure = self._run(h, n, pushed=False)
+            if not failure:
+                pushed, failure = self._run(h, n, pushed=True)
+                made += len(calm) + len(pushed)
+            if failure:
+                return Growth(math.inf, made, failure)
+            bent = np.abs(np.diff((pushed - calm) / self._nominal, 2, axis=0)).max(axis=1, initial=0.0)
+            window = bent.size // 4
+            first, early, _, late = (float(bent[k * window : (k + 1) * window].max()) for k in range(4))
+            if late <= max(first / CLEAR, self._noise):
+                return Growth(-math.inf, made)
+            rate = math.log(late / early) / (2 * window * h) if early else math.inf
+            if late > CLEAR * early:
+                break
+        return Growth(rate, made)
+
+    def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
+        """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""
+        master, rows = self.master, []
+        self._steppable.restore(self._start)
+        times = [k * h for k in range(n + BEFORE + 1)]
+        try:
+            for k, t in enumerate(times[: BEFORE + 1]):
+                if pushed and k == BEFORE:
+                    _push(master.nodes, self._coupling)
+                self._steppable.step(t, h)
+            for node in master.nodes:
+                node.alter = None
+            if self._stretch is not None and self._stretch.possible:
+                found, failure = self._stretch.run(times[BEFORE + 1 :], h)
+                return found, "" if failure is None else str(failure)
+            for t in times[BEFORE + 1 :]:
+                self._steppable.step(t, h)
+                rows.append(list(master.sample()))
+        except (StepFailed, OverflowError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
+            return np.array(rows), str(error)
+        finally:
+            for node in master.nodes:
+                node.alter = None
+        return np.array(rows), ""
+
+
+def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
+    """Let every input that changes inside steps be pushed, every other one to the opposite side."""
+    for node in nodes:
+        if node.sources:
+            signals = [coupling.interfaces[link.target[0]].inputs[link.target[1]] for link in node.links]
+            node.alter = partial(_pushed, [(k, (-1) ** k * s.nominal) for k, s in enumerate(signals) if k not in node.held])
+
+
+def _pushed(sizes: Sequence[tuple[int, float]], values: Row) -> Row:
+    """The values of inputs after the push; sizes: position and nominal value, with a sign, of those that are pushed."""
+    for k, nominal in sizes:
+        values[k] += PUSH * math.copysign(max(abs(values[k]), abs(nominal)), nominal)
+    return values
