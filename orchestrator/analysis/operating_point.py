@@ -16,12 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from components.core.component import Component
 from components.core.errors import BadInput, StepFailed
 
-from ..coupling import settle
 from ..scene import Scene
-from ..units.component import make
+from .connected import Connected
 
 Rates = Callable[[np.ndarray], np.ndarray]
 ITERATIONS = 50
@@ -29,7 +27,6 @@ HALVINGS = 30  # of a Newton step that leads to larger rates
 SETTLED = 1e-9  # last Newton step over the scales
 DIFFERENCE = 1e-5  # of a scale: the error of a central difference is 1e-10 of the third derivative, and rounding's 1e-11
 STEP = 1e-4  # s
-SWEEPS = 50
 
 
 @dataclass(frozen=True)
@@ -147,15 +144,12 @@ class SceneRates:
     """
 
     def __init__(self, scene: Scene, states: Mapping[str, Sequence[int]], step: float = STEP):
-        for name, unit in scene.units.items():
-            if not unit.component:
-                raise BadInput(f"{scene.name}: {name}", "a unit from an FMU", "a component, whose state can be set")
+        self._connected = Connected(scene)
         if unknown := states.keys() - scene.units.keys():
             raise BadInput(f"{scene.name}: states", f"unit {min(unknown)!r}", "units of the scene: " + ", ".join(scene.units))
-        self._links = settle(scene).links
-        self._components = {name: make(name, unit) for name, unit in scene.units.items()}
-        self._step, self._where = step, scene.name
-        self._exchange(Component.initialize, 0.0)
+        self._components = self._connected.components
+        self._step = step
+        self._connected.initialize()
         self._saved = {name: component.save() for name, component in self._components.items()}
         for name, chosen in states.items():
             size = self._components[name].x.size
@@ -172,7 +166,7 @@ class SceneRates:
         for name, chosen in self._states.items():
             self._components[name].x[chosen] = state[place : place + len(chosen)]
             place += len(chosen)
-        self._exchange(lambda component, t: component.refresh(), 0.0)
+        self._connected.refresh()
         rates = []
         for name, chosen in self._states.items():
             component = self._components[name]
@@ -191,23 +185,6 @@ class SceneRates:
         """Every output, "unit.name", at the chosen states."""
         self(state)
         return {f"{name}.{output}": unit[output] for name, unit in self._components.items() for output in unit.outputs}
-
-    def _exchange(self, update: Callable[[Component, float], None], t: float) -> None:
-        """Update the components, and hand outputs over, until no input changes."""
-        for _ in range(SWEEPS):
-            for component in self._components.values():
-                update(component, t)
-            changed = 0.0
-            for link in self._links:
-                (source, output), (target, name) = link.source, link.target
-                value = link.factor * self._components[source][output] + link.offset
-                component = self._components[target]
-                changed = max(changed, abs(value - component[name]) / max(abs(value), 1e-3 * component.variables[name].nominal))
-                component.set(name, value)
-            if changed <= 1e-13:
-                return
-        raise BadInput(f"{self._where}: operating point", f"inputs that still change by {changed:.2g} after {SWEEPS} exchanges",
-                       "outputs that come to stand", "Units in an algebraic loop may belong into one component.")
 
 
 def _scales(state: np.ndarray, scales: np.ndarray | None) -> np.ndarray:
