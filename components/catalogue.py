@@ -49,6 +49,7 @@ CATALOGUE = {
     "ExciterProgram": "pipe_robot.program",
     "ServoController": "friction_drive.controller",
     "FrictionWheels": "friction_drive.wheels",
+    "FrictionDrive": "friction_drive.monolith",
     "Wrist": "wrist.wrist",
 }
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.kernels import kernel
-from ..core.variables import input_
+from ..core.variables import input_, output, parameter
 
 LIMIT = 2.78  # of RK4, largest eigenvalue times step
+FASTEST_PHASE = 1.0  # rad in a substep, above which an excitation is not followed
 
 
 class HarmonicForce(Effect):
@@ -24,6 +25,15 @@ class Tow(Effect):
     """A force on the body along the pipe: a load in tow, a coupling to another robot, the drag of a fluid."""
 
     force = input_(0.0, "N", "force on the body, positive forwards")
+
+
+class PipeSlope(Effect):
+    """The pipe along the way: its slope, and a factor on the friction; off: level and as given."""
+
+    acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
+    slope = input_(0.0, "rad", "slope of the pipe, positive where forwards is upwards", nominal=0.1)
+    friction_factor = input_(1.0, "1", "friction over that of the parameters")
+    weight_power = output("W", "power that the weight gives, negative uphill", feedthrough=("route.slope",))
 
 
 @kernel

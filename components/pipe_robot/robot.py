@@ -25,7 +25,7 @@ from .contact import (
     direction,
     friction_on_body,
 )
-from .parts import HarmonicForce, Tow, fastest_eigenvalue, limit_of
+from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, Tow, fastest_eigenvalue, limit_of
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -46,7 +46,6 @@ from .robot_equations import (
     weight_power,
 )
 
-FASTEST_PHASE = 1.0  # rad in a substep, above which the excitation is not followed
 FORCES = ("harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
 
 
@@ -91,14 +90,10 @@ class CubicSpring(Effect):
     largest_stretch = parameter(0.05, "m", "stretch beyond which a run fails; it sets the stable step", low=1e-9)
 
 
-class Route(Effect):
+class Route(PipeSlope):
     """The pipe along the way: its slope, and a factor on the friction; off: level and as given."""
 
-    acceleration = parameter(9.81, "m/s2", "acceleration of gravity", low=0.0)
     largest_factor = parameter(1.5, "1", "factor of friction beyond which a run fails; it sets the stable step", low=0.0)
-    slope = input_(0.0, "rad", "slope of the pipe, positive where forwards is upwards", nominal=0.1)
-    friction_factor = input_(1.0, "1", "friction over that of the parameters")
-    weight_power = output("W", "power that the weight gives, negative uphill", feedthrough=("route.slope",))
 
 
 class PipeRobot(EventComponent):

@@ -1,0 +1,233 @@
+"""A robot on elastic rings whose rollers turn one way only: it rolls forwards and would have to slide backwards."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Preset
+from ..core.errors import StepFailed
+from ..core.events import EventComponent, rk4_events
+from ..core.friction import directed_friction, directed_guard, directed_mode, directed_switch
+from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.variables import input_, integer, output, parameter
+from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, Tow, fastest_eigenvalue, limit_of
+from .robot_equations import (
+    CONTACT,
+    INNER,
+    INNER_VELOCITY,
+    PHASE,
+    POSITION,
+    VELOCITY,
+    dissipated_power,
+    downhill,
+    drive_of,
+    exciter_power,
+    inner_accelerations,
+    robot_energy,
+    weight_power,
+)
+
+RING = 1.0 / (0.25 * math.pi - 2.0 / math.pi)  # stiffness of a thin ring between two points, times R³ / EI: 6.7214
+SOFTEST = 0.2  # of the free diameter, pressed in, beyond which the small deflection of a ring is no longer one
+FORCES = ("diameter", "taper", "harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
+
+
+class RollingPipeRobot(EventComponent):
+    """A body on elastic rings that the pipe presses in; at each end of the pressed diameter a roller on a one-way bearing.
+
+        N = EI / ((pi / 4 - 2 / pi) R³) (2 R - D)            force of a ring on either roller, D: diameter of the pipe
+        forwards   (m1 + 2 n J / rho²) x1'' = drive - mu_r 2 n N        backwards   m1 x1'' = drive + mu 2 n N
+        drive = f + n N D' - m1 g sin(slope) + tow,    m2 x2'' = -f - m2 g sin(slope),    f as in `PipeRobot`
+
+    n: rings, mu_r: rolling resistance, J, rho: inertia and radius of a roller. Backwards the bearings lock and the rollers slide
+    without turning. At rest the body stays exactly, between the two levels. Where the pipe widens (D' > 0), the rings push
+    forwards, with the energy they give up. `grip` tells whether the rollers would really roll; that they slip is left out.
+    A pipe wider than the free rings leaves the robot without contact: the run fails there.
+    Elastic elements of circular form are in the abstract of Matuliauskas and Spruogis (2002), all that is known to us of that
+    paper; that they carry one-way rollers, and all equations and numbers, are ours. The ring's stiffness is the classical one.
+    """
+
+    title = "Pipe robot on elastic rings with one-way rollers"
+    system = "pipe_robot"
+    default_stop = 10.0
+
+    harmonic_force = HarmonicForce
+    tow = Tow
+    route = PipeSlope
+
+    body_mass = parameter(1.0, "kg", "mass of the body with its rings, without turning of rollers", low=1e-9)
+    inner_mass = parameter(0.5, "kg", "mass on the spring", low=1e-9)
+    stiffness = parameter(2000.0, "N/m", "stiffness of the spring", low=1e-9)
+    damping = parameter(5.0, "N.s/m", "damping between body and inner mass", low=0.0)
+    rings = integer(2, "number of rings", low=1)
+    free_diameter = parameter(0.204, "m", "diameter of a ring over its rollers without load", low=1e-6)
+    bending_stiffness = parameter(0.2, "N.m2", "EI of the strip of a ring", low=0.0)
+    rolling_resistance = parameter(0.03, "1", "resistance of a rolling roller over the force on it", low=0.0)
+    friction = parameter(0.4, "1", "coefficient of friction of a locked roller", low=0.0)
+    roller_inertia = parameter(2e-6, "kg.m2", "moment of inertia of a roller", low=0.0)
+    roller_radius = parameter(0.01, "m", "radius of a roller", low=1e-9)
+    start_position = parameter(0.0, "m", "position of the body at the start")
+    start_velocity = parameter(0.0, "m/s", "velocity of body and inner mass at the start")
+    start_stretch = parameter(0.0, "m", "way of the inner mass from where it hangs, at the start")
+    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    diameter = input_(0.2, "m", "diameter of the pipe", nominal=1e-3)
+    taper = input_(0.0, "1", "growth of the diameter along the pipe", nominal=1e-2)
+
+    position = output("m", "position of the body")
+    velocity = output("m/s", "velocity of the body")
+    inner_position = output("m", "position of the inner mass, unstretched that of the body")
+    inner_velocity = output("m/s", "velocity of the inner mass")
+    friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
+    mode = output("1", "1 rolling forwards, -1 sliding backwards, 0 at rest")
+    exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=("harmonic_force.amplitude",))
+    dissipation = output("W", "power lost in rolling, sliding and the damper", nominal=10.0,
+                         feedthrough=("diameter", "route.friction_factor"))
+    mechanical_energy = output("J", "kinetic energy, energy of spring and rings", feedthrough=("diameter",))
+    pressing_force = output("N", "force of a ring on either roller", nominal=10.0, feedthrough=("diameter",))
+    grip = output("1", "share of the friction that turning the rollers takes; above 1 they would slip", feedthrough=FORCES)
+
+    presets = {
+        "two steel rings": Preset(
+            {"harmonic_force.amplitude": 20.0, "harmonic_force.frequency": 60.0, "rings": 2, "bending_stiffness": 0.2},
+            "numbers of ours: strips of 20 mm by 0.85 mm, 5.1 N on a roller", "inferred", ("harmonic_force",)),
+    }
+
+    def initial_state(self) -> np.ndarray:
+        """x: position, velocity, inner position, inner velocity, mode[, phase]."""
+        p, harmonic, tow, route = self.settled
+        sag = -p.inner_mass * downhill(self.u[0], route) / p.stiffness
+        x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
+        state = np.array(x + [0.0] * (harmonic is not None))
+        drive = rolling_drive(self.t, state, self.u[0], p, harmonic, tow, route)
+        state[CONTACT] = directed_mode(p.start_velocity, drive, *rolling_levels(self.u[0], p, route))
+        return state
+
+    def energy(self) -> float:
+        """The output `mechanical_energy`, J."""
+        return float(rolling_energy(self.t, self.x, self.u[0], self.settled[0]))
+
+    def stable_step(self) -> float:
+        """RK4's limit 2.78 / max |eigenvalue| with the body free and stuck, s."""
+        p = self._settled()[0]
+        return limit_of(fastest_eigenvalue(p.body_mass, p.inner_mass, (p.stiffness, p.damping), (0.0, 0.0)))
+
+    def _check(self, status: int) -> None:
+        if status == NOT_FINITE:
+            raise StepFailed(self.name, self.t, "the rings lost contact with the pipe or are pressed in too far, the excitation"
+                             " turns by over a radian within a substep, or the state is not finite",
+                             "Check diameter and free_diameter, route.friction_factor, and frequency times substep")
+        super()._check(status)
+
+
+DIAMETER, TAPER = RollingPipeRobot.input_indices("diameter", "taper")
+
+
+@kernel
+def ring_stiffness(p):
+    """Force between two opposite points of a ring over the change of its diameter, N/m."""
+    radius = 0.5 * p.free_diameter
+    return RING * p.bending_stiffness / (radius * radius * radius)
+
+
+@kernel
+def pressing(u, p):
+    """Force of a ring on either of its rollers, N; not below zero."""
+    return ring_stiffness(p) * max(p.free_diameter - u[DIAMETER], 0.0)
+
+
+@kernel
+def rolling_levels(u, p, route):
+    """(against rolling forwards, against sliding backwards), N."""
+    factor = u[route.u + 1] if route is not None else 1.0
+    normal = 2.0 * p.rings * pressing(u, p) * factor
+    return p.rolling_resistance * normal, p.friction * normal
+
+
+@kernel
+def moved_mass(mode, p):
+    """Mass of the body, while it rolls with the turning of the rollers, kg."""
+    if mode > 0.0:
+        return p.body_mass + 2.0 * p.rings * p.roller_inertia / (p.roller_radius * p.roller_radius)
+    return p.body_mass
+
+
+@kernel
+def rolling_drive(t, x, u, p, harmonic, tow, route):
+    """Force on the body without friction, N."""
+    drive, _ = drive_of(t, x, u, p, harmonic, None, None, tow, route)
+    return drive + p.rings * pressing(u, p) * u[TAPER]
+
+
+@kernel
+def rolling_energy(t, x, u, p):
+    """Kinetic energy with the turning of the rollers, energy of spring and rings, J."""
+    pressed = max(p.free_diameter - u[DIAMETER], 0.0)
+    turning = 0.5 * (moved_mass(x[CONTACT], p) - p.body_mass) * x[VELOCITY] ** 2
+    return robot_energy(t, x, p, None, None, None, None) + turning + 0.5 * p.rings * ring_stiffness(p) * pressed**2
+
+
+@kernel
+def contact_holds(u, p, harmonic, route):
+    """Whether the rings touch, are not pressed in too far, and the substep follows the excitation."""
+    fine = (1.0 - SOFTEST) * p.free_diameter <= u[DIAMETER] < p.free_diameter
+    if harmonic is not None:
+        fine = fine and abs(u[harmonic.u + 1]) * p.substep <= FASTEST_PHASE
+    if route is not None:
+        fine = fine and u[route.u + 1] >= 0.0
+    return fine
+
+
+@kernel
+def rolling_derivatives(t, x, u, dx, p, harmonic, tow, route):
+    """dx/dt of x = (position, velocity, inner position, inner velocity, mode[, phase]); not a number out of range."""
+    drive = rolling_drive(t, x, u, p, harmonic, tow, route)
+    forward, backward = rolling_levels(u, p, route)
+    friction = directed_friction(x[CONTACT], drive, forward, backward)
+    dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / moved_mass(x[CONTACT], p)
+    inner, _ = inner_accelerations(x, u, p, harmonic, None, None, route)
+    dx[INNER], dx[INNER_VELOCITY], dx[CONTACT] = x[INNER_VELOCITY], inner, 0.0
+    if harmonic is not None:
+        dx[PHASE] = u[harmonic.u + 1]
+    if not contact_holds(u, p, harmonic, route):
+        dx[VELOCITY] = math.nan
+
+
+@kernel
+def rolling_guards(t, x, u, g, p, harmonic, tow, route):
+    """What keeps the body rolling, sliding, or at rest."""
+    forward, backward = rolling_levels(u, p, route)
+    g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(t, x, u, p, harmonic, tow, route), forward, backward)
+
+
+@kernel
+def rolling_switch(which, t, x, u, p, harmonic, tow, route):
+    """The body stops, turns back, or breaks loose."""
+    x[VELOCITY] = 0.0
+    forward, backward = rolling_levels(u, p, route)
+    x[CONTACT] = directed_switch(x[CONTACT], rolling_drive(t, x, u, p, harmonic, tow, route), forward, backward)
+
+
+@kernel
+def rolling_outputs(t, x, u, y, p, harmonic, tow, route):
+    """Motion, friction, powers, energy, force of a ring, grip of the rollers."""
+    drive = rolling_drive(t, x, u, p, harmonic, tow, route)
+    forward, backward = rolling_levels(u, p, route)
+    friction = directed_friction(x[CONTACT], drive, forward, backward)
+    y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[INNER], x[INNER_VELOCITY]
+    y[4], y[5] = -friction, x[CONTACT]
+    y[6] = exciter_power(t, x, u, 0.0, p, harmonic, None, None, None, route)
+    y[7] = dissipated_power(t, x, friction, forward, backward, p, None, None, None)
+    y[8] = rolling_energy(t, x, u, p)
+    y[9] = pressing(u, p)
+    mass = moved_mass(x[CONTACT], p)
+    y[10] = abs(drive - friction) / mass * (mass - p.body_mass) / backward if backward > 0.0 else 0.0
+    if route is not None:
+        y[route.y] = weight_power(t, x, u, p, None, None, route)
+
+
+RollingPipeRobot.advance = bind(rk4_events, __name__, derivatives=rolling_derivatives, guards=rolling_guards,
+                                switch=rolling_switch, outputs=rolling_outputs)
+RollingPipeRobot.output_kernel = rolling_outputs

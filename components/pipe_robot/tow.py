@@ -1,0 +1,76 @@
+"""A coupling between two robots in a pipe: no mass, forces from the motion of both ends."""
+
+from __future__ import annotations
+
+from ..core.component import Component, Effect
+from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.variables import input_, output, parameter
+
+ENDS = ("rear_position", "front_position")
+MOTION = (*ENDS, "rear_velocity", "front_velocity")
+
+
+class Slack(Effect):
+    """A rope instead of a bar: no force while it is shorter than its length, and it never pushes.
+
+    Its damping grows with the stretch up to `onset`, so that a rope that tightens suddenly does not jerk.
+    """
+
+    onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
+
+
+class TowCoupling(Component):
+    """Spring and damper along the pipe between a robot in front and one behind, which it keeps `length` apart.
+
+        e = x_front - x_rear - length,    F_rear = k e + c e',    F_front = -F_rear
+
+    Both ends give position and velocity and get a force, positive forwards: it goes to `tow.force` of a robot.
+    """
+
+    title = "Coupling for towing"
+    system = "pipe_robot"
+    counters = ("steps",)
+
+    slack = Slack
+
+    stiffness = parameter(500.0, "N/m", "stiffness", low=0.0)
+    damping = parameter(5.0, "N.s/m", "damping", low=0.0)
+    length = parameter(0.5, "m", "distance of the ends without force", low=0.0)
+
+    rear_position = input_(0.0, "m", "position of the end behind", nominal=0.1)
+    rear_velocity = input_(0.0, "m/s", "velocity of the end behind")
+    front_position = input_(0.5, "m", "position of the end in front", nominal=0.2)
+    front_velocity = input_(0.0, "m/s", "velocity of the end in front")
+
+    rear_force = output("N", "force on the end behind, positive forwards", nominal=10.0, feedthrough=MOTION)
+    front_force = output("N", "force on the end in front, positive forwards", nominal=10.0, feedthrough=MOTION)
+    stretch = output("m", "distance of the ends beyond the length", nominal=0.1, feedthrough=ENDS)
+
+    def energy(self) -> float:
+        """Energy of the spring, J."""
+        p, slack = self.settled
+        stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
+        return 0.5 * p.stiffness * (max(stretch, 0.0) if slack is not None else stretch) ** 2
+
+    def _initialize(self, t: float) -> int:
+        self.settled = self._settled()
+        return DONE
+
+    def _step(self, t: float, h: float) -> int:
+        hold_inputs(self.u, h)
+        self.counts[0] += 1
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t: float) -> None:
+        tow_forces(self.u[0], self.y, *self.settled)
+
+
+@kernel
+def tow_forces(u, y, p, slack):
+    """Forces on both ends, and the stretch."""
+    stretch, rate = u[2] - u[0] - p.length, u[3] - u[1]
+    force = p.stiffness * stretch + p.damping * rate
+    if slack is not None:
+        force = max(p.stiffness * stretch + p.damping * min(stretch / slack.onset, 1.0) * rate, 0.0) if stretch > 0.0 else 0.0
+    y[0], y[1], y[2] = force, -force, stretch
