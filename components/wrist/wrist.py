@@ -34,7 +34,7 @@ class Constraint(Effect):
     requires = ("morphology",)
 
     cut = integer(0, CUT, low=0, high=COUNT)
-    stiffness = parameter(STIFFNESS, "N/m", "stiffness of the ligaments beyond the toe, in the order of `cut`", low=0.0, size=COUNT)
+    stiffness = parameter(STIFFNESS, "N/m", "stiffness of each ligament beyond its toe", low=0.0, size=COUNT)
     off_axis = parameter(OFF_AXIS, "m", "distance of one end from the axis; 0: isometric", low=0.0, high=5e-3, size=COUNT)
     prestrain = parameter(0.0, "1", "strain of the ligaments at rest", low=-0.5, high=0.5)
     toe = parameter(0.03, "1", "strain over which the tension rises to its full stiffness", low=0.0)
@@ -44,7 +44,7 @@ class Constraint(Effect):
 
 
 class Interaction(Effect):
-    """Contact: elastic limits of flexion, of deviation, and of the rows against each other, stiffness * depth * (1 + d * rate)."""
+    """Contact: limits of flexion, of deviation and of the rows against each other, stiffness * depth * (1 + d * rate)."""
 
     flexion_lower = parameter(-1.22173, "rad", "limit of extension")
     flexion_upper = parameter(1.22173, "rad", "limit of flexion")

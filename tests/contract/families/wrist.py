@@ -16,7 +16,7 @@ FACTS: dict[str, Facts] = {
         strengths={
             "constraint.stiffness[1]": (OTHERS_CUT | TAUT, 1.0),
             "interaction.stiffness": ({"interaction.flexion_upper": 0.0, "interaction.contact_stiffness": 0.0}, 1e-3),
-            "interaction.contact_stiffness": ({"interaction.contact_upper": 0.0, "interaction.stiffness": 0.0}, 1e-3),
+            "interaction.contact_stiffness": ({"interaction.contact_lower": 0.0, "interaction.stiffness": 0.0}, 1e-3),
             "load.gravity_x": ({}, 1e-4),
             "load.gravity_y": (WEIGHTLESS, 1e-4),
             "load.gravity_z": (WEIGHTLESS, 1e-4),
