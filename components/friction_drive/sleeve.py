@@ -155,6 +155,23 @@ def traction(k, t, x, sx, sy, p, smoothed, lugre, exact, loss):
 
 
 @kernel
+def contacts(t, x, first, second, p, smoothed, lugre, exact, loss):
+    """Slips and tractions of both contacts, along and around: (slip 1, slip 2, traction 1, traction 2), eight numbers."""
+    ax, ay = slip(0, x, first, p)
+    bx, by = slip(1, x, second, p)
+    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
+    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    return ax, ay, bx, by, qx, qy, rx, ry
+
+
+@kernel
+def wheel_loads(qx, qy, rx, ry, p):
+    """Loads of both wheels for their tractions, N.m, against a positive rate."""
+    c1, s1, c2, s2 = directions(p.layout, p.angle)
+    return p.wheel_radius * (qx * c1 + qy * s1), p.wheel_radius * (rx * c2 + ry * s2)
+
+
+@kernel
 def seal_place(lugre, exact):
     """Place of the seal's deflection in the state."""
     if lugre is not None:
@@ -175,11 +192,7 @@ def seal_rate(x, p, lugre, exact, trocar):
 def sleeve_derivatives(t, x, first, second, force, torque, dx, p, smoothed, lugre, exact, trocar, gravity, loss):
     """dx/dt of the sleeve's part of the state for the wheels' rates; returns the loads of the wheels, N.m."""
     dx[FEED], dx[ROTATION] = x[FEED_RATE], x[ROTATION_RATE]
-    c1, s1, c2, s2 = directions(p.layout, p.angle)
-    ax, ay = slip(0, x, first, p)
-    bx, by = slip(1, x, second, p)
-    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
-    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, smoothed, lugre, exact, loss)
     along, around = qx + rx + force, qy + ry + torque / p.sleeve_radius
     if lugre is not None or exact is not None:
         dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, lugre, exact)
@@ -197,7 +210,7 @@ def sleeve_derivatives(t, x, first, second, force, torque, dx, p, smoothed, lugr
         along -= p.mass * gravity.acceleration * math.sin(gravity.inclination)
     dx[FEED_RATE] = along / p.mass
     dx[ROTATION_RATE] = p.sleeve_radius * around / p.inertia
-    return p.wheel_radius * (qx * c1 + qy * s1), p.wheel_radius * (rx * c2 + ry * s2)
+    return wheel_loads(qx, qy, rx, ry, p)
 
 
 @kernel
@@ -250,17 +263,13 @@ def sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss):
 @kernel
 def contact_outputs(t, x, first, second, y, at, p, smoothed, lugre, exact, loss):
     """Slips and tractions of both contacts, margin and power of the contacts into y[at:]; returns the loads of the wheels."""
-    c1, s1, c2, s2 = directions(p.layout, p.angle)
-    ax, ay = slip(0, x, first, p)
-    bx, by = slip(1, x, second, p)
-    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
-    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, smoothed, lugre, exact, loss)
     y[at], y[at + 1], y[at + 2], y[at + 3] = ax, ay, bx, by
     y[at + 4], y[at + 5], y[at + 6], y[at + 7] = qx, qy, rx, ry
     y[at + 8] = min(free_share(math.hypot(qx, qy), preload_share(0, t, loss) * friction_level(p)),
                     free_share(math.hypot(rx, ry), preload_share(1, t, loss) * friction_level(p)))
     y[at + 9] = -(qx * ax + qy * ay + rx * bx + ry * by)
-    return p.wheel_radius * (qx * c1 + qy * s1), p.wheel_radius * (rx * c2 + ry * s2)
+    return wheel_loads(qx, qy, rx, ry, p)
 
 
 @kernel

@@ -21,6 +21,15 @@ FACTS: dict[str, Facts] = {
         disturbance={"first_rate": 5.0, "second_rate": 3.0, "external_force": 1.0, "external_torque": 0.002},
         strengths=STRENGTHS, structural=LAW, form=FORM,
     ),
+    "FrictionDrive": Facts(
+        plain=(("inductance", "shaft_friction", "exact_slip", "trocar_friction", "gravity", "preload_loss"),
+               {"preload_loss.start": 0.01}, 20),
+        disturbance={"first_voltage": 6.0, "second_voltage": 3.0, "external_force": 1.0, "external_torque": 0.002},
+        strengths={**STRENGTHS, "shaft_friction.level": ({"shaft_friction.gear_loss": 0.0}, 1e-5),
+                   "shaft_friction.gear_loss": ({"shaft_friction.level": 0.0}, 1e-5)},
+        structural=LAW | {"inductance"},  # with the inductance the steps would become as short
+        form=FORM | {"shaft_friction.static_ratio"},
+    ),
     "ServoController": Facts(
         plain=(("quantisation", "reference"), {"feed_integral_gain": 100.0}, 20),
         other_ways=(({"feedback": "wheels", "layout": "orthogonal"}, ()),),

@@ -1,0 +1,295 @@
+"""The whole friction-wheel drive but for its controller: two servo motors, wheels and sleeve in one unit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.events import EventComponent, rk4_events
+from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import rk4
+from ..core.kernels import bind, kernel
+from ..core.variables import input_, output
+from ..drives import servo_motor
+from ..drives.servo_motor import Inductance, ServoMotor, shaft_inertia
+from .sleeve import (
+    FEED,
+    FEED_RATE,
+    GUARDS,
+    LIMIT,
+    ROTATION,
+    ROTATION_RATE,
+    ExactSlip,
+    Gravity,
+    LuGreSlip,
+    PreloadLoss,
+    SmoothedSlip,
+    TrocarFriction,
+    contact_outputs,
+    contacts,
+    seal_place,
+    sleeve_derivatives,
+    sleeve_energy,
+    sleeve_guards,
+    sleeve_state,
+    sleeve_switch,
+    stiffest,
+    stuck_outputs,
+    wheel_loads,
+)
+from .wheels import FrictionWheels, refuse_idle_creep
+
+RATES, CURRENTS = 2, 4  # behind the motors' place in the state: two angles, two rates, two currents; at last two modes
+
+
+class ShaftFriction(Effect):
+    """Dry friction of both motors' bearings and gears with exact standstill, as in the motor's unit."""
+
+    level = servo_motor.ShaftFriction.level
+    static_ratio = servo_motor.ShaftFriction.static_ratio
+    gear_loss = servo_motor.ShaftFriction.gear_loss
+
+    first_stuck = output("1", "1 while the first shaft stands, 0 while it turns")
+    second_stuck = output("1", "1 while the second shaft stands, 0 while it turns")
+
+
+class FrictionDrive(EventComponent):
+    """Two equal servo motors whose wheels move a sleeve by friction: what `ServoMotor`, twice, and `FrictionWheels` couple to.
+
+    Equations and numbers are theirs, solved as one: the reference for the split. Slip is between states here, so that the
+    contacts' part in the loads needs no step between. Two contacts that stick while friction holds the shafts, too, leave their
+    tractions open if all is rigid; with `exact_slip` contacts are elastic, and the deflections say how the load is shared.
+    """
+
+    title = "Friction-wheel drive, whole"
+    system = "friction_drive"
+    guards_count = GUARDS + 2
+
+    inductance = Inductance
+    shaft_friction = ShaftFriction
+    smoothed_slip = SmoothedSlip
+    lugre_slip = LuGreSlip
+    exact_slip = ExactSlip
+    trocar_friction = TrocarFriction
+    gravity = Gravity
+    preload_loss = PreloadLoss
+
+    resistance = ServoMotor.resistance
+    constant = ServoMotor.constant
+    gear_ratio = ServoMotor.gear_ratio
+    rotor_inertia = ServoMotor.rotor_inertia
+    wheel_inertia = ServoMotor.wheel_inertia
+    damping = ServoMotor.damping
+    layout = FrictionWheels.layout
+    angle = FrictionWheels.angle
+    wheel_radius = FrictionWheels.wheel_radius
+    sleeve_radius = FrictionWheels.sleeve_radius
+    mass = FrictionWheels.mass
+    inertia = FrictionWheels.inertia
+    normal_force = FrictionWheels.normal_force
+    friction = FrictionWheels.friction
+    creep = FrictionWheels.creep
+    start_feed = FrictionWheels.start_feed
+    start_rotation = FrictionWheels.start_rotation
+    start_feed_rate = FrictionWheels.start_feed_rate
+    start_rotation_rate = FrictionWheels.start_rotation_rate
+    substep = FrictionWheels.substep
+
+    first_voltage = input_(0.0, "V", "voltage of the first motor", nominal=10.0)
+    second_voltage = input_(0.0, "V", "voltage of the second motor", nominal=10.0)
+    external_force = FrictionWheels.external_force
+    external_torque = FrictionWheels.external_torque
+
+    first_angle = output("rad", "angle of the first wheel")
+    second_angle = output("rad", "angle of the second wheel")
+    first_rate = output("rad/s", "rate of the first wheel", nominal=10.0)
+    second_rate = output("rad/s", "rate of the second wheel", nominal=10.0)
+    first_current = output("A", "current of the first motor", feedthrough=("first_voltage",))
+    second_current = output("A", "current of the second motor", feedthrough=("second_voltage",))
+    electrical_power = output("W", "power that both motors get", nominal=10.0, feedthrough=("first_voltage", "second_voltage"))
+    feed = FrictionWheels.feed
+    feed_rate = FrictionWheels.feed_rate
+    rotation = FrictionWheels.rotation
+    rotation_rate = FrictionWheels.rotation_rate
+    first_torque = output("N.m", "load of the first wheel, against a positive rate", nominal=0.05)
+    second_torque = output("N.m", "load of the second wheel, against a positive rate", nominal=0.05)
+    first_slip_axial = output("m/s", "slip of the sleeve on the first wheel, along the axis", nominal=0.1)
+    first_slip_around = output("m/s", "slip of the sleeve on the first wheel, around it", nominal=0.1)
+    second_slip_axial = output("m/s", "slip of the sleeve on the second wheel, along the axis", nominal=0.1)
+    second_slip_around = output("m/s", "slip of the sleeve on the second wheel, around it", nominal=0.1)
+    first_traction_axial = output("N", "force of the first wheel on the sleeve, along the axis")
+    first_traction_around = output("N", "force of the first wheel on the sleeve, around it")
+    second_traction_axial = output("N", "force of the second wheel on the sleeve, along the axis")
+    second_traction_around = output("N", "force of the second wheel on the sleeve, around it")
+    margin = output("1", "share of the kinetic friction still free, of the wheel that has less; 0 without preload")
+    contact_power = output("W", "power that the contacts take up: lost, but for what deflections store")
+    mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
+
+    def _initialize(self, t: float) -> int:
+        refuse_idle_creep(self)
+        return super()._initialize(t)
+
+    def initial_state(self) -> np.ndarray:
+        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, settled currents, shafts that stand where they can."""
+        p, inductance, shaft, smoothed, lugre, exact, trocar, _, loss = self.settled
+        sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
+        at, u = sleeve.size, self.u[0]
+        currents = [] if inductance is None else [u[0] / p.resistance, u[1] / p.resistance]
+        state = np.array([*sleeve, *np.zeros(4), *currents, *([] if shaft is None else [0.0, 0.0])])
+        if shaft is not None:
+            *drives, first, second = shafts(self.t, state, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
+            for k, static in enumerate((first, second)):
+                state[at + shaft_modes(inductance) + k] = stick_mode(0.0, drives[k], static)
+        return state
+
+    def energy(self) -> float:
+        """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
+        p, inductance, _, _, lugre, exact, trocar, gravity, loss = self.settled
+        at = motor_place(lugre, exact, trocar)
+        twice = shaft_inertia(p) * (self.x[at + RATES : at + RATES + 2] ** 2).sum()
+        if inductance is not None:
+            twice += inductance.inductance * (self.x[at + CURRENTS : at + CURRENTS + 2] ** 2).sum()
+        return float(sleeve_energy(self.t, self.x, p, lugre, exact, trocar, gravity, loss) + 0.5 * twice)
+
+    def stable_step(self) -> float:
+        """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
+        p, inductance, _, smoothed, lugre, exact, trocar, *_ = self._settled()
+        masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
+        radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
+        masses = np.array([*masses, *[shaft_inertia(p) / radius**2] * 2])[:, None]
+        D = D + np.diag([0.0, 0.0, *[p.gear_ratio**2 * p.damping / radius**2] * 2])
+        wheels = np.eye(4)[:, 2:]
+        if inductance is None:
+            D = D + force**2 / p.resistance * wheels @ wheels.T
+        A = np.block([[np.zeros((4, 4)), np.eye(4)], [-K / masses, -D / masses]])
+        if inductance is not None:
+            L = inductance.inductance
+            A = np.block([[A, np.vstack([np.zeros((4, 2)), force * wheels / masses])],
+                          [np.zeros((2, 4)), -force / L * wheels.T, -p.resistance / L * np.eye(2)]])
+        fastest = float(np.abs(np.linalg.eigvals(A)).max())
+        return LIMIT / fastest if fastest > 0.0 else math.inf
+
+    def _step(self, t: float, h: float) -> int:
+        if {"shaft_friction", "exact_slip", "trocar_friction"} & {*self.on}:
+            return super()._step(t, h)
+        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
+        return drive_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+
+
+VOLTAGES, FORCE, TORQUE = FrictionDrive.input_indices("first_voltage", "external_force", "external_torque")
+SLEEVE, LOADS, SLIPS, ENERGY = FrictionDrive.output_indices("feed", "first_torque", "first_slip_axial", "mechanical_energy")
+
+
+@kernel
+def motor_place(lugre, exact, trocar):
+    """Place of the motors in the state."""
+    return seal_place(lugre, exact) + (3 if trocar is not None else 0)
+
+
+@kernel
+def shaft_modes(inductance):
+    """Place of the shafts' modes behind that of the motors."""
+    return CURRENTS + 2 if inductance is not None else CURRENTS
+
+
+@kernel
+def current(k, at, x, voltage, p, inductance):
+    """Current of motor k, A: of the state, or the settled one."""
+    if inductance is not None:
+        return x[at + CURRENTS + k]
+    return (voltage - p.constant * p.gear_ratio * x[at + RATES + k]) / p.resistance
+
+
+@kernel
+def shaft_drive(k, at, x, voltage, load, p, inductance):
+    """Torque that accelerates wheel k, dry friction apart, N.m."""
+    torque = p.gear_ratio * p.constant * current(k, at, x, voltage, p, inductance)
+    return torque - p.gear_ratio * p.gear_ratio * p.damping * x[at + RATES + k] - load
+
+
+@kernel
+def shaft_levels(k, at, x, voltage, p, inductance, shaft):
+    """(kinetic, static) friction of shaft k, N.m at the wheel, with the share of the motor's torque that its gear loses."""
+    lost = shaft.gear_loss * abs(p.gear_ratio * p.constant * current(k, at, x, voltage, p, inductance))
+    return shaft.level + lost, shaft.static_ratio * shaft.level + lost
+
+
+@kernel
+def shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss):
+    """(drive, drive, static, static): torques that both shafts bear while they stand, and what they can, N.m."""
+    at = motor_place(lugre, exact, trocar)
+    _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, smoothed, lugre, exact, loss)
+    load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
+    return (shaft_drive(0, at, x, u[VOLTAGES], load_1, p, inductance),
+            shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, inductance),
+            shaft_levels(0, at, x, u[VOLTAGES], p, inductance, shaft)[1],
+            shaft_levels(1, at, x, u[VOLTAGES + 1], p, inductance, shaft)[1])
+
+
+@kernel
+def drive_derivatives(t, x, u, dx, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+    """dx/dt of x = (sleeve, angles, rates[, currents][, modes])."""
+    at = motor_place(lugre, exact, trocar)
+    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], u[FORCE], u[TORQUE], dx, p, smoothed, lugre,
+                                        exact, trocar, gravity, loss)
+    for k in range(2):
+        voltage, rate = u[VOLTAGES + k], x[at + RATES + k]
+        torque = shaft_drive(k, at, x, voltage, load_1 if k == 0 else load_2, p, inductance)
+        if shaft is not None:
+            mode = at + shaft_modes(inductance) + k
+            torque -= stick_friction(x[mode], torque, shaft_levels(k, at, x, voltage, p, inductance, shaft)[0])
+            dx[mode] = 0.0
+        dx[at + k], dx[at + RATES + k] = rate, torque / shaft_inertia(p)
+        if inductance is not None:
+            drop = p.resistance * x[at + CURRENTS + k] + p.constant * p.gear_ratio * rate
+            dx[at + CURRENTS + k] = (voltage - drop) / inductance.inductance
+
+
+@kernel
+def drive_guards(t, x, u, g, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+    """What keeps the modes of both contacts, the seal and both shafts."""
+    at = motor_place(lugre, exact, trocar)
+    sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, lugre, exact, trocar)
+    g[3] = g[4] = 1.0
+    if shaft is not None:
+        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
+        mode = at + shaft_modes(inductance)
+        g[3] = stick_guard(x[mode], x[at + RATES], drive_1, static_1)
+        g[4] = stick_guard(x[mode + 1], x[at + RATES + 1], drive_2, static_2)
+
+
+@kernel
+def drive_switch(which, t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+    """A contact, the seal or a shaft breaks loose, or comes to rest."""
+    if which < 3:
+        sleeve_switch(which, x, lugre, exact, trocar)
+    elif shaft is not None:
+        k, at = which - 3, motor_place(lugre, exact, trocar)
+        x[at + RATES + k] = 0.0
+        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
+        mode = at + shaft_modes(inductance) + k
+        x[mode] = stick_switch(x[mode], drive_1 if k == 0 else drive_2, static_1 if k == 0 else static_2)
+
+
+@kernel
+def drive_outputs(t, x, u, y, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+    """Motors, sleeve, contacts, energy, and what stands."""
+    at = motor_place(lugre, exact, trocar)
+    y[0], y[1], y[2], y[3] = x[at], x[at + 1], x[at + RATES], x[at + RATES + 1]
+    y[4], y[5] = current(0, at, x, u[VOLTAGES], p, inductance), current(1, at, x, u[VOLTAGES + 1], p, inductance)
+    y[6] = u[VOLTAGES] * y[4] + u[VOLTAGES + 1] * y[5]
+    y[SLEEVE], y[SLEEVE + 1], y[SLEEVE + 2], y[SLEEVE + 3] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
+    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, smoothed, lugre, exact, loss)
+    y[ENERGY] = sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss)
+    stuck_outputs(x, y, lugre, exact, trocar)
+    if shaft is not None:
+        mode = at + shaft_modes(inductance)
+        y[shaft.y], y[shaft.y + 1] = 1.0 if x[mode] == 0.0 else 0.0, 1.0 if x[mode + 1] == 0.0 else 0.0
+
+
+FrictionDrive.advance = bind(rk4_events, __name__, derivatives=drive_derivatives, guards=drive_guards, switch=drive_switch,
+                             outputs=drive_outputs)
+FrictionDrive.output_kernel = drive_outputs
+drive_smooth = bind(rk4, __name__, derivatives=drive_derivatives, outputs=drive_outputs)
