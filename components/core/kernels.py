@@ -12,11 +12,11 @@ from pathlib import Path
 from zlib import crc32
 
 try:
-    from numba import njit
+    from numba import config, njit
 except ImportError:  # an FMU's host may lack Numba: slower, the same equations
     njit = None  # type: ignore[assignment]
 
-COMPILED = njit is not None
+COMPILED = njit is not None and not config.DISABLE_JIT  # NUMBA_DISABLE_JIT=1: plain Python, without waiting for the compiler
 
 DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE = range(4)
 REASONS = {
@@ -42,7 +42,7 @@ def kernel(function):
     Numba looks only at the file that holds a function to decide whether its cached code is fresh. Kernels call
     kernels of other files, so an edit there would go unnoticed: the stamp covers the whole package instead.
     """
-    if njit is None:
+    if not COMPILED:
         return function
     dispatcher = njit(cache=True, error_model="numpy")(function)
     cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from components.core.errors import StepFailed
+from components.core.kernels import COMPILED
 
 from ..units.fmi2 import Fmi2CoSimulation
 from ..units.machine import Machine
@@ -112,6 +113,8 @@ class Stretch:
 
 def fmu_stretch(master: Master, halt: np.ndarray) -> Stretch | None:
     """The stretches of a master whose units are FMUs; None where one of them needs Python. `halt`: as in `stretch_of`."""
+    if not COMPILED:
+        return None
     units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
     machines = [machine for unit in units if (machine := unit.machine()) is not None]
     return Stretch(master, units, machines, halt) if len(machines) == len(master.nodes) else None

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from components.catalogue import CATALOGUE, component_class
 from components.core.component import Component
+from components.core.kernels import COMPILED
 
 from .families import Facts, all_facts
 
@@ -62,7 +63,17 @@ def _configurations() -> Iterator[Configuration]:
         yield from (Configuration(name, effects, small | way) for way, effects in FACTS[name].other_ways)
 
 
+def in_plain_python(cases: Iterable[Any]) -> list[Any]:
+    """All cases where nothing is compiled, none elsewhere: the compiler would take minutes over kernels that run for a moment.
+
+    tests/test_plain_python.py runs the files that use this in a process without the compiler.
+    """
+    return [] if COMPILED else list(cases)
+
+
 CONFIGURATIONS = list(_configurations())
+# compiled: everything on
+COMPILED_TOO = [Configuration(name, compatible(component_class(name)), SMALL[name]) for name in CATALOGUE]
 
 
 def excite(component: Component, share: float = 0.3) -> None:

@@ -8,7 +8,7 @@ import pytest
 from components.catalogue import CATALOGUE, component_class
 from components.core.variables import Causality
 
-from .configurations import FACTS, SMALL, with_required
+from .configurations import FACTS, SMALL, in_plain_python, with_required
 
 STEPS = 100
 CASES = [(c, s) for c in CATALOGUE for s in FACTS[c].strengths]
@@ -30,7 +30,7 @@ def disturbed(component: str, effects, parameters) -> np.ndarray:
     return np.array(rows)
 
 
-@pytest.mark.parametrize(("component", "strength"), CASES)
+@pytest.mark.parametrize(("component", "strength"), in_plain_python(CASES))
 def test_a_vanishing_effect_tends_to_no_effect(component, strength):
     parameters, small = FACTS[component].strengths[strength]
     effect = strength.partition(".")[0]

@@ -8,7 +8,7 @@ import pytest
 from components.catalogue import CATALOGUE, component_class
 from components.core.component import Effect
 
-from .configurations import SMALL, bits, compatible, excite, slope_inputs, with_required
+from .configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
 
 SINGLE = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
 
@@ -64,7 +64,7 @@ def test_one_effect_adds_its_own_and_nothing_else(component, effect):
         assert {n.partition(".")[0] for n in added} <= set(on)
 
 
-@pytest.mark.parametrize("component", CATALOGUE)
+@pytest.mark.parametrize("component", in_plain_python(CATALOGUE))
 def test_off_is_the_component_without_the_declaration_to_the_last_bit(component):
     cls = component_class(component)
     here, bare = cls(parameters=SMALL[component]), stripped(cls, *cls.effects)(parameters=SMALL[component])
@@ -86,7 +86,7 @@ def test_the_others_do_not_notice_an_effect_that_is_off(component, effect):
             np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("component", CATALOGUE)
+@pytest.mark.parametrize("component", in_plain_python(CATALOGUE))
 def test_effects_take_part_once_they_are_on(component):
     """The counterpart of the tests above: they would pass, too, if effects never did anything."""
     cls = component_class(component)

@@ -10,11 +10,12 @@ import pytest
 from components.core.component import Component
 from components.core.errors import BadInput
 from components.core.integrators import OdeComponent
+from components.core.kernels import COMPILED
 
-from .configurations import CONFIGURATIONS, bits, excite, slope_inputs, span
+from .configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
 
 EPSILON = np.finfo(float).eps
-configurations = pytest.mark.parametrize("configuration", CONFIGURATIONS, ids=lambda c: c.label)
+configurations = pytest.mark.parametrize("configuration", COMPILED_TOO if COMPILED else CONFIGURATIONS, ids=lambda c: c.label)
 
 
 def started(configuration, steps=3):

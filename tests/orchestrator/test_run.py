@@ -12,6 +12,7 @@ from components.core.errors import BadInput
 from components.core.variables import output
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene, scene_files
+from tests.contract.configurations import in_plain_python
 from tests.orchestrator.scene_runs import assert_fmus_give_the_same_bits
 from tests.support import OfTime, Probe, two_masses
 
@@ -156,7 +157,7 @@ def test_missing_column_names_the_near_ones():
         run(read_scene(PROBE))["p.tine"]
 
 
-@pytest.mark.parametrize("name", scene_files())
+@pytest.mark.parametrize("name", in_plain_python(scene_files()))
 def test_shipped_scenes_run_alike_as_fmus_and_in_process(name):
     scene = load_scene(name)
     short = {"stop_time": max(0.05, 20 * scene.master.step), "record.interval": None, "faults": []}

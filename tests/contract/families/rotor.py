@@ -27,6 +27,7 @@ FACTS: dict[str, Facts] = {
         plain=(("gyroscopic", "disks", "unbalance", "internal_damping", "gravity", "run_up", "linear_supports", "bearing_a",
                 "frame_rotation"), {"element": 0.75, "substep": 5e-4}, 3),
         disturbance={"force_x": 10.0, "force_y": 5.0},
+        step=2e-4,
         strengths={
             "disks.mass[1]": (NO_DISK, 1e-5),
             "disks.diametral_inertia[1]": (NO_DISK, 1e-7),
