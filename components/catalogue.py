@@ -51,6 +51,7 @@ CATALOGUE = {
     "FrictionWheels": "friction_drive.wheels",
     "FrictionDrive": "friction_drive.monolith",
     "Wrist": "wrist.wrist",
+    "LigamentBundle": "wrist.ligaments",
 }
 
 

@@ -139,11 +139,16 @@ def hand_turning(q1, q2, axes):
 
 
 @kernel
+def angles(across, hand):
+    """(flexion, deviation, roll), rad, of a hand whose x and long axis are these vectors in the radius."""
+    palm = across[0] * hand[1] - across[1] * hand[0]  # z of the hand's third axis
+    return math.atan2(-hand[0], hand[1]), math.asin(max(-1.0, min(1.0, hand[2]))), math.atan2(-across[2], palm)
+
+
+@kernel
 def angles_of_hand(q1, q2, axes):
     """(flexion, deviation, roll), rad."""
-    hand = with_hand(q1, q2, axes, (0.0, 1.0, 0.0))
-    across, palm = with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), with_hand(q1, q2, axes, (0.0, 0.0, 1.0))
-    return math.atan2(-hand[0], hand[1]), math.asin(max(-1.0, min(1.0, hand[2]))), math.atan2(-across[2], palm[2])
+    return angles(with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), with_hand(q1, q2, axes, (0.0, 1.0, 0.0)))
 
 
 @kernel
@@ -160,12 +165,12 @@ def pose(q1, q2, axes):
     """Everything the equations need of a position, see `Pose`."""
     proximal_1, proximal_2 = row_turning(q1, q2, axes)
     hand_1, hand_2 = hand_turning(q1, q2, axes)
-    flexion, deviation, roll = angles_of_hand(q1, q2, axes)
+    hand = with_hand(q1, q2, axes, (0.0, 1.0, 0.0))
+    flexion, deviation, roll = angles(with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), hand)
     flexion_1, deviation_1, _ = angle_rates(flexion, deviation, hand_1)
     flexion_2, deviation_2, _ = angle_rates(flexion, deviation, hand_2)
-    return Pose(proximal_1, proximal_2, hand_1, hand_2, with_row(q1, q2, axes, (0.0, 1.0, 0.0)),
-                with_hand(q1, q2, axes, (0.0, 1.0, 0.0)), flexion, deviation, roll,
-                flexion_1, flexion_2, deviation_1, deviation_2)
+    return Pose(proximal_1, proximal_2, hand_1, hand_2, with_row(q1, q2, axes, (0.0, 1.0, 0.0)), hand,
+                flexion, deviation, roll, flexion_1, flexion_2, deviation_1, deviation_2)
 
 
 def forward(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> Vector:

@@ -15,7 +15,7 @@ luno-triquetral, radio-triquetral. Everything else here is ours:
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,6 +46,7 @@ class Ligaments(NamedTuple):
 
     ends: (5, 6), both ends at rest in the radius, m.  extents: (5, 2), share of the row angle by which the bones at the ends
     turn; the second end of trapezium-scaphoid goes with the distal row.  slack: (5,) m.  stiffness: (5,) N/m, 0 for a cut one.
+    locked_1, locked_2: whether rigid ligaments leave q1, q2 no freedom.
     """
 
     ends: np.ndarray
@@ -54,6 +55,8 @@ class Ligaments(NamedTuple):
     stiffness: np.ndarray
     toe: float
     damping: float
+    locked_1: bool
+    locked_2: bool
 
 
 def attachments(off_axis: np.ndarray) -> np.ndarray:
@@ -77,16 +80,16 @@ def attachments(off_axis: np.ndarray) -> np.ndarray:
     ])
 
 
-def make_ligaments(stiffness: np.ndarray, off_axis: np.ndarray, prestrain: float, toe: float, damping: float,
-                   lunate: float, triquetrum: float, cut: int) -> Ligaments:
-    """Ligaments from the parameters of a component; `cut`: number of the one that is missing, 0 for none."""
-    ends = attachments(off_axis)
-    k = np.array(stiffness, dtype=float)
-    if cut != NONE_CUT:
-        k[cut - 1] = 0.0
+def make_ligaments(p: Any) -> Ligaments:
+    """Springs from the parameters of `Constraint`, or those of the same names of `LigamentBundle`."""
+    ends = attachments(p.off_axis)
+    k = np.array(p.stiffness, dtype=float)
+    if p.cut != NONE_CUT:
+        k[p.cut - 1] = 0.0
+    lunate, triquetrum = p.lunate_extent, p.triquetrum_extent
     extents = np.array([[0.0, lunate], [1.0, 1.0], [1.0, lunate], [lunate, triquetrum], [0.0, triquetrum]])
     lengths = np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1)
-    return Ligaments(ends, extents, lengths / (1.0 + prestrain), k, toe, damping)
+    return Ligaments(ends, extents, lengths / (1.0 + p.prestrain), k, p.toe, p.damping, False, False)
 
 
 @kernel
@@ -159,6 +162,13 @@ def bundle_pull(q1, q2, rate_1, rate_2, axes, ligaments):
             energy += stored
             lost += heat
     return torque_1, torque_2, energy, lost
+
+
+@kernel
+def write_bundle(q1, q2, rate_1, rate_2, y, at, axes, ligaments):
+    """Tensions and strains into the outputs from `at` on."""
+    for j in range(COUNT):
+        y[at + j], y[at + COUNT + j], _, _, _, _ = ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments)
 
 
 def lengths(q1: float, q2: float, axes: Axes, ligaments: Ligaments) -> np.ndarray:

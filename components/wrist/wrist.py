@@ -11,13 +11,14 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.integrators import OdeComponent, rk4
 from ..core.kernels import NOT_FINITE, bind
-from ..core.variables import choice, input_, integer, output, parameter
+from ..core.variables import choice, input_, output, parameter
 from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes, pose
-from .ligament_springs import COUNT, LIGAMENTS, OFF_AXIS, STIFFNESS, Ligaments, make_ligaments
-from .wrist_equations import TENDONS, Hand, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
+from .ligament_springs import COUNT, Ligaments, make_ligaments
+from .ligaments import Constraint
+from .rigid_ligaments import rigid_ligaments
+from .wrist_equations import TENDONS, Hand, Held, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
 
 LIMIT = 2.78  # of RK4, largest eigenvalue times step
-CUT = "ligament that is cut: 0 none, " + ", ".join(f"{i + 1} {n.replace('_', '-')}" for i, n in enumerate(LIGAMENTS))
 
 
 class Morphology(Effect):
@@ -26,21 +27,6 @@ class Morphology(Effect):
     proximal_tilt = parameter(PROXIMAL_TILT, "rad", "tilt of the proximal row's axis from that of flexion, towards deviation")
     distal_tilt = parameter(DISTAL_TILT, "rad", "tilt of the distal row's axis from that of flexion, the other way")
     row_offset = parameter(ROW_OFFSET, "m", "distance of the distal row's axis from the proximal one's along the hand", low=0.0)
-
-
-class Constraint(Effect):
-    """Five isometric ligaments, as springs with a toe; any one can be cut."""
-
-    requires = ("morphology",)
-
-    cut = integer(0, CUT, low=0, high=COUNT)
-    stiffness = parameter(STIFFNESS, "N/m", "stiffness of each ligament beyond its toe", low=0.0, size=COUNT)
-    off_axis = parameter(OFF_AXIS, "m", "distance of one end from the axis; 0: isometric", low=0.0, high=5e-3, size=COUNT)
-    prestrain = parameter(0.0, "1", "strain of the ligaments at rest", low=-0.5, high=0.5)
-    toe = parameter(0.03, "1", "strain over which the tension rises to its full stiffness", low=0.0)
-    damping = parameter(0.0, "s", "growth of the tension with the rate of strain", low=0.0)
-    lunate_extent = parameter(0.7, "1", "angle of the lunate over that of the row", low=0.0, high=1.5)
-    triquetrum_extent = parameter(0.85, "1", "angle of the triquetrum over that of the row", low=0.0, high=1.5)
 
 
 class Interaction(Effect):
@@ -164,20 +150,19 @@ class Wrist(OdeComponent):
             return Axes(p.coupling_model, PROXIMAL_TILT, DISTAL_TILT, 0.0)
         return Axes(p.coupling_model, morphology.proximal_tilt, morphology.distal_tilt, morphology.row_offset)
 
-    def ligaments(self) -> Ligaments | None:
-        """The ligaments that are there, or None without the effect."""
-        c = self._settled()[2]
-        if c is None:
-            return None
-        return make_ligaments(c.stiffness, c.off_axis, c.prestrain, c.toe, c.damping, c.lunate_extent, c.triquetrum_extent, c.cut)
+    def _ligaments(self, constraint: Any) -> Ligaments:
+        springs = make_ligaments(constraint)
+        if self.get("constraint.kind") == "springs":
+            return springs
+        return rigid_ligaments(self.axes(), springs, constraint.cut, self.initial_state(), self.name)
 
     def settle(self) -> tuple[Any, ...]:
         """Axes and hand, then the effects; of the constraint, the ligaments."""
-        p, morphology, _, interaction, load = self._settled()
+        p, morphology, constraint, interaction, load = self._settled()
         hand = Hand(self.axes(), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
                     p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping,
                     p.substep)
-        return hand, morphology, self.ligaments(), interaction, load
+        return hand, morphology, None if constraint is None else Held(constraint.y, self._ligaments(constraint)), interaction, load
 
     def _initialize(self, t: float) -> int:
         p, _, _, interaction, _ = self._settled()
@@ -209,13 +194,14 @@ class Wrist(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit 2.78 / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
-        hand, morphology, ligaments, interaction, load = self.settle()
+        hand, morphology, constraint, interaction, load = self.settle()
         K = np.array([[hand.flexion_stiffness, hand.coupling_stiffness], [hand.coupling_stiffness, hand.deviation_stiffness]])
         own = np.zeros(2)
         if interaction is not None:
             K = K + interaction.stiffness * np.eye(2)
             own[1] = interaction.contact_stiffness
-        if ligaments is not None:
+        if constraint is not None:
+            ligaments = constraint.ligaments
             arms = np.linalg.norm(ligaments.ends.reshape(COUNT, 2, 3), axis=2).max(axis=1)
             own += float(ligaments.stiffness @ arms**2)
         if load is not None:

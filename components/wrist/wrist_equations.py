@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ..core.contact import stop_depth, stop_torque
 from ..core.kernels import kernel, kernel_tuple
 from .kinematics import Axes, Pose, combined, cross, dot, pose
-from .ligament_springs import bundle_pull
+from .ligament_springs import COUNT, Ligaments, bundle_pull, write_bundle
 
 Q1, Q2, RATE_1, RATE_2 = range(4)
 TAU_FLEXION, TAU_DEVIATION, PROXIMAL_TORQUE, DISTAL_TORQUE = range(4)
@@ -37,6 +37,14 @@ class Hand(NamedTuple):
     proximal_damping: float
     distal_damping: float
     substep: float
+
+
+@kernel_tuple
+class Held(NamedTuple):
+    """Ligaments, and where their outputs begin."""
+
+    y: int
+    ligaments: Ligaments
 
 
 @kernel
@@ -134,7 +142,7 @@ def torques(at, x, u, c, constraint, interaction, load):
         first += dot(v1, down) + dot(tip_1, force)
         second += dot(v2, down) + dot(tip_2, force)
     if constraint is not None:
-        of_first, of_second, _, _ = bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint)
+        of_first, of_second, _, _ = bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)
         first += of_first
         second += of_second
     return (first + at.flexion_1 * flexing + at.deviation_1 * deviating,
@@ -142,9 +150,8 @@ def torques(at, x, u, c, constraint, interaction, load):
 
 
 @kernel
-def wrist_derivatives(t, x, u, dx, c, morphology, constraint, interaction, load):
-    """dx/dt; not a number where the substep cannot follow, or the hand is turned too far for angles of the wrist."""
-    at = wrist_pose(x, c, morphology)
+def motion(at, x, u, c, morphology, constraint, interaction, load):
+    """(q1'', q2'', torques of rigid ligaments on q1 and q2); not a number where the model or the substep cannot follow."""
     m11, m12, m22 = mass_matrix(at, c)
     first, second = torques(at, x, u, c, constraint, interaction, load)
     if morphology is not None:
@@ -152,12 +159,23 @@ def wrist_derivatives(t, x, u, dx, c, morphology, constraint, interaction, load)
         first -= turning_1
         second -= turning_2
         if math.cos(at.deviation) < UPRIGHT or abs(at.flexion) > FARTHEST:
-            first = math.nan
+            first = second = math.nan
     if max(abs(x[RATE_1]), abs(x[RATE_2])) * c.substep > 1.0:
-        first = math.nan
+        first = second = math.nan
+    if constraint is not None:
+        if constraint.ligaments.locked_1:
+            return 0.0, second / m22, m12 * second / m22 - first, 0.0
+        if constraint.ligaments.locked_2:
+            return first / m11, 0.0, 0.0, m12 * first / m11 - second
     determinant = m11 * m22 - m12 * m12
+    return (m22 * first - m12 * second) / determinant, (m11 * second - m12 * first) / determinant, 0.0, 0.0
+
+
+@kernel
+def wrist_derivatives(t, x, u, dx, c, morphology, constraint, interaction, load):
+    """dx/dt."""
     dx[Q1], dx[Q2] = x[RATE_1], x[RATE_2]
-    dx[RATE_1], dx[RATE_2] = (m22 * first - m12 * second) / determinant, (m11 * second - m12 * first) / determinant
+    dx[RATE_1], dx[RATE_2], _, _ = motion(wrist_pose(x, c, morphology), x, u, c, morphology, constraint, interaction, load)
 
 
 @kernel
@@ -178,7 +196,7 @@ def wrist_energy(at, x, c, constraint, interaction, load):
         place = combined(offset, at.row, c.distance - offset, at.hand)
         energy -= dot(weight(load, c), (place[0], place[1] - c.distance, place[2]))
     if constraint is not None:
-        energy += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint)[2]
+        energy += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)[2]
     return energy
 
 
@@ -193,7 +211,7 @@ def power_lost(at, x, c, constraint, interaction):
         elastic = limit_torques(at, (x[Q1], x[Q2], 0.0, 0.0), 0.0, 0.0, interaction)
         lost -= dot(combined(1.0, with_losses, -1.0, elastic), (flexion_rate, deviation_rate, x[RATE_2]))
     if constraint is not None:
-        lost += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint)[3]
+        lost += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)[3]
     return lost
 
 
@@ -208,6 +226,10 @@ def wrist_outputs(t, x, u, y, c, morphology, constraint, interaction, load):
     y[9], y[10] = row_flexion(x, c)
     y[11] = wrist_energy(at, x, c, constraint, interaction, load)
     y[12] = power_lost(at, x, c, constraint, interaction)
+    if constraint is not None:
+        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, constraint.y, c.axes, constraint.ligaments)
+        k = constraint.y + 2 * COUNT
+        _, _, y[k], y[k + 1] = motion(at, x, u, c, morphology, constraint, interaction, load)
     if load is not None:
         for j in range(TENDONS):
             y[load.y + j] = load.flexion_arm[j] * y[3] + load.deviation_arm[j] * y[4]
