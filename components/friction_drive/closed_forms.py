@@ -40,9 +40,10 @@ def loaded_feed(wheels: FrictionWheels, rate: float, force: float) -> tuple[floa
     p = wheels._settled()[0]
     if p.layout != SKEWED:
         raise BadInput(wheels.name, f"layout {LAYOUTS[p.layout]!r}", f"the layout {LAYOUTS[SKEWED]!r} for the speed under load")
-    share = force / (2.0 * friction_level(p))
+    most = 2.0 * friction_level(p)
+    share = force / most
     if abs(share) >= 1.0:
-        raise BadInput(wheels.name, f"force = {force:g} N", f"less than {2.0 * friction_level(p):g} N, twice the contacts' friction")
+        raise BadInput(wheels.name, f"force = {force:g} N", f"less than {most:g} N, what both contacts bear")
     rim, root = p.wheel_radius * rate, math.sqrt(1.0 - share * share)
     return (rim * math.cos(p.angle) - abs(rim) * math.sin(p.angle) * share / root,
-            2.0 * friction_level(p) * abs(rim) * math.sin(p.angle) / root)
+            most * abs(rim) * math.sin(p.angle) / root)
