@@ -162,7 +162,8 @@ class Wrist(OdeComponent):
         hand = Hand(self.axes(), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
                     p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping,
                     p.substep)
-        return hand, morphology, None if constraint is None else Held(constraint.y, self._ligaments(constraint)), interaction, load
+        held = None if constraint is None else Held(constraint.y, self._ligaments(constraint))
+        return hand, morphology, held, interaction, load
 
     def _initialize(self, t: float) -> int:
         p, _, _, interaction, _ = self._settled()
