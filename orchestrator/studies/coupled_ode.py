@@ -20,11 +20,11 @@ SMOOTH = (integrators.__name__, rosenbrock.__name__)  # templates whose step is 
 
 
 def rate_kernel(cls: type[Component]) -> Callable[..., None] | None:
-    """The kernel `derivatives(t, x, u, dx, p, *effects)` a component has bound to its integrator; None where it does more.
+    """The kernel `derivatives(t, x, u, dx, p, *effects)` a component has bound to its integrator; None where there is none.
 
     What advances a component with events, samples or a method of its own is no smooth differential equation.
     """
-    if not issubclass(cls, OdeComponent) or cls._step is not OdeComponent._step:
+    if not issubclass(cls, OdeComponent):
         return None
     advance: Any = cls.advance
     function = getattr(advance, "py_func", advance)

@@ -81,15 +81,16 @@ def _warm_up(scene: Scene) -> None:
             in_process=True)
 
 
-WORK = ("macro_steps", "unit_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")
+WORK = ("macro_steps", "hand_overs", "unit_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")
 
 
 def work_of(result: Result) -> dict[str, int]:
     """Counted work of a run.
 
-    unit_steps: internal steps of all units.  derivative_calls: of those that count them.  iterations, rollbacks, events: of
-    the master and the units.  calls: of each unit the largest of its counters, which is its dearest operation, summed: the
-    one number for a unit's work that no machine changes.
+    hand_overs: macro steps, or iterations where there are more of them, times units.  unit_steps: internal steps of all units.
+    derivative_calls: of those that count them.  iterations, rollbacks, events: of the master and the units.  calls: of each
+    unit the largest of its counters, which is its dearest operation, summed, and the hand-overs: the one number for the work
+    of a run, the same on every machine.
     """
     counters = result.info["counters"]
     master, stepping, units = counters["master"], counters.get("stepping", {}), counters["units"].values()
@@ -97,12 +98,15 @@ def work_of(result: Result) -> dict[str, int]:
     def total(name: str) -> int:
         return sum(int(unit.get(name, 0)) for unit in units)
 
+    steps = int(stepping.get("accepted", 0) + stepping.get("rejected", 0) or master["steps"])
+    hand_overs = max(steps, int(master.get("iterations", 0))) * len(units)
     return {
-        "macro_steps": int(stepping.get("accepted", 0) + stepping.get("rejected", 0) or master["steps"]),
+        "macro_steps": steps,
+        "hand_overs": hand_overs,
         "unit_steps": total("steps"),
         "derivative_calls": total("derivative_calls"),
         "iterations": int(master.get("iterations", 0)),
         "rollbacks": int(master.get("restores", 0) + stepping.get("restores", 0)),
         "events": int(stepping.get("events", 0)) + total("events"),
-        "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units),
+        "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units) + hand_overs,
     }
