@@ -36,7 +36,8 @@ class AnalysisKeys(Model):
     """What every system reads."""
 
     system: str = Field(default="", description=(
-        "which figures the report has: railway, bearings, rotor, rov, two_axis_joint or wind_pump"))
+        "which figures the report has: railway, bearings, rotor, rov, friction_drive, pipe_robot, two_axis_joint, wind_pump or "
+        "wrist"))
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
     section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
 
@@ -83,6 +84,33 @@ class WindPumpKeys(AnalysisKeys):
     pause: NotNegative = Field(default=10.0, description="s, a shorter standstill between two strokes is no stop")
 
 
+class PipeRobotKeys(AnalysisKeys):
+    """Figures of pipe robots."""
+
+    average: NotNegative = Field(default=0.0, description="s, of mean speeds; without it the exciter's period")
+    detail: Span | None = Field(default=None, description="[from, to] in s, shown in detail; else the last four periods")
+
+    @model_validator(mode="after")
+    def _detail_rises(self) -> PipeRobotKeys:
+        if self.detail is not None and not self.detail[0] < self.detail[1]:
+            raise BadInput("detail", f"[{self.detail[0]:g}, {self.detail[1]:g}]", "an end after the start")
+        return self
+
+
+class WristKeys(AnalysisKeys):
+    """Figures of wrists and four-bar linkages."""
+
+    postures: tuple[NotNegative, ...] = Field(default=(), description=(
+        "s, instants at which the hand's posture is tabulated; else where its angles are largest"))
+
+
+class FrictionDriveKeys(AnalysisKeys):
+    """Figures of friction-wheel drives."""
+
+    feed_band: Positive = Field(default=1e-4, description="m, error within which a move of the feed counts as settled")
+    rotation_band: Positive = Field(default=0.01, description="rad, the same of the rotation")
+
+
 class RovKeys(AnalysisKeys):
     """Figures of underwater vehicles."""
 
@@ -95,7 +123,10 @@ KEYS: dict[str, type[AnalysisKeys]] = {
     "rotor": RotorKeys,
     "rov": RovKeys,
     "wind_pump": WindPumpKeys,
+    "friction_drive": FrictionDriveKeys,
+    "pipe_robot": PipeRobotKeys,
     "two_axis_joint": AnalysisKeys,
+    "wrist": WristKeys,
 }
 
 

@@ -8,7 +8,20 @@ from typing import TYPE_CHECKING
 
 from components.core.errors import BadInput
 
-from . import bearings, generic, numerics, railway, rotor, rov, sweeps, two_axis_joint, wind_pump
+from . import (
+    bearings,
+    friction_drive,
+    generic,
+    numerics,
+    pipe_robot,
+    railway,
+    rotor,
+    rov,
+    sweeps,
+    two_axis_joint,
+    wind_pump,
+    wrist,
+)
 from .chart import Chart
 from .charts import draw_chart
 from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
@@ -27,6 +40,9 @@ SYSTEMS = {
     "two_axis_joint": two_axis_joint.blocks,
     "rov": rov.blocks,
     "wind_pump": wind_pump.blocks,
+    "friction_drive": friction_drive.blocks,
+    "pipe_robot": pipe_robot.blocks,
+    "wrist": wrist.blocks,
 }
 
 
