@@ -13,7 +13,7 @@ from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
 MUSCLES = ("fcr", "fcu", "ecrl", "ecrb", "ecu")
-COUNT, ROWS = len(MUSCLES), 12
+COUNT, ROWS = len(MUSCLES), 16
 ORDER = "; FCR, FCU, ECRL, ECRB, ECU"
 TURNING = ("flexion", "deviation", "flexion_rate", "deviation_rate")
 

@@ -20,7 +20,7 @@ FACTS: dict[str, Facts] = {
         plain=(("programme", "fibres", "force_velocity", "varying_arms"),
                {"programme.time[2]": 0.1, "programme.ecrl[2]": 1.0}, 20),
         disturbance={"excitation[1]": 0.6, "flexion": -0.3, "deviation": 0.1, "flexion_rate": 1.0},
-        strengths={f"programme.{n}": ({}, 1e-3) for n in ("fcr[12]", "fcu[12]", "ecrl[12]", "ecrb[12]", "ecu[12]")}
+        strengths={f"programme.{n}": ({}, 1e-3) for n in ("fcr[16]", "fcu[16]", "ecrl[16]", "ecrb[16]", "ecu[16]")}
         | {"varying_arms.slope[1]": ({f"varying_arms.slope[{i}]": 0.0 for i in range(2, 6)}, 1e-5)},
         structural=frozenset({"fibres", "force_velocity"}),  # vanish with an infinite length or rate
         form=frozenset({"programme.time"}),
