@@ -166,6 +166,15 @@ def standing(drive: Drive) -> float:
     return float(drive.time[max((int(c[-1]) + 1 for c in changes if c.size), default=0)])
 
 
+def at_rest(drive: Drive) -> int | None:
+    """The first sample behind the last change of a set point at which all shafts stand; None where that does not happen."""
+    shafts = [rest for name, rest in drive.rests.items() if "shaft" in name]
+    if not shafts:
+        return None
+    still = np.flatnonzero(np.all(shafts, axis=0) & (drive.time >= standing(drive)))
+    return int(still[0]) if still.size else None
+
+
 def starts(rest: np.ndarray) -> int:
     """How often something that stands, (n,) 1 or 0, breaks loose."""
     return int(np.sum(np.diff(rest) < 0.0))

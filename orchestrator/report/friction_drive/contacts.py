@@ -10,8 +10,8 @@ from ...analysis.friction_drive import Drive
 from ..chart import Chart, Panel, Series
 
 MOST_DRAWN = 6000  # samples of a path
-FREE = ("Free friction: what the traction leaves of the kinetic friction at the present preload; below 0 a contact holds by its "
-        "static friction alone.")  # fmt: skip
+FREE = ("Traction over the kinetic friction at full preload. Free friction: what the traction leaves of the kinetic friction at "
+        "the present preload; below 0 a contact holds by its static friction alone.")  # fmt: skip
 
 
 def contacts_chart(drive: Drive, who: str = "") -> Chart | None:
@@ -20,7 +20,7 @@ def contacts_chart(drive: Drive, who: str = "") -> Chart | None:
     loaded = [w for w in drive.wheels if w.traction is not None]
     if loaded and math.isfinite(drive.level):
         used = tuple(Series(f"{w.name} wheel", drive.time, np.hypot(*w.traction) / drive.level) for w in loaded)  # type: ignore[misc]
-        panels.append(Panel("traction over kinetic friction at full preload, 1", used))
+        panels.append(Panel("traction over friction, 1", used))
     elif loaded:
         panels.append(Panel("traction, N", tuple(Series(f"{w.name} wheel", drive.time, np.hypot(*w.traction))  # type: ignore[misc]
                                                  for w in loaded)))
@@ -33,7 +33,7 @@ def contacts_chart(drive: Drive, who: str = "") -> Chart | None:
                             y_range=(min(least, 0.0) - 0.05, 1.05)))  # fmt: skip
         text = FREE
     if "contact_power" in drive.signals:
-        panels.append(Panel("power into the contacts, W", (Series("both", drive.time, drive.signals["contact_power"]),)))
+        panels.append(Panel("power taken up, W", (Series("both", drive.time, drive.signals["contact_power"]),)))
     return Chart(f"{who}Contacts", "time, s", tuple(panels), text, height=180) if panels else None
 
 

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...analysis.friction_drive import AXES, Drive, standing, starts
+from ...analysis.friction_drive import AXES, Drive, at_rest, starts
 from ..chart import Band, Chart, Panel, Series
 
 DEGREES = 180.0 / np.pi
 SCALES = {"feed": (1e3, "mm"), "rotation": (DEGREES, "degrees")}
 FINE = {"feed": (1e6, "µm"), "rotation": (DEGREES, "degrees")}
-LEAST = 0.2  # of the run, that a set point stands at its end, to be looked at
+LEAST = 0.2  # of the run, that a drive is at rest at its end, to be looked at
+NOTICED = 0.01  # of its band, up to which an error is none
 QUANTITIES = (("rate", "rate of the wheel, rad/s"), ("voltage", "voltage, V"), ("current", "current, A"),
               ("torque", "load at the wheel, N.m"))  # fmt: skip
 
@@ -34,7 +35,7 @@ def way_chart(drives: Sequence[Drive], bands: Mapping[str, float]) -> Chart:
         factor, unit = SCALES[axis]
         errors = tuple(Series("error" if len(drives) == 1 else d.unit, d.time, factor * d.error[axis]) for d in drives
                        if axis in d.error)  # fmt: skip
-        if errors:
+        if any(np.abs(d.error[axis]).max() > NOTICED * bands[axis] for d in drives if axis in d.error):
             band = Band("settled", -factor * bands[axis], factor * bands[axis])
             panels.append(Panel(f"error of the {axis}, {unit}", errors, bands=(band,)))
     text = "Errors are set point less way. Shaded: the band in which a move counts as settled." if len(panels) > 2 else ""
@@ -42,13 +43,13 @@ def way_chart(drives: Sequence[Drive], bands: Mapping[str, float]) -> Chart:
 
 
 def rest_chart(drives: Sequence[Drive]) -> Chart | None:
-    """Errors and shafts from the last change of a set point on; None where that is too short or friction holds no shaft."""
-    first = drives[0]
-    begin = max((standing(d) for d in drives), default=0.0)
-    kept = slice(int(np.searchsorted(first.time, begin)), None)
-    held = any("shaft" in name for d in drives for name in d.rests)
-    if not held or first.time[-1] - begin < LEAST * (first.time[-1] - first.time[0]):
+    """Errors from where every drive has come to rest on; None where one does not, or only at the end."""
+    rests = [at_rest(d) for d in drives]
+    first = max((k for k in rests if k is not None), default=0)
+    time = drives[0].time
+    if None in rests or time[-1] - time[first] < LEAST * (time[-1] - time[0]):
         return None
+    kept = slice(first, None)
     panels = []
     for axis in AXES:
         factor, unit = FINE[axis]
@@ -58,12 +59,12 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
             panels.append(Panel(f"error of the {axis}, {unit}", tuple(errors)))
     if not panels:
         return None
-    said = []
-    for d in drives:
-        n = sum(starts(rest[kept]) for name, rest in d.rests.items() if "shaft" in name)
-        said.append(f"{d.unit}: the shafts break loose {n} time{'' if n == 1 else 's'}")
-    text = (f"From the last change of a set point on, at {begin:.4g} s. In {'; in '.join(said)}. A drive that seeks its set "
-            "point by an integral, and whose friction falls once it moves, goes past it again and again: it hunts.")  # fmt: skip
+    counts = [sum(starts(rest[kept]) for name, rest in d.rests.items() if "shaft" in name) for d in drives]
+    said = [f"{d.unit}: the shafts break loose {n} time{'' if n == 1 else 's'}" for d, n in zip(drives, counts, strict=True)]
+    text = f"From {time[first]:.4g} s on, when all shafts have come to rest. In {'; in '.join(said)}."
+    if max(counts) > 1:
+        text += (" A drive that seeks its set point by an integral, and whose friction falls once it moves, goes past it again "
+                 "and again: it hunts.")  # fmt: skip
     return Chart("While the set point stands", "time, s", tuple(panels), text, height=220)
 
 
