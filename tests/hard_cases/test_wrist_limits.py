@@ -1,0 +1,203 @@
+"""Hard cases of the wrist: parallel axes, hard limits, too many constraints and their drift, hardly any inertia, long steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from components.core.errors import BadInput, StepFailed
+from components.wrist.kinematics import LEAST_CROSSING, PROXIMAL_TILT, small_angle_matrix
+from components.wrist.ligaments import LigamentBundle
+from components.wrist.wrist import Wrist
+
+FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
+ALL = ("morphology", "constraint", "interaction", "load")
+ISOMETRIC = {f"constraint__off_axis[{j}]": 0.0 for j in range(1, 6)}
+
+
+def wrist(effects=("morphology",), inputs=None, **parameters) -> Wrist:
+    made = Wrist(effects, {name.replace("__", "."): value for name, value in parameters.items()})
+    for name, value in (inputs or {}).items():
+        made.set(name, value)
+    made.initialize(0.0)
+    return made
+
+
+# -- axes that lose a motion -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("component", [lambda **tilts: wrist(**{f"morphology__{k}": v for k, v in tilts.items()}),
+                                       lambda **tilts: LigamentBundle((), tilts).initialize(0.0)])
+@pytest.mark.parametrize("tilts", [(0.0, 0.0), (0.4, -0.4), (0.005, 0.005), (0.5 * math.pi, 0.5 * math.pi)])
+def test_parallel_axes_are_refused(component, tilts):
+    with pytest.raises(BadInput, match=r"axes that cross at a sine of .* one motion instead of two"):
+        component(proximal_tilt=tilts[0], distal_tilt=tilts[1])
+
+
+def test_nearly_parallel_axes_keep_their_energy():
+    """Just above the limit: one combination of the rows has 1e4 times the inertia of the other, and nothing is lost."""
+    half = 0.505 * LEAST_CROSSING
+    made = wrist(**FREE, morphology__proximal_tilt=half, morphology__distal_tilt=half, morphology__row_offset=0.0,
+                 row_inertia=0.0, start_proximal_angle=0.2, start_distal_angle=0.1)
+    before = made.energy()
+    made.step(0.0, 1.0)
+    assert made.energy() == pytest.approx(before, rel=1e-7)
+
+
+# -- limits ------------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("stiffness", [200.0, 2000.0, 2e4])
+def test_a_hard_limit_stops_the_hand_within_what_its_energy_allows(stiffness):
+    """Thrown at the limit of deviation: depth at most sqrt(2 E / k), less energy behind than before, then rest."""
+    substep = 1e-4 * math.sqrt(200.0 / stiffness) * 5.0
+    made = wrist(("morphology", "interaction"), interaction__stiffness=stiffness, substep=substep, start_proximal_rate=20.0,
+                 start_distal_rate=-25.0, interaction__contact_lower=-2.0)
+    before, deepest = made.energy(), 0.0
+    for k in range(150):
+        made.step(1e-3 * k, 1e-3)
+        deepest = max(deepest, made["deviation"] - 0.610865)
+    assert 0.0 < deepest < math.sqrt(2.0 * before / stiffness)
+    assert 0.0 < made.energy() < before
+
+
+def test_a_limit_that_the_substep_cannot_follow_is_refused():
+    with pytest.raises(BadInput, match="Reduce substep"):
+        wrist(("interaction",), interaction__stiffness=1e6)
+
+
+def test_rest_against_a_limit():
+    """Far beyond the range: tau = k_limit depth + k e, held for 3 s."""
+    made = wrist(("morphology", "interaction"), {"tau_deviation": 4.0}, proximal_damping=0.1, distal_damping=0.1,
+                 interaction__contact_lower=-2.0)
+    made.step(0.0, 3.0)
+    expected = (4.0 + 200.0 * 0.610865) / 201.0
+    assert made["deviation"] == pytest.approx(expected, abs=1e-9)
+    assert made["flexion"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_grazing_a_limit_acts_the_less_the_less_it_is_touched():
+    """The swing of the linear wrist ends at rate / frequency. A limit beyond does nothing, to the last bit; one before it by d
+    acts for a time as sqrt(d) with a torque as d, and turns the rest of the motion by d^1.5."""
+    inertia = 0.45 * 0.07**2 + 1e-3
+    start = {**FREE, "row_inertia": 0.0, "start_proximal_rate": 2.0, "substep": 1e-4}
+    end = 2.0 * math.cos(PROXIMAL_TILT) * math.sqrt(inertia / 1.0)
+    free = wrist((), **start)
+    free.step(0.0, 0.13)
+
+    def changed(before: float) -> float:
+        made = wrist(("interaction",), **start, interaction__stiffness=2.0, interaction__flexion_upper=end - before)
+        made.step(0.0, 0.13)
+        return float(np.abs(made.x - free.x).max())
+
+    assert changed(-1e-6) == 0.0
+    assert math.log(changed(4e-4) / changed(1e-4), 4.0) == pytest.approx(1.5, abs=0.05)
+
+
+# -- constraints -----------------------------------------------------------------------------------------------------------
+def test_five_rigid_ligaments_that_contradict_each_other_are_refused():
+    with pytest.raises(BadInput, match=r"hold both rows \(lunate-radius, .* take the springs"):
+        wrist(("morphology", "constraint"), constraint__kind="rigid")
+    with pytest.raises(BadInput, match="hold both rows"):
+        wrist(("morphology", "constraint"), constraint__kind="rigid", constraint__cut=1)  # three more hold the proximal row
+    made = wrist(("morphology", "constraint"), constraint__kind="rigid", constraint__cut=2, start_distal_rate=1.0)
+    made.step(0.0, 0.05)
+    assert made["proximal_angle"] == 0.0
+    assert made["distal_angle"] != 0.0
+
+
+@pytest.mark.parametrize(("wrong", "expected"), [
+    ({"constraint__prestrain": 0.01}, "apart at the start"),
+    ({"start_proximal_angle": 0.1, "constraint__off_axis[1]": 1e-3}, "apart at the start"),
+    ({"start_proximal_rate": 0.1, "constraint__off_axis[1]": 1e-3}, "of a row that rigid ligaments hold"),
+    ({"coupling_model": "opensim_half"}, "every length depends on both angles"),
+])
+def test_rigid_ligaments_that_do_not_fit_are_refused(wrong, expected):
+    with pytest.raises(BadInput, match=expected):
+        wrist(("morphology", "constraint"), constraint__kind="rigid", **(ISOMETRIC | wrong))
+
+
+def test_constraints_do_not_drift():
+    """Ten seconds of large swings under all five rigid isometric ligaments, and one with a row held: strains are rounding."""
+    made = wrist(("morphology", "constraint"), **FREE, **ISOMETRIC,
+                 constraint__kind="rigid", start_proximal_angle=0.6, start_distal_angle=0.3, substep=1e-2)
+    made.step(0.0, 10.0)
+    assert max(abs(made[f"constraint.strain[{j}]"]) for j in range(1, 6)) < 1e-14
+    held = wrist(("morphology", "constraint"), **FREE, constraint__kind="rigid", constraint__cut=2, start_distal_rate=3.0,
+                 substep=1e-2)
+    held.step(0.0, 10.0)
+    assert [held["proximal_angle"], held["proximal_rate"]] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e6])
+def test_five_stiff_springs_hold_both_rows_by_their_tension(stiffness):
+    """A small torque; a ligament under tension T that is shortest at rest is a stiffness T far beside share² / length."""
+    strain = 0.1
+    made = wrist(("morphology", "constraint"), {"tau_flexion": 1e-3}, proximal_damping=0.1, distal_damping=0.1, substep=5e-4,
+                 constraint__prestrain=strain, constraint__toe=0.0, row_inertia=0.0,
+                 **{f"constraint__stiffness[{j}]": stiffness for j in range(1, 6)})
+    made.step(0.0, 0.9)
+
+    def held(far: float, share: float) -> float:
+        per_length = stiffness * strain / (1.0 + strain)
+        return per_length * far * 3e-3 * share**2
+
+    rows = [held(12e-3, 0.7) + held(6e-3, 0.3) + held(6e-3, 0.15) + held(14e-3, 0.85), held(8e-3, 1.0)]
+    A = small_angle_matrix()
+    expected = np.linalg.solve(np.diag(rows) + A.T @ A, A.T @ [1e-3, 0.0])
+    assert made.x[:2] == pytest.approx(expected, rel=1e-4)
+
+
+# -- inertia and stiffness -------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("without", [{"hand_mass": 0.0}, {"hand_distance": 0.0}])
+def test_a_hand_without_inertia_is_refused(without):
+    with pytest.raises(BadInput, match="mass matrix is singular"):
+        wrist(transverse_inertia=0.0, axial_inertia=0.0, morphology__row_offset=0.0, **without)
+
+
+def test_a_hand_with_hardly_any_inertia_needs_a_short_substep_and_keeps_its_period():
+    tiny = {**FREE, "hand_mass": 0.0, "transverse_inertia": 1e-9, "axial_inertia": 0.0, "row_inertia": 0.0}
+    with pytest.raises(BadInput, match="Reduce substep"):
+        wrist((), **tiny)
+    made = wrist((), **tiny, substep=1e-6, start_proximal_rate=100.0)
+    made.step(0.0, 0.5 * math.pi * math.sqrt(1e-9))  # a quarter: stiffness 1 N.m/rad in both directions
+    amplitude = 100.0 * math.sqrt(1e-9)
+    assert made["proximal_angle"] == pytest.approx(amplitude, rel=1e-7)  # (w h)^5 / 120 a step with w h = 0.03, 50 steps
+    assert made["proximal_rate"] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_stiffness_that_gives_way_is_refused():
+    with pytest.raises(BadInput, match=r"at most 1\.414"):
+        wrist(flexion_stiffness=2.0, coupling_stiffness=1.5)
+
+
+def test_limits_in_the_wrong_order_are_refused():
+    with pytest.raises(BadInput, match=r"limits of contact at 0\.5 and 0\.2 rad"):
+        wrist(("interaction",), interaction__contact_lower=0.5, interaction__contact_upper=0.2)
+
+
+def test_numbers_that_overflow_are_refused():
+    with pytest.raises(BadInput):
+        wrist(hand_mass=1e308, hand_distance=1e10)
+
+
+# -- long steps and lost hands -----------------------------------------------------------------------------------------------
+def test_one_long_step_is_many_short_ones():
+    start = {"start_proximal_angle": 0.5, "start_distal_angle": -0.6, "substep": 4e-3}
+    long, short = wrist(ALL, **start), wrist(ALL, **start)
+    long.step(0.0, 4.0)
+    for k in range(100):
+        short.step(0.04 * k, 0.04)
+    assert long.x == pytest.approx(short.x, abs=1e-13)
+    assert long.work == short.work
+
+
+@pytest.mark.parametrize("inputs", [{"tau_flexion": 30.0}, {"tau_deviation": -30.0}, {"tau_flexion": math.nan}])
+def test_a_hand_turned_too_far_ends_the_run_and_can_be_taken_back(inputs):
+    made = wrist(("morphology",))
+    state = made.save()
+    for name, value in inputs.items():
+        made.set(name, value)
+    with pytest.raises(StepFailed, match="Give the effect interaction"):
+        made.step(0.0, 5.0)
+    made.restore(state)
+    made.step(0.0, 0.1)
+    assert (made.x == 0.0).all()
