@@ -1,0 +1,36 @@
+"""Figures of pipe robots: way and mean speed, friction in detail, resonance, the pipe along the way, standstill and creep.
+
+Read from [analysis]: transient, average, detail; see `analysis.pipe_robot`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ...analysis.machines import after_transient
+from ...analysis.pipe_robot import robots
+from ..charts import draw_chart
+from ..page import Block
+from .course import course_chart, creep_chart, detail_chart
+from .places import frequency_chart, pipe_chart
+from .tables import energy_table, travel_table
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...validation.case import Row
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures and tables of the robots whose position and velocity were recorded; none without one."""
+    found = robots(result)
+    if not found:
+        return []
+    kept = after_transient(result)
+    part = result.scene.analysis.get("detail")
+    charts = [course_chart(found, float(result.time[kept.start])), frequency_chart(found), pipe_chart(found), creep_chart(found),
+              detail_chart(found, part)]  # fmt: skip
+    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    made.append(travel_table(found, kept))
+    energy = energy_table(found, kept)
+    return made if energy is None else [*made, energy]
