@@ -116,9 +116,15 @@ def directed_guard(mode, v, drive, forward, backward):
 
 @kernel
 def directed_switch(mode, drive, forward, backward):
-    """`stick_switch` for two static levels: from rest into the direction of whichever level has been passed."""
+    """`stick_switch` for two static levels: from rest into the direction of whichever level has been passed.
+
+    Without friction a motion that has ended goes on backwards: a rest would end at once, and where the drive is zero, too, in no
+    direction.
+    """
     if mode == 0.0:
         return 1.0 if forward - drive < backward + drive else -1.0
+    if forward == 0.0 and backward == 0.0:
+        return -mode
     return directed_mode(0.0, drive, forward, backward)
 
 

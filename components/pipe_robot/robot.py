@@ -266,9 +266,14 @@ def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:
 
 
 @kernel
-def in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, route):
-    """Whether the substep follows the excitation, and stretch and factor of friction are in their range."""
+def in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, smoothed, lugre, route):
+    """Whether the substep follows the excitation, and stretch and factor of friction are in their range.
+
+    A trial that goes past an event, beyond which its mode does not hold, may lead anywhere: it is not judged.
+    """
     fine = True
+    if smoothed is None and lugre is None and x[CONTACT] * x[VELOCITY] < 0.0:
+        return fine
     if harmonic is not None:
         fine = abs(u[harmonic.u + 1]) * p.substep <= FASTEST_PHASE
     if prescribed is not None:
@@ -302,7 +307,7 @@ def robot_derivatives(t, x, u, dx, p, harmonic, prescribed, unbalance, bristles,
             dx[PHASE], dx[PHASE_RATE] = x[PHASE_RATE], angular
     if harmonic is not None:
         dx[PHASE] = u[harmonic.u + 1]
-    if not in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, route):
+    if not in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, smoothed, lugre, route):
         dx[VELOCITY] = math.nan
 
 

@@ -45,6 +45,8 @@ def test_levels_that_vanish_hold_nothing(drive):
     assert directed_guard(0.0, 0.0, drive, 0.0, 0.0) < 0.0
     assert directed_switch(0.0, drive, 0.0, 0.0) == np.sign(drive)
     assert directed_friction(np.sign(drive), drive, 0.0, 0.0) == 0.0
+    assert directed_switch(1.0, drive, 0.0, 0.0) == -1.0  # what has come to rest goes back
+    assert directed_switch(-1.0, 0.0, 0.0, 0.0) == 1.0
 
 
 def test_one_level_may_vanish_alone():
