@@ -85,3 +85,15 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
         except ValueError:
             pass
     return place, {"true": True, "false": False}.get(value, value)
+
+
+def share(option: str, text: str) -> float:
+    """A share given as "1%" or "0.01"; raises `BadInput` unless it is above 0 and at most 1."""
+    number, percent, rest = text.strip().partition("%")
+    try:
+        value = float(number) / (100.0 if percent else 1.0)
+    except ValueError:
+        value = 0.0
+    if rest or not 0.0 < value <= 1.0:
+        raise BadInput(option, repr(text), "a share above 0 % and at most 100 %", "As in 1% or 0.01.")
+    return value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +11,21 @@ import typer
 
 from components.core.errors import BadInput
 
-from .common import FAILED_RUN, Changes, InProcess, Output, app, change, listed, print_table, switched_on, warn
+from .accuracy import chosen, verified
+from .common import (
+    FAILED_CHECK,
+    FAILED_RUN,
+    Changes,
+    InProcess,
+    Output,
+    app,
+    change,
+    listed,
+    print_table,
+    share,
+    switched_on,
+    warn,
+)
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -35,6 +50,10 @@ def run(
     checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
         f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
     resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
+    accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="PERCENT", help=(
+        "Choose the quickest setting whose error stays within this, as in 1%; measured first where nothing is known."))] = None,
+    verify: Annotated[bool, typer.Option("--verify", help=(
+        "With --accuracy: a second, finer run, and how far it differs."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
         "Do not run: show how the scene is settled, how long its macro step may be, and what a run costs."))] = False,
 ) -> None:
@@ -54,6 +73,9 @@ def run(
     changes |= switched_on(loaded, effects or []) | dict(change(loaded, text) for text in values or [])
     if changes:
         loaded = loaded.with_changes(changes)
+    tolerance, reason = _tolerance(accuracy, verify, step, algorithm), None
+    if tolerance is not None:
+        loaded, reason = chosen(loaded, tolerance)
     if in_process and all(unit.fmu for unit in loaded.units.values()):
         raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
@@ -68,6 +90,8 @@ def run(
         made(output)  # now, not after a long run
     result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
                        checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
+    if reason is not None:
+        result = replace(result, info={**result.info, "accuracy": reason})
     if output is not None:
         from .. import report
 
@@ -86,6 +110,20 @@ def run(
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)
+    if verify and tolerance is not None and not verified(loaded, tolerance):
+        raise SystemExit(FAILED_CHECK)
+
+
+def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm: str | None) -> float | None:
+    """The share that --accuracy asks for; raises `BadInput` for what it does not go with."""
+    if accuracy is None:
+        if verify:
+            raise BadInput("--verify", "no --accuracy", "both of them", "Without a tolerance there is nothing to verify.")
+        return None
+    for option, value in (("--step", step), ("--algorithm", algorithm)):
+        if value is not None:
+            raise BadInput(option, repr(value), "none with --accuracy, which chooses it", "Remove one of them.")
+    return share("--accuracy", accuracy)
 
 
 def _dry_run(scene: Scene, in_process: bool) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 
 from components.core.errors import BadInput
 
-from ..results import made
+from ..results import write_table
 from ..scene import Scene
 from .knobs import Setting, finer_inside, macro_steps, settings
 from .quantities import Quantity, errors, quantities_of, recording
@@ -30,7 +30,7 @@ from .reference import Reference, reference
 from .trial import REPEATS, WORK, Trial, trial
 
 USELESS = 1.0  # error from which a run tells nothing
-OWN = "as the scene has it"
+OWN = "as it is"
 BUDGET = 60.0  # s
 PATIENCE = 0.01  # of the budget: a setting is not run again once its runs have taken that long
 FIRST = 0.6  # of the budget, for how the scene is coupled; the rest for internal steps
@@ -101,9 +101,7 @@ class Accuracy:
 
     def save(self, directory: str | Path) -> Path:
         """Write accuracy.csv: one row a setting, the first line the column names."""
-        path = made(directory) / "accuracy.csv"
-        write_table(self, path)
-        return path
+        return write_points(self, directory, "accuracy.csv")
 
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:
@@ -133,7 +131,7 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     bench.measure(Setting(OWN, "own", scene.master.step, {}))
     for setting in settings(scene):
         bench.measure(setting)
-    points = _held(bench.points)
+    points = held(bench.points)
     bench.left += (1.0 - FIRST) * budget
     best = [front_of([p for p in points if p.knob in ("own", "coupling")], cost) for cost in COSTS]
     chosen = {(p.line, p.size): p for front in best for p in front[-REFINED:]}
@@ -141,7 +139,7 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
         for setting in finer_inside(scene, Setting(point.line, point.knob, point.size, dict(point.changes))):
             bench.measure(setting)
     how = ", ".join(f"{p} {version(p)}" for p in PACKAGES)
-    return Accuracy(scene.name, scene.title or scene.name, tuple(_held(bench.points)), truth.how,
+    return Accuracy(scene.name, scene.title or scene.name, tuple(held(bench.points)), truth.how,
                     "; ".join(w.how for w in truth.witnesses), truth.agreement, machine_name(),
                     f"Python {platform.python_version()}, {how}")
 
@@ -186,7 +184,7 @@ class _Bench:
         return replace(point, error=error, errors=each)
 
 
-def _held(points: Iterable[Point]) -> list[Point]:
+def held(points: Iterable[Point]) -> list[Point]:
     """The points with the largest error of each and of the finer ones of its line."""
     kept = list(points)
     return [replace(p, held=max(q.error for q in kept if q.line == p.line and q.size <= p.size and q.outcome != "skipped"))
@@ -206,49 +204,43 @@ PLAIN = ("line", "knob", "size", "outcome", "reason", "error", "held", "seconds"
 ABOUT = ("how", "witness", "machine", "versions")
 
 
-def write_table(measured: Accuracy, path: Path, more: Mapping[str, str] | None = None) -> None:
+def write_points(measured: Accuracy, directory: str | Path, name: str, more: Mapping[str, str] | None = None) -> Path:
     """The points as a csv file; `more`: columns that are the same in every row, behind what is known of the measurement.
 
     The last row, of the line "agreement of the reference", has the agreement of each quantity in the place of its error.
     """
     names = list(measured.floor)
     about = {key: getattr(measured, key) for key in ABOUT} | dict(more or {})
-    try:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow([LABELS.get(n, n) for n in PLAIN] + ["changes", *WORK, *(f"error of {n}" for n in names), *about])
-            for p in measured.points:
-                row = [_text(getattr(p, key)) for key in PLAIN]
-                row += [json.dumps(p.changes), *(str(p.work.get(n, "")) for n in WORK)]
-                writer.writerow([*row, *(_text(p.errors.get(n, nan)) for n in names), *about.values()])
-            blank = ["" for _ in range(len(PLAIN) - 2 + len(WORK))]
-            writer.writerow([AGREEMENT, "", *blank, "{}", *map(_text, measured.floor.values()), *about.values()])
-    except OSError as error:
-        raise BadInput("output directory", repr(str(path.parent)), "a place that can be written", f"{error.strerror}.") from None
+    header = [LABELS.get(n, n) for n in PLAIN] + ["changes", *WORK, *(f"error of {n}" for n in names), *about]
+    rows = [[*(_rounded(getattr(p, key)) for key in PLAIN), json.dumps(p.changes), *(p.work.get(n, "") for n in WORK),
+             *(_rounded(p.errors.get(n, nan)) for n in names), *about.values()] for p in measured.points]
+    blank = ["" for _ in range(len(PLAIN) - 1)]
+    rows.append([AGREEMENT, *blank, "{}", *("" for _ in WORK), *map(_rounded, measured.floor.values()), *about.values()])
+    return write_table(directory, name, header, rows)
 
 
 AGREEMENT = "agreement of the reference"
 
 
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+def _rounded(value: Any) -> Any:
+    return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def read_table(path: Path) -> tuple[Accuracy, dict[str, str]]:
-    """What `write_table` wrote, and the columns behind; raises `BadInput` for a file that is none of these."""
+def read_points(path: Path) -> tuple[Accuracy, dict[str, str]]:
+    """What `write_points` wrote, and the columns behind; raises `BadInput` for a file that is none of these."""
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
         (last,) = (r for r in rows if r["line"] == AGREEMENT)
         names = [c.removeprefix("error of ") for c in last if c.startswith("error of ")]
         points = tuple(_point(r, names) for r in rows if r is not last)
-        more = {key: value for key, value in list(last.items())[list(last).index(ABOUT[0]) :]}
+        more = dict(list(last.items())[list(last).index(ABOUT[0]) :])
         floor = {n: float(last[f"error of {n}"]) for n in names}
     except (OSError, ValueError, KeyError) as error:
         raise BadInput(str(path), f"no table of accuracy ({type(error).__name__}: {error})", "one that cosimo accuracy wrote",
                        "Remove it and measure again.") from None
-    about = {key: more.pop(key) for key in ABOUT}
-    return Accuracy(path.stem, path.stem, points, about["how"], about["witness"], floor, about["machine"], about["versions"]), more
+    how, witness, machine, versions = (more.pop(key) for key in ABOUT)
+    return Accuracy(path.stem, path.stem, points, how, witness, floor, machine, versions), more
 
 
 def _point(row: Mapping[str, str], names: Iterable[str]) -> Point:

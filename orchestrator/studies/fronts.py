@@ -21,7 +21,7 @@ from fmus.loader import cache_root
 from ..run import run
 from ..scene import Scene
 from ..units.component import find
-from .accuracy import Accuracy, Point, read_table, write_table
+from .accuracy import Accuracy, Point, read_points, write_points
 from .knobs import refined
 from .quantities import Course, errors, quantities_of, recording
 
@@ -75,28 +75,24 @@ def _place(scene: Scene) -> Path:
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache."""
     path = _place(scene)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_table(measured, path)
-    return path
+    return write_points(measured, path.parent, path.name)
 
 
 def ship(scene: Scene, measured: Accuracy) -> Path:
     """Write a shipped table, which names the scene and the components that were measured."""
-    TABLES.mkdir(exist_ok=True)
-    path = TABLES / f"{scene.name}.csv"
-    write_table(measured, path, {SCENE: scene_digest(scene), COMPONENTS: components_digest(scene)})
-    return path
+    return write_points(measured, TABLES, f"{scene.name}.csv",
+                        {SCENE: scene_digest(scene), COMPONENTS: components_digest(scene)})
 
 
 def known(scene: Scene) -> Known | None:
     """The front of the scene: measured here, or else shipped; None where neither is."""
     path = _place(scene)
     if path.is_file():
-        return Known(read_table(path)[0], f"measured on this machine, {path}")
+        return Known(read_points(path)[0], f"measured on this machine, {path}")
     shipped = TABLES / f"{scene.name}.csv"
     if not shipped.is_file():
         return None
-    measured, more = read_table(shipped)
+    measured, more = read_points(shipped)
     if more[SCENE] != scene_digest(scene):
         return None
     same = more[COMPONENTS] == components_digest(scene)
@@ -107,8 +103,8 @@ def known(scene: Scene) -> Known | None:
 def choose(measured: Accuracy, tolerance: float) -> Point:
     """The setting on the front that is the quickest to keep the error within `tolerance`; raises `BadInput` where none does."""
     if tolerance < measured.least:
-        raise BadInput("accuracy", f"{100.0 * tolerance:.3g} %", f"at least {100.0 * measured.least:.2g} %, to which the reference "
-                       "itself is known", f"It is {measured.how}.")
+        raise BadInput("accuracy", f"{100.0 * tolerance:.3g} %", f"at least {100.0 * measured.least:.2g} %, to which the "
+                       "reference itself is known", f"It is {measured.how}.")
     front = measured.front()
     for point in front:
         if point.held <= tolerance:

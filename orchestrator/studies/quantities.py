@@ -35,6 +35,7 @@ class Quantity:
 
     signal: "unit.output".  kind: of `settings.study.QUANTITY_KINDS`.  frequency: Hz, of an amplitude.
     transient: s from the start that do not count.  nominal: of the signal, the scale where a reference is zero throughout.
+    unit: of measure; angles in rad are compared as directions, because some units give them from 0 to a full turn.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Quantity:
     frequency: float
     transient: float
     nominal: float
+    unit: str = ""
 
     def value(self, course: Course) -> float:
         """The number that a course gives; NaN for the kind "course", which only a comparison has."""
@@ -66,10 +68,11 @@ class Quantity:
         scale = self.scale(reference)
         if self.kind == "course":
             x, time = self._kept(course, course.time)
-            there = np.interp(time, reference.time, reference.columns[self.signal])
-            distance = float(np.sqrt(np.mean((x - there) ** 2))) if np.isfinite(x).all() else inf
+            there = reference.columns[self.signal]
+            there = np.interp(time, reference.time, np.unwrap(there) if self.unit == "rad" else there)
+            distance = float(np.sqrt(np.mean(self._apart(x - there) ** 2))) if np.isfinite(x).all() else inf
         else:
-            distance = abs(self.value(course) - self.value(reference))
+            distance = abs(float(self._apart(np.array(self.value(course) - self.value(reference)))))
         return distance / scale if isfinite(distance) else inf
 
     def scale(self, reference: Course) -> float:
@@ -79,6 +82,9 @@ class Quantity:
         if width > CONSTANT * max(size, self.nominal):
             return width
         return size if size > CONSTANT * self.nominal else self.nominal
+
+    def _apart(self, differences: np.ndarray) -> np.ndarray:
+        return np.remainder(differences + np.pi, 2.0 * np.pi) - np.pi if self.unit == "rad" else differences
 
     def _kept(self, course: Course, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The signal after the transient, and its instants."""
@@ -95,8 +101,9 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     found = []
     for signal, kind, frequency in texts:
         unit, output = scene.split(signal)
+        of = coupling.interfaces[unit].outputs[output]
         name = f"{signal}, {kind.replace('F Hz', f'{frequency:g} Hz')}"
-        found.append(Quantity(name, signal, kind, frequency, transient, coupling.interfaces[unit].outputs[output].nominal))
+        found.append(Quantity(name, signal, kind, frequency, transient, of.nominal, of.unit))
     return tuple(found)
 
 

@@ -173,10 +173,12 @@ def _monolith(scene: Scene, quantities: Sequence[Quantity], course: Course, fine
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
     names = {ours: theirs for ours, theirs in names.items() if theirs in there}
     if not names:
-        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, with none of the signals", "signals = { ours = theirs }")
+        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, with none of the signals",
+                       "signals = { ours = theirs }")
     solved = _solutions(whole, list(names.values()), finest, told)
     if not solved:
-        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, of which no solution comes to the end", "one that does")
+        raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, of which no solution comes to the end",
+                       "one that does")
     how, found = solved[0]
     columns = {ours: found.columns[theirs] for ours, theirs in names.items()}
     kept = [q for q in quantities if q.signal in columns]

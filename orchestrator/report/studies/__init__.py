@@ -1,0 +1,1 @@
+"""Pages of studies: figures first, the table under them. One study a file."""
