@@ -25,6 +25,7 @@ import numpy as np
 
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
+from ..core.rotation import to_world
 
 RULES, OPENSIM_HALF = range(2)
 COUPLING_MODELS = ("rules", "opensim_half")
@@ -68,6 +69,8 @@ class Pose(NamedTuple):
     flexion_2: float
     deviation_1: float
     deviation_2: float
+    roll_1: float
+    roll_2: float
 
 
 @kernel
@@ -89,39 +92,43 @@ def combined(p, a, q, b):
 
 
 @kernel
-def turned(axis, angle, v):
-    """The vector v turned about a unit vector (Rodrigues)."""
-    c, s = math.cos(angle), math.sin(angle)
-    w = cross(axis, v)
-    along = (1.0 - c) * dot(axis, v)
-    return c * v[0] + s * w[0] + along * axis[0], c * v[1] + s * w[1] + along * axis[1], c * v[2] + s * w[2] + along * axis[2]
+def rotation_about(x, y, z, angle):
+    """Quaternion of a rotation about a unit vector."""
+    s = math.sin(0.5 * angle)
+    return math.cos(0.5 * angle), s * x, s * y, s * z
 
 
 @kernel
-def row_axes(axes):
-    """(n_p, n_d) at rest."""
-    return ((math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)),
-            (-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)))
+def after(a, b):
+    """Quaternion of the rotation b, and after it a: the product a b."""
+    return (a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3], a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1])
 
 
 @kernel
-def with_row(q1, q2, axes, v):
-    """A vector of the proximal row in the radius."""
+def row_rotation(q1, q2, axes):
+    """Quaternion of the proximal row in the radius."""
     if axes.model == RULES:
-        return turned((math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)), q1, v)
-    return turned((0.0, 0.0, 1.0), 0.5 * q1, turned((1.0, 0.0, 0.0), 0.5 * q2, v))
+        return rotation_about(math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt), q1)
+    return after(rotation_about(0.0, 0.0, 1.0, 0.5 * q1), rotation_about(1.0, 0.0, 0.0, 0.5 * q2))
 
 
 @kernel
-def with_hand(q1, q2, axes, v):
-    """A vector of the distal row, or of the hand, in the radius."""
+def hand_rotation(row, q2, axes):
+    """Quaternion of the distal row and the hand in the radius, from that of the proximal row."""
     if axes.model == RULES:
-        return with_row(q1, q2, axes, turned((-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)), q2, v))
-    return with_row(q1, q2, axes, with_row(q1, q2, axes, v))
+        return after(row, rotation_about(-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt), q2))
+    return after(row, row)
 
 
 @kernel
-def row_turning(q1, q2, axes):
+def turned(r, v):
+    """A vector turned by a quaternion."""
+    return to_world(r[0], r[1], r[2], r[3], v[0], v[1], v[2])
+
+
+@kernel
+def row_turning(q1, axes):
     """Angular velocities of the proximal row at unit rate of q1 and of q2, in the radius."""
     if axes.model == RULES:
         return (math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)), (0.0, 0.0, 0.0)
@@ -129,13 +136,11 @@ def row_turning(q1, q2, axes):
 
 
 @kernel
-def hand_turning(q1, q2, axes):
-    """Angular velocities of the hand at unit rate of q1 and of q2, in the radius."""
-    first, second = row_turning(q1, q2, axes)
+def hand_turning(first, second, row, axes):
+    """The same of the hand, from those of the proximal row and its quaternion."""
     if axes.model == RULES:
-        return first, with_row(q1, q2, axes, (-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)))
-    return (combined(1.0, first, 1.0, with_row(q1, q2, axes, first)),
-            combined(1.0, second, 1.0, with_row(q1, q2, axes, second)))
+        return first, turned(row, (-math.sin(axes.distal_tilt), 0.0, math.cos(axes.distal_tilt)))
+    return combined(1.0, first, 1.0, turned(row, first)), combined(1.0, second, 1.0, turned(row, second))
 
 
 @kernel
@@ -143,12 +148,6 @@ def angles(across, hand):
     """(flexion, deviation, roll), rad, of a hand whose x and long axis are these vectors in the radius."""
     palm = across[0] * hand[1] - across[1] * hand[0]  # z of the hand's third axis
     return math.atan2(-hand[0], hand[1]), math.asin(max(-1.0, min(1.0, hand[2]))), math.atan2(-across[2], palm)
-
-
-@kernel
-def angles_of_hand(q1, q2, axes):
-    """(flexion, deviation, roll), rad."""
-    return angles(with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), with_hand(q1, q2, axes, (0.0, 1.0, 0.0)))
 
 
 @kernel
@@ -163,25 +162,28 @@ def angle_rates(flexion, deviation, turning):
 @kernel
 def pose(q1, q2, axes):
     """Everything the equations need of a position, see `Pose`."""
-    proximal_1, proximal_2 = row_turning(q1, q2, axes)
-    hand_1, hand_2 = hand_turning(q1, q2, axes)
-    hand = with_hand(q1, q2, axes, (0.0, 1.0, 0.0))
-    flexion, deviation, roll = angles(with_hand(q1, q2, axes, (1.0, 0.0, 0.0)), hand)
-    flexion_1, deviation_1, _ = angle_rates(flexion, deviation, hand_1)
-    flexion_2, deviation_2, _ = angle_rates(flexion, deviation, hand_2)
-    return Pose(proximal_1, proximal_2, hand_1, hand_2, with_row(q1, q2, axes, (0.0, 1.0, 0.0)), hand,
-                flexion, deviation, roll, flexion_1, flexion_2, deviation_1, deviation_2)
+    row = row_rotation(q1, q2, axes)
+    hand = hand_rotation(row, q2, axes)
+    proximal_1, proximal_2 = row_turning(q1, axes)
+    hand_1, hand_2 = hand_turning(proximal_1, proximal_2, row, axes)
+    long = turned(hand, (0.0, 1.0, 0.0))
+    flexion, deviation, roll = angles(turned(hand, (1.0, 0.0, 0.0)), long)
+    flexion_1, deviation_1, roll_1 = angle_rates(flexion, deviation, hand_1)
+    flexion_2, deviation_2, roll_2 = angle_rates(flexion, deviation, hand_2)
+    return Pose(proximal_1, proximal_2, hand_1, hand_2, turned(row, (0.0, 1.0, 0.0)), long, flexion, deviation, roll,
+                flexion_1, flexion_2, deviation_1, deviation_2, roll_1, roll_2)
 
 
 def forward(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> Vector:
     """(flexion, deviation, roll) of the hand, rad, from the two coordinates, rad."""
-    return angles_of_hand(proximal, distal, axes)
+    at = pose(proximal, distal, axes)
+    return at.flexion, at.deviation, at.roll
 
 
 def jacobian(proximal: float, distal: float, axes: Axes = DEFAULT_AXES) -> np.ndarray:
     """Derivatives of flexion, deviation and roll by the two coordinates, (3, 2)."""
-    flexion, deviation, _ = angles_of_hand(proximal, distal, axes)
-    return np.array([angle_rates(flexion, deviation, turning) for turning in hand_turning(proximal, distal, axes)]).T
+    at = pose(proximal, distal, axes)
+    return np.array([[at.flexion_1, at.flexion_2], [at.deviation_1, at.deviation_2], [at.roll_1, at.roll_2]])
 
 
 def small_angle_matrix(axes: Axes = DEFAULT_AXES) -> np.ndarray:
@@ -211,18 +213,18 @@ def inverse(flexion: float, deviation: float, axes: Axes = DEFAULT_AXES) -> Vect
     """
     check_axes(axes, "inverse kinematics")
     c = math.cos(deviation)
-    hand = (-math.sin(flexion) * c, math.cos(flexion) * c, math.sin(deviation))
+    hand = np.array([-math.sin(flexion) * c, math.cos(flexion) * c, math.sin(deviation)])
     came = f"flexion {flexion:g} and deviation {deviation:g} rad"
     refused = BadInput("inverse kinematics", came, "angles that the rows can reach")
     if axes.model == RULES:
-        n_p, n_d = row_axes(axes)
-        sine = -dot(hand, n_p) / crossing(axes)
+        n_p = np.array([math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)])
+        sine = -float(hand @ n_p) / crossing(axes)
         if not abs(sine) <= 1.0:
             raise refused
         q2 = math.asin(sine)
-        start = turned(n_d, q2, (0.0, 1.0, 0.0))
-        q1 = math.atan2(dot(n_p, cross(start, hand)), dot(start, hand) - dot(start, n_p) * dot(hand, n_p))
-        return q1, q2, angles_of_hand(q1, q2, axes)[2]
+        start = np.array(turned(hand_rotation((1.0, 0.0, 0.0, 0.0), q2, axes), (0.0, 1.0, 0.0)))
+        q1 = math.atan2(n_p @ np.cross(start, hand), start @ hand - (start @ n_p) * (hand @ n_p))
+        return q1, q2, forward(q1, q2, axes)[2]
     q = np.array([flexion, deviation])
     for _ in range(20):
         there = forward(q[0], q[1], axes)

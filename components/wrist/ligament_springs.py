@@ -28,10 +28,11 @@ from .kinematics import (
     combined,
     cross,
     dot,
+    hand_rotation,
     hand_turning,
+    row_rotation,
     row_turning,
-    with_hand,
-    with_row,
+    turned,
 )
 
 LIGAMENTS = ("lunate_radius", "trapezium_scaphoid", "scapho_lunate", "luno_triquetral", "radio_triquetral")
@@ -95,8 +96,8 @@ def make_ligaments(p: Any) -> Ligaments:
 @kernel
 def end_of_bone(q1, q2, extent, axes, point):
     """(place, its derivatives by q1 and by q2) of a point of the proximal row that turns to an extent of the row's angle."""
-    place = with_row(extent * q1, extent * q2, axes, point)
-    first, second = row_turning(extent * q1, extent * q2, axes)
+    place = turned(row_rotation(extent * q1, extent * q2, axes), point)
+    first, second = row_turning(extent * q1, axes)
     by_1, by_2 = cross(first, place), cross(second, place)
     return place, (extent * by_1[0], extent * by_1[1], extent * by_1[2]), (extent * by_2[0], extent * by_2[1], extent * by_2[2])
 
@@ -104,10 +105,11 @@ def end_of_bone(q1, q2, extent, axes, point):
 @kernel
 def end_of_hand(q1, q2, axes, point):
     """(place, its derivatives by q1 and by q2) of a point of the distal row."""
-    middle = with_row(q1, q2, axes, (0.0, axes.offset, 0.0))
-    arm = with_hand(q1, q2, axes, (point[0], point[1] - axes.offset, point[2]))
-    row_1, row_2 = row_turning(q1, q2, axes)
-    hand_1, hand_2 = hand_turning(q1, q2, axes)
+    row = row_rotation(q1, q2, axes)
+    middle = turned(row, (0.0, axes.offset, 0.0))
+    arm = turned(hand_rotation(row, q2, axes), (point[0], point[1] - axes.offset, point[2]))
+    row_1, row_2 = row_turning(q1, axes)
+    hand_1, hand_2 = hand_turning(row_1, row_2, row, axes)
     return (combined(1.0, middle, 1.0, arm), combined(1.0, cross(row_1, middle), 1.0, cross(hand_1, arm)),
             combined(1.0, cross(row_2, middle), 1.0, cross(hand_2, arm)))
 

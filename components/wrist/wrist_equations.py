@@ -55,7 +55,7 @@ def wrist_pose(x, c, morphology):
     at = pose(0.0, 0.0, c.axes)
     return Pose(at.proximal_1, at.proximal_2, at.hand_1, at.hand_2, at.row, at.hand,
                 at.flexion_1 * x[Q1] + at.flexion_2 * x[Q2], at.deviation_1 * x[Q1] + at.deviation_2 * x[Q2], 0.0,
-                at.flexion_1, at.flexion_2, at.deviation_1, at.deviation_2)
+                at.flexion_1, at.flexion_2, at.deviation_1, at.deviation_2, 0.0, 0.0)
 
 
 @kernel

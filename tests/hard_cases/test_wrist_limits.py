@@ -49,8 +49,8 @@ def test_nearly_parallel_axes_keep_their_energy():
 def test_a_hard_limit_stops_the_hand_within_what_its_energy_allows(stiffness):
     """Thrown at the limit of deviation: depth at most sqrt(2 E / k), less energy behind than before, then rest."""
     substep = 1e-4 * math.sqrt(200.0 / stiffness) * 5.0
-    made = wrist(("morphology", "interaction"), interaction__stiffness=stiffness, substep=substep, start_proximal_rate=20.0,
-                 start_distal_rate=-25.0, interaction__contact_lower=-2.0)
+    made = wrist(("morphology", "interaction"), interaction__stiffness=stiffness, substep=substep, start_proximal_rate=30.0,
+                 start_distal_rate=-35.0, interaction__contact_lower=-2.0)
     before, deepest = made.energy(), 0.0
     for k in range(150):
         made.step(1e-3 * k, 1e-3)

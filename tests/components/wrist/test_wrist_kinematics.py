@@ -18,12 +18,13 @@ from components.wrist.kinematics import (
     Axes,
     crossing,
     forward,
+    hand_rotation,
     inverse,
     jacobian,
     pose,
+    row_rotation,
     small_angle_matrix,
-    with_hand,
-    with_row,
+    turned,
 )
 
 HALF = Axes(OPENSIM_HALF, 0.0, 0.0, 0.0)
@@ -52,8 +53,9 @@ def test_angles_are_those_of_the_composed_rotations(axes, q1, q2):
     row, hand = rotation(q1, q2, axes)
     assert forward(q1, q2, axes) == pytest.approx(hand.as_euler("ZXY"), abs=1e-14)
     v = (0.3, -0.5, 0.8)
-    assert with_row(q1, q2, axes, v) == pytest.approx(row.apply(v), abs=1e-15)
-    assert with_hand(q1, q2, axes, v) == pytest.approx(hand.apply(v), abs=1e-15)
+    of_row = row_rotation(q1, q2, axes)
+    assert turned(of_row, v) == pytest.approx(row.apply(v), abs=1e-15)
+    assert turned(hand_rotation(of_row, q2, axes), v) == pytest.approx(hand.apply(v), abs=1e-15)
 
 
 @pytest.mark.parametrize("axes", [DEFAULT_AXES, HALF])
