@@ -15,6 +15,7 @@ from components.wrist.wrist_equations import gyroscopic, mass_matrix, wrist_deri
 
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 QUIET = {"proximal_damping": 0.2, "distal_damping": 0.2, "substep": 4e-3}
+NO_LIGAMENTS = {f"constraint.stiffness[{j}]": 0.0 for j in range(1, 6)}
 ALL = ("morphology", "constraint", "interaction", "load")
 TIGHT = {"interaction.flexion_upper": 0.2, "interaction.deviation_upper": 0.1, "interaction.contact_lower": -0.1,
          "constraint.damping": 0.05, "constraint.prestrain": 0.03, "load.gravity_y": 3.0, "load.gravity_z": -2.0}
@@ -105,7 +106,7 @@ def test_without_effects_it_is_the_matrix_exponential(model):
 
 def test_error_falls_with_the_fourth_power_of_the_substep():
     def end(substep: float) -> np.ndarray:
-        made = wrist(("morphology", "load"), {"start_proximal_angle": 0.6, "start_distal_rate": 8.0, "substep": substep})
+        made = wrist(("morphology",), {"start_proximal_angle": 0.6, "start_distal_rate": 8.0, "substep": substep})
         made.step(0.0, 0.2)
         return made.x.copy()
 
@@ -150,9 +151,9 @@ def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
         assert rate == pytest.approx(power - made["dissipation"], rel=1e-6, abs=1e-7)
 
 
-@pytest.mark.parametrize("effects", [("morphology",), ("morphology", "constraint", "load")])
+@pytest.mark.parametrize("effects", [("morphology",), ALL], ids=["rows", "all"])
 def test_without_damping_energy_stays(effects):
-    made = wrist(effects, {**FREE, "start_proximal_angle": 0.7, "start_distal_angle": -0.3, "start_distal_rate": 5.0})
+    made = wrist(effects, {**FREE, "start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_distal_rate": 5.0})
     before = made.energy()
     made.step(0.0, 1.5)
     assert made.energy() == pytest.approx(before, rel=1e-7)  # RK4 at w h = 0.04 loses (w h)^6 / 72 a step, 1500 times
@@ -168,8 +169,8 @@ def test_with_damping_energy_only_falls():
 
 
 def test_places_and_excursions_have_their_rates():
-    made = wrist(("morphology", "load"), {"start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_proximal_rate": 2.0,
-                                          "start_distal_rate": -1.5})
+    made = wrist(ALL, {"start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_proximal_rate": 2.0,
+                       "start_distal_rate": -1.5})
     x, d = made.x.copy(), 1e-6
 
     def there(sign, names):
@@ -200,7 +201,7 @@ def test_rest_under_a_torque_is_by_the_stiffness_whatever_the_rows_do():
 
 
 def test_a_hanging_hand_rests_where_its_energy_is_least():
-    made = wrist(("morphology", "load"), QUIET, {"load.tip_force_z": 0.8})
+    made = wrist(ALL, {**QUIET, **NO_LIGAMENTS}, {"load.tip_force_z": 0.8})
     made.step(0.0, 5.0)
 
     def potential(q):
@@ -227,7 +228,7 @@ def test_rows_move_as_the_rule_says_under_torques():
 
 
 def test_a_force_of_a_tendon_is_a_torque_by_its_arms():
-    pulled = wrist(("morphology", "load"), {"load.gravity_x": 0.0}, {"load.flexor_ulnar": 20.0})
+    pulled = wrist(ALL, {**NO_LIGAMENTS, "load.gravity_x": 0.0}, {"load.flexor_ulnar": 20.0})
     turned = wrist(("morphology",), {}, {"tau_flexion": 0.016 * 20.0, "tau_deviation": -0.016 * 20.0})
     for made in (pulled, turned):
         made.step(0.0, 0.3)
