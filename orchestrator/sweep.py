@@ -83,7 +83,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     _check_analysis(scene)
     rows: list[dict[str, float]] = []
     outcomes, section = [], []
-    units = {name: _unit(scene, name) for name in scene.sweep}
+    units = {name: unit_of(scene, name) for name in scene.sweep}
     for _, one in tracked(made, scene.title or scene.name, progress):
         row, points_of, outcome = {}, np.zeros(0), ""
         try:
@@ -107,7 +107,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     )
 
 
-def _unit(scene: Scene, name: str) -> str:
+def unit_of(scene: Scene, name: str) -> str:
     """Unit of measure of a swept parameter; "" for one of an FMU."""
     unit, parameter = scene.split(name)
     component = scene.units[unit].component

@@ -76,10 +76,11 @@ class LumpedCatenary(OdeComponent):
         return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| at the stiffest point, s."""
+        """RK4's limit 2.78 / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
         p, _ = self._settled()
-        stiffness = p.mean_stiffness * (1.0 + float(np.abs(p.harmonic).sum()))
-        return float(2.78 / np.abs(np.roots([p.mass, p.damping, stiffness])).max())
+        spread = float(np.abs(p.harmonic).sum())
+        ends = (p.mean_stiffness * (1.0 + spread), p.mean_stiffness * max(1.0 - spread, 0.0))
+        return float(2.78 / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
 
 
 POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")

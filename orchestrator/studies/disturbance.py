@@ -33,21 +33,41 @@ PUSH = 1e-5  # of an input or its nominal value: small against every bend of a c
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
 FEWEST = 32  # steps that tell growth from a transient
 CLEAR = 1e3  # a factor in size that needs no longer look
-EVEN = 1.002  # a factor that the sampling of an oscillation's crests may feign
 SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
 LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
 
 
 @dataclass(frozen=True)
 class Growth:
-    """What became of a disturbance. rate: 1/s, of its logarithm; infinite where a run failed, which `failure` tells.
+    """What became of a disturbance.
 
+    rate: 1/s, of its logarithm; infinite where a run failed, which `failure` tells.  span: s, over which that was seen.
     steps: macro steps made to find out.
     """
 
     rate: float
+    span: float
     steps: int
     failure: str = ""
+
+    def faster(self, rate: float, even: float) -> bool:
+        """Whether it grew faster than with a rate, 1/s, and by more than a factor that chance may give."""
+        return bool(self.failure) or self.rate > max(rate, math.log(even) / self.span)
+
+
+def growth_of(differences: np.ndarray, h: float, made: int, noise: float = 0.0) -> tuple[Growth, bool]:
+    """What differences of two runs, (n, signals), h apart, have become, and whether a longer look would tell the same.
+
+    noise: second differences that mean nothing.  made: macro steps made to get them.
+    """
+    bent = np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
+    window = bent.size // 4
+    first, early, _, late = (float(bent[k * window : (k + 1) * window].max()) for k in range(4))
+    span = 2 * window * h
+    if late <= max(first / CLEAR, noise):
+        return Growth(-math.inf, span, made), True
+    rate = math.log(late / early) / span if early else math.inf
+    return Growth(rate, span, made), late > CLEAR * early
 
 
 class Disturbed:
@@ -86,23 +106,19 @@ class Disturbed:
     def growth(self, h: float, steps: int) -> Growth:
         """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
         whole = max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
-        made = 0
+        made, growth = 0, Growth(-math.inf, 0.0, 0)
         for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):
             calm, failure = self._run(h, n, pushed=False)
+            made += len(calm)
             if not failure:
                 pushed, failure = self._run(h, n, pushed=True)
-                made += len(calm) + len(pushed)
+                made += len(pushed)
             if failure:
-                return Growth(math.inf, made, failure)
-            bent = np.abs(np.diff((pushed - calm) / self._nominal, 2, axis=0)).max(axis=1, initial=0.0)
-            window = bent.size // 4
-            first, early, _, late = (float(bent[k * window : (k + 1) * window].max()) for k in range(4))
-            if late <= max(first / CLEAR, self._noise):
-                return Growth(-math.inf, made)
-            rate = math.log(late / early) / (2 * window * h) if early else math.inf
-            if late > CLEAR * early:
+                return Growth(math.inf, n * h, made, failure)
+            growth, clear = growth_of((pushed - calm) / self._nominal, h, made, self._noise)
+            if clear:
                 break
-        return Growth(rate, made)
+        return growth
 
     def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
         """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""

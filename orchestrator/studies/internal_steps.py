@@ -1,0 +1,146 @@
+"""How long the internal step of a component may be before its own integrator lets disturbances grow, against what it says itself.
+
+The component runs alone with its inputs held, twice; in one of the runs the inputs are pushed for one step. Effects that are
+off are measured, too: each alone with what it needs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from components.catalogue import component_class
+from components.core.component import Component
+from components.core.errors import BadInput, StepFailed
+from components.core.integrators import OdeComponent
+
+from ..results import write_table
+from ..sweep import tracked
+from .disturbance import Growth, growth_of
+from .search import longest_stable
+
+STEPS = 600  # internal steps of a run that decides
+FARTHEST = 1e3  # times the first step tried: beyond it no limit is looked for
+PUSH = 1e-3  # of an input's value or nominal value; through an inertia little of it arrives within a step
+FLOOR = 1e-9  # of a state: a difference below it is rounding
+FASTER = 1.5  # than what grows by itself, as with couplings
+EVEN = 1.5  # a factor that modes which beat may have; beyond its limit a method makes much more of them
+FINE = 8.0  # part of the own limit at which that is measured
+
+
+@dataclass(frozen=True)
+class InternalStep:
+    """One set of effects. own: s, of `stable_step()`, infinite where there is no limit. longest, seen, tried: as of a `Limit`."""
+
+    effects: tuple[str, ...]
+    own: float
+    longest: float
+    seen: str
+    tried: float
+
+    @property
+    def margin(self) -> float:
+        """Measured over own limit: below 1 the component promises too much. NaN where one of them is not known."""
+        known = math.isfinite(self.own) and math.isfinite(self.longest) and self.own > 0.0
+        return self.longest / self.own if known else math.nan
+
+
+@dataclass(frozen=True)
+class InternalSteps:
+    """Limits of a component with several sets of effects."""
+
+    component: str
+    title: str
+    steps: tuple[InternalStep, ...]
+
+    def save(self, directory: str | Path) -> Path:
+        """Write stability.csv: one row for each set of effects."""
+        header = ["effects", "longest stable internal step, s", "own limit, s", "margin, 1", "seen", "tried, s"]
+        return write_table(directory, "stability.csv", header,
+                           [(" ".join(s.effects), s.longest, s.own, s.margin, s.seen, s.tried) for s in self.steps])
+
+
+def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameters: Mapping[str, Any] | None = None,
+                   preset: str = "", steps: int = STEPS, progress: bool = False) -> InternalSteps:
+    """Measure the limits of a component of the catalogue, with the effects given or with none and each alone.
+
+    Raises `BadInput` for a component without internal steps or without inputs, and for what cannot be set.
+    """
+    cls = component_class(name)
+    if not (issubclass(cls, OdeComponent) or "substep" in cls.variables):
+        raise BadInput(f"component:{name}", "no internal steps", "a component that integrates with steps of its own")
+    on = set(cls.presets[preset].effects) if preset in cls.presets else set()
+    sets = [tuple(effects)] if effects is not None else [(), *(needed(cls, effect) for effect in cls.effects if effect not in on)]
+    found = [_measured(cls, chosen, parameters or {}, preset, steps) for chosen in tracked(list(dict.fromkeys(sets)), name, progress)]
+    return InternalSteps(name, cls.title, tuple(found))
+
+
+def needed(cls: type[Component], effect: str) -> tuple[str, ...]:
+    """An effect with everything it requires, in the order of declaration."""
+    on: set[str] = set()
+    pending = [effect]
+    while pending:
+        on.add(name := pending.pop())
+        pending += set(cls.effects[name].requires) - on
+    return tuple(n for n in cls.effects if n in on)
+
+
+def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int) -> InternalStep:
+    def made(h: float | None) -> Component:
+        """The component, which takes internal steps of h, s; of its own length for None."""
+        component = cls(effects, parameters, preset=preset)
+        if h is not None and isinstance(component, OdeComponent):  # it would refuse to be measured beyond its own limit
+            vars(component).update(internal_step=lambda: h, stable_step=lambda: math.inf)
+        elif h is not None:
+            component.set("substep", h)
+        component.initialize(0.0)
+        return component
+
+    try:
+        present = made(None)
+        if not present.inputs:
+            raise BadInput(present.name, "no inputs", "a component that can be pushed")
+        own = present.stable_step()
+        usual = own if math.isfinite(own) else _usual(present)
+        reference = max(_growth(made, usual / FINE, steps).rate, 0.0)
+    except (BadInput, StepFailed) as error:
+        return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
+    longest, seen, tried = longest_stable(lambda h: _growth(made, h, steps), FASTER * reference, EVEN, usual,
+                                          usual / FARTHEST, usual * FARTHEST)
+    return InternalStep(effects, own, longest, seen, tried)
+
+
+def _usual(component: Component) -> float:
+    """The internal step a component takes as it stands, s."""
+    step = component.internal_step() if isinstance(component, OdeComponent) else float(component.get("substep"))
+    return step if math.isfinite(step) else component.default_step
+
+
+def _growth(made: Any, h: float, steps: int) -> Growth:
+    """Of a push of the inputs, in so many internal steps of length h, s."""
+    runs = []
+    for pushed in (False, True):
+        rows = []
+        try:
+            component = made(h)
+            inputs = component.u[0].copy()
+            nominal = np.array([component.variables[n].nominal for n in component.inputs])
+            if pushed:
+                component.u[0] += PUSH * np.maximum(np.abs(inputs), nominal)
+            for k in range(steps):
+                component.step(k * h, h)
+                if k == 0:
+                    component.u[0] = inputs
+                rows.append(component.x.copy())
+        except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:
+            return Growth(math.inf, steps * h, len(rows), str(error))
+        runs.append(np.array(rows))
+    differences = runs[1] - runs[0]
+    early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)
+    scale = np.maximum(early, FLOOR * np.maximum(np.abs(runs[0]).max(axis=0, initial=0.0), early.max(initial=0.0)))
+    return growth_of(differences / np.where(scale > 0.0, scale, 1.0), h, 2 * steps)[0]

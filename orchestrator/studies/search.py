@@ -1,0 +1,47 @@
+"""The longest stable step: from a first one, doubled or halved until the other side is reached, then between the two."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from .disturbance import Growth
+
+ACCURACY = 1.005  # of a limit: the shortest step seen to be unstable over the longest one seen to be stable
+
+
+def longest_stable(growth: Callable[[float], Growth], rate: float, even: float, first: float, least: float, most: float
+                   ) -> tuple[float, str, float]:
+    """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
+
+    rate: 1/s, with which disturbances may grow, and even: a factor that they may in one look.  first, least, most: steps, s.  The longest stable step is infinite where
+    `most` is stable, and 0 where `least` is not.
+    """
+    seen = ""
+
+    def grows(h: float) -> bool:
+        nonlocal seen
+        found = growth(h)
+        if unstable := found.faster(rate, even):
+            seen = f"at {h:.4g} s: " + (found.failure or f"e-fold in {1.0 / (found.rate * h):.3g} steps")
+        return unstable
+
+    h = low = high = min(first, most)
+    if grows(h):
+        while grows(h := 0.5 * h):
+            high = h
+            if h <= least:
+                return 0.0, seen, h
+        low = h
+    else:
+        while not grows(h := min(2.0 * h, most)):
+            low = h
+            if h == most:
+                return math.inf, "", h
+        high = h
+    tried = high
+    while high > ACCURACY * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if grows(middle) else (middle, high)
+        tried = high
+    return low, seen, tried
