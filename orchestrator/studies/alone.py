@@ -138,7 +138,7 @@ def alone(name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any
     def measure(line: str, size: float, solve: Callable[[], tuple[Course, float, Mapping[str, int]]]) -> None:
         told(f"{line}, {size:.3g}")
         times: list[float] = []
-        point = Point(line, "method" if line.startswith("SciPy") else "substep", size, {}, "done")
+        point = Point(line, "own" if line == OWN else "method" if line.startswith("SciPy") else "substep", size, {}, "done")
         try:
             while len(times) < repeats and (not times or sum(times) < PATIENCE * budget):
                 course, seconds, work = solve()

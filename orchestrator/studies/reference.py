@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -23,15 +23,16 @@ from ..results import Result
 from ..run import run
 from ..scene import Scene, load_scene
 from .coupled_ode import CoupledOde
-from .knobs import coupling_changes, refined
+from .knobs import DEGREES, coupling_changes, refined
 from .quantities import Course, Quantity, errors
 
 METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two that come to the end
-PATIENCE = 30.0  # s, for one solution as a differential equation
+PATIENCE = 60.0  # s, for one solution, while there are others to try
 FINER = 2  # times the finest macro step that is measured, and times the scene's internal steps
-# of the master, the first two that come to the end; algorithm, degree of the inputs, share of the finest macro step
-MASTERS = (("iterative", 2, 1.0 / FINER), ("gauss-seidel", 1, 1.0 / FINER), ("iterative", 1, 1.0 / FINER),
-           ("gauss-seidel", 2, 1.0 / FINER), ("gauss-seidel", 0, 1.0 / FINER))
+# algorithm and degree of the inputs, of which the first two that come to the end are taken
+MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi", 1), ("iterative", 1), ("gauss-seidel", 0),
+           ("interface-model", 1))
+PROBED = 100  # macro steps, to tell how long a run will take
 TOLERANCE = 1e-10  # of the iteration
 
 
@@ -94,18 +95,25 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, told: Callab
     """(how, course) of the reference and of another solution, as far as they come to the end."""
     found: list[tuple[str, Course]] = []
     try:
-        make: list[tuple[str, Callable[[], Course | None]]] = [
-            (f"one differential equation, SciPy {method}, tolerance {tolerance:g}",
-             partial(solved_as_ode, scene, signals, finest, method, tolerance)) for method, tolerance in METHODS]
         CoupledOde(scene)
+        for method, tolerance in METHODS:
+            if len(found) < 2:
+                told(f"reference: SciPy {method}")
+                course = solved_as_ode(scene, signals, finest, method, tolerance)
+                found += [(f"one differential equation, SciPy {method}, tolerance {tolerance:g}", course)] if course else []
     except BadInput:
-        make = []
-    for how, solve in (*make, *_by_master(scene, signals, finest)):
-        if len(found) == 2:
-            break
-        told(f"reference: {how}")
-        course = solve()
-        found += [(how, course)] if course is not None else []
+        pass
+    tried: set[tuple[str, int]] = set()
+    for patience in (PATIENCE, inf):  # what takes too long comes last
+        for algorithm, degree in MASTERS if settle(scene).links else MASTERS[:2]:
+            if len(found) < 2 and (algorithm, degree) not in tried:
+                how, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not found else 2))
+                if _expected(scene, changes) > patience:
+                    continue
+                tried.add((algorithm, degree))
+                told(f"reference: {how}")
+                course = _run(scene, changes)
+                found += [(how, course)] if course else []
     return found
 
 
@@ -137,22 +145,31 @@ def solved_as_ode(scene: Scene, signals: Sequence[str], step: float, method: str
         return None
 
 
-def _by_master(scene: Scene, signals: Sequence[str], finest: float) -> list[tuple[str, Callable[[], Course | None]]]:
-    """(how, solution) by the master, each finer than what is measured; without connections only the internal steps differ."""
-    linked = bool(settle(scene).links)
-    made: list[tuple[str, Callable[[], Course | None]]] = []
-    for k, (algorithm, degree, share) in enumerate(MASTERS if linked else MASTERS[:2]):
-        factor = 1.0 / (2 * FINER) if k == 0 else 1.0 / FINER
-        step = share * finest
-        changes: dict[str, Any] = {**refined(scene, factor), "master.step": step, "record.signals": list(signals),
-                                   "record.interval": None, "record.snapshots": (), "record.snapshot_interval": None}
-        how = f"internal steps / {round(1.0 / factor)}"
-        if linked:
-            changes |= coupling_changes(scene, algorithm, degree)
-            changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if algorithm == "iterative" else {}
-            how = f"{algorithm}, {('held', 'linear', 'quadratic')[degree]} inputs, macro step {step:.3g} s, {how}"
-        made.append((how, partial(_run, scene, changes)))
-    return made
+def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, degree: int,
+           factor: float) -> tuple[str, dict[str, Any]]:
+    """How a solution by the master is called, and its changes; without connections only the internal steps matter."""
+    step = finest / FINER
+    changes: dict[str, Any] = {**refined(scene, factor), "master.step": step, "record.signals": list(signals),
+                               "record.interval": None, "record.snapshots": (), "record.snapshot_interval": None}
+    how = f"internal steps / {round(1.0 / factor)}"
+    if settle(scene).links:
+        changes |= coupling_changes(scene, algorithm, degree)
+        changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if algorithm == "iterative" else {}
+        how = f"{algorithm}, {DEGREES[degree]} inputs, macro step {step:.3g} s, {how}"
+    return how, changes
+
+
+def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
+    """What a run will take, s, by its first steps; 0 where these cannot be made, which the run itself will tell."""
+    stop = min(scene.stop_time, PROBED * changes["master.step"])
+    times = []
+    try:
+        for _ in range(2):  # the first one compiles
+            result = run(scene.with_changes({**changes, "stop_time": stop}), in_process=True)
+            times.append(result.info["timing"]["run"])
+    except BadInput:
+        return 0.0
+    return min(times) * scene.stop_time / stop
 
 
 def _run(scene: Scene, changes: Mapping[str, Any]) -> Course | None:

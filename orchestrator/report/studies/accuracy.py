@@ -7,7 +7,7 @@ picture as a cross with its reason.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import floor, isfinite, log10
+from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -135,7 +135,7 @@ def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dic
     shapes, notes = [], []
     if measured.least > 0.5 * low:
         shapes.append(rectangle((low * 0.3, measured.least), (0, 1), MUTED, 0.1, xref="x", yref="paper"))
-        notes.append(label("below the reference's own", log10(measured.least), 0.0, xref="x", xanchor="right", yanchor="bottom"))
+        notes.append(label("← below the reference's own", log10(measured.least), 0.0, xref="x", xanchor="left", yanchor="bottom"))
     if failed:
         notes.append(label("failed", log10(FAILED), 1.0, xref="x", yanchor="bottom"))
     ends = [log10(low * 0.5), log10(FAILED * 1.6 if failed else 1.2)]
@@ -176,16 +176,15 @@ def _against_size(measured: Accuracy) -> list[Block]:
 
 
 def _triangles(largest: float, least: float, orders: Sequence[int]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Triangles one below the other in the corner of long steps and small errors, which lines leave free."""
+    """Triangles over one another on one base, in the corner of long steps below all errors, which lines leave free."""
+    right, left = largest, largest / 2.0
+    bottom = least / 2.0 / 2.0 ** orders[-1]
     shapes, notes = [], []
-    right, left = largest, largest / 10**0.3
-    bottom = 10.0 ** floor(log10(least))
     for order in orders:
-        top = bottom * (right / left) ** order
+        top = bottom * 2.0**order
         path = f"M {left} {bottom} L {right} {bottom} L {right} {top} Z"
         shapes.append({"type": "path", "path": path, "xref": "x", "yref": "y", "line": {"color": MUTED, "width": 1}})
-        notes.append(label(str(order), log10(right), log10(bottom * top) / 2.0, xref="x", yref="y", xanchor="left", xshift=3))
-        bottom = top * 1.6
+        notes.append(label(str(order), log10(right), log10(top), xref="x", yref="y", xanchor="left", xshift=3))
     return shapes, notes
 
 
