@@ -7,8 +7,9 @@ radius), y is the long axis, from the forearm to the fingers. Two ways in which 
   with it, by q2 about n_d = (-sin e_d, 0, cos e_d), fixed in the proximal row. R_hand = Rot(n_p, q1) Rot(n_d, q2). So the
   proximal row flexes and the distal one extends in radial deviation, and both flex in flexion.
 - `opensim_half`: each row makes half of the flexion q1 and half of the deviation q2, R_hand = R² with R = Rz(q1/2) Rx(q2/2): the
-  equal shares of the wrist model of Gonzalez, Buchanan and Delp (1997) as it comes with OpenSim. There the rows flex in no
-  deviation, which contradicts the rule of Sandow (2020).
+  equal shares of the wrist model of Gonzalez, Buchanan and Delp (1997) as it comes with OpenSim (wrist.osim, where the order of
+  the four rotations was read; the proximal row's share of deviation is a curve there, one half at the end of radial and 37.5 %
+  at the end of ulnar deviation). There the rows flex in no deviation, which contradicts the rule of Sandow (2020).
 
 Flexion, deviation and roll are the angles of R_hand = Rz(flexion) Rx(deviation) Ry(roll). Small angles, rules:
 (flexion, deviation) = A q, A = [[cos e_p, cos e_d], [sin e_p, -sin e_d]], det A = -sin(e_p + e_d).
@@ -197,7 +198,11 @@ def crossing(axes: Axes) -> float:
 
 
 def check_axes(axes: Axes, where: str) -> None:
-    """`BadInput` for axes that are nearly parallel: deviation is then no motion of its own."""
+    """`BadInput` for axes that are nearly parallel, and for tilts given to a coupling model that has axes of its own."""
+    if axes.model == OPENSIM_HALF and (axes.proximal_tilt, axes.distal_tilt) not in ((0.0, 0.0), (PROXIMAL_TILT, DISTAL_TILT)):
+        came = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad with the coupling model 'opensim_half'"
+        raise BadInput(where, came, "tilts with the coupling model 'rules' only",
+                       "Leave them out: the other one turns about the axes of flexion and deviation.")
     if not abs(sine := crossing(axes)) >= LEAST_CROSSING:
         came = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad: axes that cross at a sine of {sine:.2g}"
         raise BadInput(where, came, f"a sine of at least {LEAST_CROSSING:g}, either way",

@@ -30,7 +30,10 @@ class Morphology(Effect):
 
 
 class Interaction(Effect):
-    """Contact: limits of flexion, of deviation and of the rows against each other, stiffness * depth * (1 + d * rate)."""
+    """Contact: limits of flexion, of deviation and of the rows against each other, stiffness * depth * (1 + d * rate).
+
+    With the coupling model `opensim_half` the contact limits the second coordinate, which is deviation.
+    """
 
     flexion_lower = parameter(-1.22173, "rad", "limit of extension")
     flexion_upper = parameter(1.22173, "rad", "limit of flexion")
@@ -154,6 +157,11 @@ class Wrist(OdeComponent):
         springs = make_ligaments(constraint)
         if self.get("constraint.kind") == "springs":
             return springs
+        of_springs = ("toe", "damping", *(f"stiffness[{j + 1}]" for j in range(COUNT)))
+        for name in (f"constraint.{n}" for n in of_springs):
+            if self.get(name) != type(self).variables[name].start:
+                raise BadInput(self.name, f"{name} = {self.get(name):g} of rigid ligaments", "springs, or no such number",
+                               "Leave it out: rigid ligaments have none.")
         return rigid_ligaments(self.axes(), springs, constraint.cut, self.initial_state(), self.name)
 
     def settle(self) -> tuple[Any, ...]:

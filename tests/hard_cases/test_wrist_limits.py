@@ -34,6 +34,14 @@ def test_parallel_axes_are_refused(component, tilts):
         component(proximal_tilt=tilts[0], distal_tilt=tilts[1])
 
 
+@pytest.mark.parametrize("component", [lambda: wrist(coupling_model="opensim_half", morphology__proximal_tilt=0.3),
+                                       lambda: LigamentBundle((), {"coupling_model": "opensim_half",
+                                                                           "proximal_tilt": 0.3}).initialize(0.0)])
+def test_tilts_of_a_coupling_model_without_tilted_axes_are_refused(component):
+    with pytest.raises(BadInput, match="tilts with the coupling model 'rules' only"):
+        component()
+
+
 def test_nearly_parallel_axes_keep_their_energy():
     """Just above the limit: one combination of the rows has 1e4 times the inertia of the other, and nothing is lost."""
     half = 0.505 * LEAST_CROSSING
@@ -109,6 +117,8 @@ def test_five_rigid_ligaments_that_contradict_each_other_are_refused():
     ({"start_proximal_angle": 0.1, "constraint__off_axis[1]": 1e-3}, "apart at the start"),
     ({"start_proximal_rate": 0.1, "constraint__off_axis[1]": 1e-3}, "of a row that rigid ligaments hold"),
     ({"coupling_model": "opensim_half"}, "every length depends on both angles"),
+    ({"constraint__toe": 0.01}, "rigid ligaments have none"),
+    ({"constraint__stiffness[3]": 1e6}, "rigid ligaments have none"),
 ])
 def test_rigid_ligaments_that_do_not_fit_are_refused(wrong, expected):
     with pytest.raises(BadInput, match=expected):
