@@ -201,6 +201,17 @@ def test_stick_and_slip_are_those_of_another_solver(amplitude, cycle):
     np.testing.assert_allclose(made.y[:4], wanted, atol=2e-7)
 
 
+@pytest.mark.parametrize(("w", "speed"), [(60.0, 0.36017), (77.46, 1.00825)])
+def test_mean_speed_of_the_default_robot(w, speed):
+    """Figures of a run from event to event by another program; 77.46 rad/s is the resonance of both masses on the spring."""
+    made = started("harmonic_force", harmonic_force__frequency=w, substep=1e-3)
+    period = 2.0 * math.pi / w
+    made.step(0.0, 60 * period)
+    before = made["position"]
+    made.step(60 * period, 20 * period)
+    assert (made["position"] - before) / (20 * period) == pytest.approx(speed, abs=1e-5)
+
+
 def test_mean_friction_is_the_weight_down_the_pipe():
     """Over a steady period the momentum comes back: mean R = (m1 + m2) g sin(slope) - tow, whatever the spring does."""
     made = started("harmonic_force", route__slope=0.05, tow__force=-0.3)
