@@ -11,9 +11,12 @@ from . import (
     en50318_2002,
     en50318_2018,
     en50367,
+    four_bar,
+    friction_drive,
     friswell,
     gimbal_closed_forms,
     hertz_textbook,
+    hunting,
     inertial_converter,
     iso16281,
     jeffcott,
@@ -24,12 +27,15 @@ from . import (
     rov_added_mass,
     rov_allocation,
     rov_closed_forms,
+    servo_motor,
     stribeck,
     thermal_scaling,
     varying_compliance,
     wind_pump_closed_forms,
     wind_pump_equilibrium,
     wind_pump_start,
+    wrist_rules,
+    wrist_stiffness,
 )
 
 MODULES = (
@@ -40,5 +46,7 @@ MODULES = (
     rov_closed_forms, rov_allocation, rov_added_mass,
     chain_closed_forms, gimbal_closed_forms, link_split,
     wind_pump_equilibrium, wind_pump_start, wind_pump_closed_forms, inertial_converter,
+    friction_drive, servo_motor, hunting,
+    wrist_rules, four_bar, wrist_stiffness,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
