@@ -1,4 +1,4 @@
-"""What both pipe robots share: the inner mass's spring, the harmonic force, the pipe's slope, the load in tow."""
+"""What pipe robots share: the inner mass's spring, the harmonic force, the pipe's slope, the load in tow, stable steps."""
 
 from __future__ import annotations
 
@@ -36,6 +36,13 @@ class PipeSlope(Effect):
     weight_power = output("W", "power that the weight gives, negative uphill", feedthrough=("route.slope",))
 
 
+class CubicSpring(Effect):
+    """A share of the spring's force that grows with the third power of its stretch; negative: the spring softens."""
+
+    stiffness = parameter(1e6, "N/m3", "factor of the third power of the stretch")
+    largest_stretch = parameter(0.05, "m", "stretch beyond which a run fails; it sets the stable step", low=1e-9)
+
+
 @kernel
 def spring_force(stretch, rate, p, cubic):
     """Force on the body by spring and damper when the inner mass is `stretch` further on, N; `cubic`: values or None."""
@@ -69,3 +76,17 @@ def fastest_eigenvalue(body: float, inner: float, spring: tuple[float, float], c
 def limit_of(eigenvalue: float) -> float:
     """RK4's limit for an eigenvalue, s."""
     return LIMIT / eigenvalue if eigenvalue > 0.0 else math.inf
+
+
+def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:
+    """Stretch at which spring and weight down the pipe are in balance, m; not a number where a softening spring gives way."""
+    stretch = -weight / stiffness
+    for _ in range(60):
+        slope = stiffness + 3.0 * cubic * stretch**2
+        if slope <= 0.0:
+            return math.nan
+        change = (weight + stiffness * stretch + cubic * stretch**3) / slope
+        stretch -= change
+        if abs(change) <= 1e-15 * abs(stretch):
+            return stretch
+    return math.nan

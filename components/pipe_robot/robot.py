@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from ..core.component import Effect, Preset
+from ..core.component import Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import directed_mode
 from ..core.integrators import rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
-from ..core.variables import input_, output, parameter
+from ..core.variables import output, parameter
 from .contact import (
     LOCKED,
     Bristles,
@@ -25,7 +25,8 @@ from .contact import (
     direction,
     friction_on_body,
 )
-from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, Tow, fastest_eigenvalue, limit_of
+from .exciters import HarmonicExciter, PrescribedMotion, Unbalance
+from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, Tow, fastest_eigenvalue, hanging_stretch, limit_of
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -47,47 +48,6 @@ from .robot_equations import (
 )
 
 FORCES = ("harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
-
-
-class HarmonicExciter(HarmonicForce):
-    """A force between body and inner mass that is harmonic in time; positive: body forwards."""
-
-    excludes = ("prescribed_motion", "unbalance")
-
-
-class PrescribedMotion(Effect):
-    """The inner mass is driven against the body: its way from it is amplitude * sin(frequency * t), whatever force that takes."""
-
-    excludes = ("harmonic_force", "unbalance")
-    amplitude = parameter(0.02, "m", "amplitude of the motion of the inner mass against the body", low=0.0)
-    frequency = parameter(60.0, "rad/s", "angular frequency of the motion", low=0.0)
-
-
-class Unbalance(Effect):
-    """A pair of unbalances on the inner mass that turn against each other, driven by a torque: their force is along the pipe.
-
-    Their own motion reacts on the drive, which has to lift their power over the resonance; a weak one stays caught there
-    (Sommerfeld). At angle 0 the unbalance is across the pipe, at pi / 2 in front. It belongs to the inner mass.
-    """
-
-    excludes = ("harmonic_force", "prescribed_motion")
-    mass = parameter(0.1, "kg", "mass of the unbalance, of both together; a part of the inner mass", low=1e-9)
-    radius = parameter(0.02, "m", "distance of the unbalance from its shaft", low=1e-9)
-    inertia = parameter(2e-5, "kg.m2", "moment of inertia of rotor and shaft without the unbalance", low=0.0)
-    damping = parameter(1e-5, "N.m.s/rad", "viscous friction of the shaft", low=0.0)
-    start_angle = parameter(0.0, "rad", "angle at the start")
-    start_rate = parameter(0.0, "rad/s", "rate at the start")
-
-    torque = input_(0.0, "N.m", "torque of the motor", nominal=0.1)
-    rate = output("rad/s", "rate of the unbalance", nominal=10.0)
-    angle = output("rad", "angle of the unbalance")
-
-
-class CubicSpring(Effect):
-    """A share of the spring's force that grows with the third power of its stretch; negative: the spring softens."""
-
-    stiffness = parameter(1e6, "N/m3", "factor of the third power of the stretch")
-    largest_stretch = parameter(0.05, "m", "stretch beyond which a run fails; it sets the stable step", low=1e-9)
 
 
 class Route(PipeSlope):
@@ -249,20 +209,6 @@ class PipeRobot(EventComponent):
                              " spring or the factor of friction left its range, or the state is not finite",
                              "Reduce substep; check frequency, route.friction_factor and cubic_spring.largest_stretch")
         super()._check(status)
-
-
-def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:
-    """Stretch at which spring and weight down the pipe are in balance, m; not a number where a softening spring gives way."""
-    stretch = -weight / stiffness
-    for _ in range(60):
-        slope = stiffness + 3.0 * cubic * stretch**2
-        if slope <= 0.0:
-            return math.nan
-        change = (weight + stiffness * stretch + cubic * stretch**3) / slope
-        stretch -= change
-        if abs(change) <= 1e-15 * abs(stretch):
-            return stretch
-    return math.nan
 
 
 @kernel
