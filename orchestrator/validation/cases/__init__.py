@@ -23,6 +23,9 @@ from . import (
     link_split,
     lumped_catenary,
     lyapunov_sum,
+    pipe_robot_balance,
+    pipe_robot_mean_speed,
+    pipe_robot_resonance,
     recurrence,
     rov_added_mass,
     rov_allocation,
@@ -47,6 +50,7 @@ MODULES = (
     chain_closed_forms, gimbal_closed_forms, link_split,
     wind_pump_equilibrium, wind_pump_start, wind_pump_closed_forms, inertial_converter,
     friction_drive, servo_motor, hunting,
+    pipe_robot_mean_speed, pipe_robot_balance, pipe_robot_resonance,
     wrist_rules, four_bar, wrist_stiffness,
 )  # fmt: skip
 CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
