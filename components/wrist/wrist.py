@@ -84,9 +84,9 @@ class Wrist(OdeComponent):
 
         M(q) q'' + h(q, q') + D q' + J^T K e = J^T (tau_flexion, tau_deviation) + (proximal torque, distal torque) + effects
 
-    e = (flexion, deviation), J = de/dq, q the angles of the rows; K is the passive stiffness of the wrist as a whole. A torque times
-    the rate of its angle is its power, so tau_deviation bends about an axis that flexes with the hand. Without effects the
-    angles are small, J, M are constant, and the wrist is a linear oscillator of two degrees of freedom.
+    e = (flexion, deviation), J = de/dq, q the angles of the rows; K is the passive stiffness of the wrist as a whole. A torque
+    times the rate of its angle is its power, so tau_deviation bends about an axis that flexes with the hand. Without effects
+    the angles are small, J, M are constant, and the wrist is a linear oscillator of two degrees of freedom.
     With the coupling model `opensim_half` q are flexion and deviation themselves, of which each row makes one half: the angles,
     rates and torques named proximal and distal are then those of these two.
     From the paper, known to us by its abstract, are two degrees of freedom with roll largely prevented, the four rules
