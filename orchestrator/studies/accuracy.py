@@ -73,7 +73,7 @@ class Accuracy:
     """The measured points of a scene.
 
     how: of the reference.  witness: of its second solution.  floor: by quantity, how far the two agree: errors below it are below
-    the reference's own.  machine, versions: where it was measured.
+    the reference's own.  machine, versions: where it was measured.  marks: what tells whose it is, as further columns.
     """
 
     name: str
@@ -84,6 +84,7 @@ class Accuracy:
     floor: Mapping[str, float]
     machine: str
     versions: str
+    marks: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def least(self) -> float:
@@ -101,7 +102,7 @@ class Accuracy:
 
     def save(self, directory: str | Path) -> Path:
         """Write accuracy.csv: one row a setting, the first line the column names."""
-        return write_points(self, directory, "accuracy.csv")
+        return write_points(self, directory)
 
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:
@@ -123,8 +124,6 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     scene = recording(scene)
     quantities = quantities_of(scene)
     steps = macro_steps(scene)
-    if not steps:
-        raise BadInput(f"{scene.name}: stop_time", f"{scene.stop_time:g} s", "at least four of the shortest macro steps")
     truth = reference(scene, quantities, steps[-1], told)
     bench = _Bench(scene, quantities, truth, budget, repeats, told)
     bench.left = FIRST * budget
@@ -204,13 +203,13 @@ PLAIN = ("line", "knob", "size", "outcome", "reason", "error", "held", "seconds"
 ABOUT = ("how", "witness", "machine", "versions")
 
 
-def write_points(measured: Accuracy, directory: str | Path, name: str, more: Mapping[str, str] | None = None) -> Path:
-    """The points as a csv file; `more`: columns that are the same in every row, behind what is known of the measurement.
+def write_points(measured: Accuracy, directory: str | Path, name: str = "accuracy.csv") -> Path:
+    """The points as a csv file; what is known of the measurement is the same in every row, behind them.
 
     The last row, of the line "agreement of the reference", has the agreement of each quantity in the place of its error.
     """
     names = list(measured.floor)
-    about = {key: getattr(measured, key) for key in ABOUT} | dict(more or {})
+    about = {key: getattr(measured, key) for key in ABOUT} | dict(measured.marks)
     header = [LABELS.get(n, n) for n in PLAIN] + ["changes", *WORK, *(f"error of {n}" for n in names), *about]
     rows = [[*(_rounded(getattr(p, key)) for key in PLAIN), json.dumps(p.changes), *(p.work.get(n, "") for n in WORK),
              *(_rounded(p.errors.get(n, nan)) for n in names), *about.values()] for p in measured.points]
@@ -226,8 +225,8 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def read_points(path: Path) -> tuple[Accuracy, dict[str, str]]:
-    """What `write_points` wrote, and the columns behind; raises `BadInput` for a file that is none of these."""
+def read_points(path: Path) -> Accuracy:
+    """What `write_points` wrote; raises `BadInput` for a file that is none of these."""
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
@@ -240,7 +239,7 @@ def read_points(path: Path) -> tuple[Accuracy, dict[str, str]]:
         raise BadInput(str(path), f"no table of accuracy ({type(error).__name__}: {error})", "one that cosimo accuracy wrote",
                        "Remove it and measure again.") from None
     how, witness, machine, versions = (more.pop(key) for key in ABOUT)
-    return Accuracy(path.stem, path.stem, points, how, witness, floor, machine, versions), more
+    return Accuracy(path.stem, path.stem, points, how, witness, floor, machine, versions, more)
 
 
 def _point(row: Mapping[str, str], names: Iterable[str]) -> Point:

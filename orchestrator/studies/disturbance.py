@@ -3,7 +3,8 @@
 What the two differ by, in every signal that is handed over and in parts of its nominal value, is looked at in its second
 differences over time: of what stands off or drifts away evenly, as a free body does that was pushed, nothing is left, and what
 goes to and fro keeps its rate of growth. A fourth of the run is for what dies out; the largest second differences of the last
-fourth over those of the second one are the growth.
+fourth over those of the second one are the growth. What grows by itself, such as a chaotic motion, or comes back as a wave does,
+is seen in a run with short steps, and allowed.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ..coupling.demands import free
 from ..run import opened
 from ..scene import Scene
 from ..settings import IterationSettings
+from ..stepping.loop import Steppable
 from ..stepping.stretched import stretch_of
 from ..units.interface import Row
 
@@ -33,41 +35,70 @@ PUSH = 1e-5  # of an input or its nominal value: small against every bend of a c
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
 FEWEST = 32  # steps that tell growth from a transient
 CLEAR = 1e3  # a factor in size that needs no longer look
+FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
 SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
 LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
 
 
 @dataclass(frozen=True)
 class Growth:
-    """What became of a disturbance.
+    """What became of a disturbance in a look of `time` seconds.
 
-    rate: 1/s, of its logarithm; infinite where a run failed, which `failure` tells.  span: s, over which that was seen.
-    steps: macro steps made to find out.
+    factor: of the last fourth over the second one; infinite where a run failed, which `failure` tells, 0 where little is left.
+    steps: made to find out.
     """
 
-    rate: float
-    span: float
+    factor: float
+    time: float
     steps: int
     failure: str = ""
 
-    def faster(self, rate: float, even: float) -> bool:
-        """Whether it grew faster than with a rate, 1/s, and by more than a factor that chance may give."""
-        return bool(self.failure) or self.rate > max(rate, math.log(even) / self.span)
+    def text(self, h: float) -> str:
+        """How it grew with steps of h, s."""
+        if self.failure or self.factor == math.inf:
+            return self.failure or "grows out of nothing"
+        return f"grows e-fold in {0.5 * self.time / (h * math.log(self.factor)):.3g} steps"
 
 
-def growth_of(differences: np.ndarray, h: float, made: int, noise: float = 0.0) -> tuple[Growth, bool]:
-    """What differences of two runs, (n, signals), h apart, have become, and whether a longer look would tell the same.
+@dataclass(frozen=True)
+class Own:
+    """What disturbances do by themselves, seen with short steps. sizes: largest second differences, (n,), `h` seconds apart."""
 
-    noise: second differences that mean nothing.  made: macro steps made to get them.
-    """
-    bent = np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
-    window = bent.size // 4
-    first, early, _, late = (float(bent[k * window : (k + 1) * window].max()) for k in range(4))
-    span = 2 * window * h
+    sizes: np.ndarray
+    h: float
+
+    def factor(self, time: float) -> float:
+        """The largest one of looks of about so many seconds, as far as there are any; 1 where that is none."""
+        found = []
+        for share in np.geomspace(0.5, 2.0, 9) ** 0.5:  # a wave comes back a little sooner or later than to other steps
+            n = int(min(share * time / self.h, self.sizes.size))
+            _, early, late = _fourths(self.sizes[:n]) if n >= FEWEST else (0.0, 1.0, 1.0)
+            found.append(late / early if early > 0.0 else 1.0)
+        return max(found)
+
+    def allows(self, growth: Growth, even: float) -> bool:
+        """Whether a growth is no more than what comes by itself; `even`: a factor that chance may give."""
+        return not growth.failure and growth.factor <= even * max(self.factor(growth.time), 1.0) ** FASTER
+
+
+def sizes(differences: np.ndarray) -> np.ndarray:
+    """Largest second differences over time of differences of two runs, (n, signals): (n - 2,)."""
+    return np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
+
+
+def growth_of(found: np.ndarray, h: float, made: int, noise: float = 0.0) -> Growth:
+    """Of sizes (n,), h seconds apart; below `noise` they mean nothing. made: steps made to get them."""
+    first, early, late = _fourths(found)
     if late <= max(first / CLEAR, noise):
-        return Growth(-math.inf, span, made), True
-    rate = math.log(late / early) / span if early else math.inf
-    return Growth(rate, span, made), late > CLEAR * early
+        return Growth(0.0, h * found.size, made)
+    return Growth(late / early if early else math.inf, h * found.size, made)
+
+
+def _fourths(found: np.ndarray) -> tuple[float, float, float]:
+    """The largest of the first, second and last fourth."""
+    window = found.size // 4
+    first, early, _, late = (float(found[k * window : (k + 1) * window].max()) for k in range(4))
+    return first, early, late
 
 
 class Disturbed:
@@ -92,8 +123,8 @@ class Disturbed:
         units |= meters
         self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
         account = EnergyAccount(self.master, coupling, meters, correction=scene.master.energy_correction) if meters else None
-        self._steppable = account or self.master
-        self._steppable.initialize(0.0)
+        (account or self.master).initialize(0.0)
+        self._steppable: Steppable = account or self.master
         self._start = self._steppable.save()
         self._stretch = stretch_of(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
@@ -105,20 +136,35 @@ class Disturbed:
 
     def growth(self, h: float, steps: int) -> Growth:
         """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
-        whole = max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
-        made, growth = 0, Growth(-math.inf, 0.0, 0)
-        for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):
-            calm, failure = self._run(h, n, pushed=False)
-            made += len(calm)
-            if not failure:
-                pushed, failure = self._run(h, n, pushed=True)
-                made += len(pushed)
+        whole = self._fitting(h, steps)
+        growth, made = Growth(0.0, 0.0, 0), 0
+        for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):  # a short look first: most steps are far from a limit
+            found, more, failure = self._sizes(h, n)
+            made += more
             if failure:
                 return Growth(math.inf, n * h, made, failure)
-            growth, clear = growth_of((pushed - calm) / self._nominal, h, made, self._noise)
-            if clear:
+            growth = growth_of(found, h, made, self._noise)
+            if growth.factor == 0.0 or growth.factor > CLEAR:
                 break
         return growth
+
+    def own(self, h: float, time: float) -> Own:
+        """What disturbances do in so many seconds, seen with steps of h, s; nothing where the run fails."""
+        found, _, _ = self._sizes(h, self._fitting(h, math.ceil(time / h)))
+        return Own(found, h)
+
+    def _fitting(self, h: float, steps: int) -> int:
+        return max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
+
+    def _sizes(self, h: float, n: int) -> tuple[np.ndarray, int, str]:
+        """Sizes of what n steps behind the push make of it, the steps made, and why there are fewer."""
+        calm, failure = self._run(h, n, pushed=False)
+        if failure:
+            return np.zeros(0), len(calm), failure
+        pushed, failure = self._run(h, n, pushed=True)
+        if failure:
+            return np.zeros(0), len(calm) + len(pushed), failure
+        return sizes((pushed - calm) / self._nominal), 2 * n, ""
 
     def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
         """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""

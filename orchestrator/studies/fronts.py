@@ -1,7 +1,8 @@
 """What is known of a scene's accuracy: measured fronts in the user's cache, shipped ones, and the setting they advise.
 
 A front belongs to the physics of a scene: what is simulated, for how long, and what is looked at. How it is coupled and how
-long internal steps are is what the front is about, and does not change whose it is.
+long internal steps are is what the front is about, and does not change whose it is. A shipped table is the accuracy.csv of
+the shipped scene.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -72,30 +73,29 @@ def _place(scene: Scene) -> Path:
     return Path(cache_root()) / "fronts" / f"{scene_digest(scene)}-{components_digest(scene)}.csv"
 
 
+def marked(scene: Scene, measured: Accuracy) -> Accuracy:
+    """The measurement with the digests of the scene and of its components, by which a front is found to be a scene's."""
+    return replace(measured, marks={SCENE: scene_digest(scene), COMPONENTS: components_digest(scene)})
+
+
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache."""
     path = _place(scene)
     return write_points(measured, path.parent, path.name)
 
 
-def ship(scene: Scene, measured: Accuracy) -> Path:
-    """Write a shipped table, which names the scene and the components that were measured."""
-    return write_points(measured, TABLES, f"{scene.name}.csv",
-                        {SCENE: scene_digest(scene), COMPONENTS: components_digest(scene)})
-
-
 def known(scene: Scene) -> Known | None:
     """The front of the scene: measured here, or else shipped; None where neither is."""
     path = _place(scene)
     if path.is_file():
-        return Known(read_points(path)[0], f"measured on this machine, {path}")
+        return Known(read_points(path), f"measured on this machine, {path}")
     shipped = TABLES / f"{scene.name}.csv"
     if not shipped.is_file():
         return None
-    measured, more = read_points(shipped)
-    if more[SCENE] != scene_digest(scene):
+    measured = read_points(shipped)
+    if measured.marks.get(SCENE) != scene_digest(scene):
         return None
-    same = more[COMPONENTS] == components_digest(scene)
+    same = measured.marks.get(COMPONENTS) == components_digest(scene)
     return Known(measured, f"shipped table, measured on {measured.machine}"
                  + ("" if same else "; the components have changed since, cosimo accuracy measures anew"))
 

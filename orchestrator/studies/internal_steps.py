@@ -7,7 +7,7 @@ off are measured, too: each alone with what it needs.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,16 +21,17 @@ from components.core.integrators import OdeComponent
 
 from ..results import write_table
 from ..sweep import tracked
-from .disturbance import Growth, growth_of
+from .disturbance import Growth, Own, growth_of, sizes
 from .search import longest_stable
+
+Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
 
 STEPS = 600  # internal steps of a run that decides
 FARTHEST = 1e3  # times the first step tried: beyond it no limit is looked for
 PUSH = 1e-3  # of an input's value or nominal value; through an inertia little of it arrives within a step
 FLOOR = 1e-9  # of a state: a difference below it is rounding
-FASTER = 1.5  # than what grows by itself, as with couplings
 EVEN = 1.5  # a factor that modes which beat may have; beyond its limit a method makes much more of them
-FINE = 8.0  # part of the own limit at which that is measured
+FINE = 8.0  # part of the own limit at which it is seen what grows by itself
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
         raise BadInput(f"component:{name}", "no internal steps", "a component that integrates with steps of its own")
     on = set(cls.presets[preset].effects) if preset in cls.presets else set()
     sets = [tuple(effects)] if effects is not None else [(), *(needed(cls, effect) for effect in cls.effects if effect not in on)]
-    found = [_measured(cls, chosen, parameters or {}, preset, steps) for chosen in tracked(list(dict.fromkeys(sets)), name, progress)]
+    chosen = tracked(list(dict.fromkeys(sets)), name, progress)
+    found = [_measured(cls, one, parameters or {}, preset, steps) for one in chosen]
     return InternalSteps(name, cls.title, tuple(found))
 
 
@@ -90,7 +92,8 @@ def needed(cls: type[Component], effect: str) -> tuple[str, ...]:
     return tuple(n for n in cls.effects if n in on)
 
 
-def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int) -> InternalStep:
+def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int
+              ) -> InternalStep:
     def made(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
@@ -107,11 +110,11 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
             raise BadInput(present.name, "no inputs", "a component that can be pushed")
         own = present.stable_step()
         usual = own if math.isfinite(own) else _usual(present)
-        reference = max(_growth(made, usual / FINE, steps).rate, 0.0)
+        by_itself = Own(_sizes(made, usual / FINE, int(FINE * steps))[0], usual / FINE)
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
-    longest, seen, tried = longest_stable(lambda h: _growth(made, h, steps), FASTER * reference, EVEN, usual,
-                                          usual / FARTHEST, usual * FARTHEST)
+    longest, seen, tried = longest_stable(lambda h: _growth(made, h, steps), by_itself, EVEN, usual, usual / FARTHEST,
+                                          usual * FARTHEST)
     return InternalStep(effects, own, longest, seen, tried)
 
 
@@ -121,26 +124,31 @@ def _usual(component: Component) -> float:
     return step if math.isfinite(step) else component.default_step
 
 
-def _growth(made: Any, h: float, steps: int) -> Growth:
+def _growth(made: Making, h: float, steps: int) -> Growth:
     """Of a push of the inputs, in so many internal steps of length h, s."""
-    runs = []
-    for pushed in (False, True):
-        rows = []
-        try:
-            component = made(h)
-            inputs = component.u[0].copy()
-            nominal = np.array([component.variables[n].nominal for n in component.inputs])
-            if pushed:
-                component.u[0] += PUSH * np.maximum(np.abs(inputs), nominal)
-            for k in range(steps):
-                component.step(k * h, h)
-                if k == 0:
-                    component.u[0] = inputs
-                rows.append(component.x.copy())
-        except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:
-            return Growth(math.inf, steps * h, len(rows), str(error))
-        runs.append(np.array(rows))
-    differences = runs[1] - runs[0]
+    try:
+        found, count = _sizes(made, h, steps)
+    except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
+        return Growth(math.inf, steps * h, 0, str(error))
+    return growth_of(found, h, count)
+
+
+def _sizes(made: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
+    """Sizes of what steps of h, s, make of a push, each state in parts of what the push first did to it, and steps made."""
+    calm, pushed = (_states(made(h), h, steps, push) for push in (0.0, PUSH))
+    differences = pushed - calm
     early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)
-    scale = np.maximum(early, FLOOR * np.maximum(np.abs(runs[0]).max(axis=0, initial=0.0), early.max(initial=0.0)))
-    return growth_of(differences / np.where(scale > 0.0, scale, 1.0), h, 2 * steps)[0]
+    scale = np.maximum(early, FLOOR * np.maximum(np.abs(calm).max(axis=0, initial=0.0), early.max(initial=0.0)))
+    return sizes(differences / np.where(scale > 0.0, scale, 1.0)), 2 * steps
+
+
+def _states(component: Component, h: float, steps: int, push: float) -> np.ndarray:
+    """States behind every internal step, (steps, n); in the first one the inputs are off by `push` of their sizes."""
+    inputs = component.u[0].copy()
+    component.u[0] += push * np.maximum(np.abs(inputs), [component.variables[n].nominal for n in component.inputs])
+    rows = []
+    for k in range(steps):
+        component.step(k * h, h)
+        component.u[0] = inputs
+        rows.append(component.x.copy())
+    return np.array(rows)

@@ -15,7 +15,7 @@ from ..units.component import find, make
 
 DEGREES = ("held", "linear", "quadratic")
 ADAPTIVE = (1e-2, 1e-3, 1e-4, 1e-5)  # tolerances of the step control
-MACRO = (8, 4, 2, 1, 0.5, 0.25)  # times the scene's macro step
+MACRO = (8, 4, 2, 1, 0.5)  # times the scene's macro step
 SUBSTEPS = (4.0, 2.0, 0.5, 0.25)  # times the internal steps of the scene
 MESHES = (2.0, 0.5)
 

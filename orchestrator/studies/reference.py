@@ -30,8 +30,7 @@ METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two
 PATIENCE = 60.0  # s, for one solution, while there are others to try
 FINER = 2  # times the finest macro step that is measured, and times the scene's internal steps
 # algorithm and degree of the inputs, of which the first two that come to the end are taken
-MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi", 1), ("iterative", 1), ("gauss-seidel", 0),
-           ("interface-model", 1))
+MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi", 1), ("iterative", 1), ("gauss-seidel", 0))
 PROBED = 100  # macro steps, to tell how long a run will take
 TOLERANCE = 1e-10  # of the iteration
 
@@ -105,7 +104,7 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, told: Callab
         pass
     tried: set[tuple[str, int]] = set()
     for patience in (PATIENCE, inf):  # what takes too long comes last
-        for algorithm, degree in MASTERS if settle(scene).links else MASTERS[:2]:
+        for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if settle(scene).links else MASTERS[:2]:
             if len(found) < 2 and (algorithm, degree) not in tried:
                 how, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not found else 2))
                 if _expected(scene, changes) > patience:

@@ -5,25 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from .disturbance import Growth
+from .disturbance import Growth, Own
 
 ACCURACY = 1.005  # of a limit: the shortest step seen to be unstable over the longest one seen to be stable
 
 
-def longest_stable(growth: Callable[[float], Growth], rate: float, even: float, first: float, least: float, most: float
+def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float
                    ) -> tuple[float, str, float]:
     """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
 
-    rate: 1/s, with which disturbances may grow, and even: a factor that they may in one look.  first, least, most: steps, s.  The longest stable step is infinite where
-    `most` is stable, and 0 where `least` is not.
+    own, even: the growth that is allowed, see `Own.allows`.  first, least, most: steps, s.  The longest stable step is infinite
+    where `most` is stable, and 0 where `least` is not.
     """
     seen = ""
 
     def grows(h: float) -> bool:
         nonlocal seen
         found = growth(h)
-        if unstable := found.faster(rate, even):
-            seen = f"at {h:.4g} s: " + (found.failure or f"e-fold in {1.0 / (found.rate * h):.3g} steps")
+        if unstable := not own.allows(found, even):
+            seen = f"at {h:.4g} s: {found.text(h)}"
         return unstable
 
     h = low = high = min(first, most)

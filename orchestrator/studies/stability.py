@@ -1,8 +1,7 @@
-"""How long the macro step of a scene may be before its coupling lets disturbances grow: measured, per algorithm and extrapolation.
+"""How long the macro step of a scene may be before its coupling lets disturbances grow: measured, by algorithm and extrapolation.
 
 Over the values of up to two parameters it is a map. Where units tell what a closed form needs, its limit stands beside the
-measured one, which knows nothing of it. What grows by itself, such as a chaotic motion, may grow: only a coupling that makes
-it grow faster is unstable.
+measured one, which knows nothing of it.
 
     [study]
     stability = { spring.stiffness = [25.0, 100.0, 400.0], mass.mass = { from = 0.5, to = 4.0, points = 8 } }
@@ -16,6 +15,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from components.core.errors import BadInput, StepFailed
 
 from ..advice.probing import contacts
@@ -23,15 +24,15 @@ from ..coupling import settle
 from ..results import write_table
 from ..scene import Scene
 from ..sweep import points, tracked, unit_of
-from .disturbance import FEWEST, Disturbed, Growth
+from .disturbance import FEWEST, Disturbed, Growth, Own
 from .search import longest_stable
 
 Scheme = tuple[str, int]  # algorithm, extrapolation
 
 STEPS = 1000  # macro steps of a run that decides
 SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
-FINE = 8.0  # part of the scene's macro step with which what grows by itself is measured
-FASTER = 1.5  # times that: the coupling's doing
+FINE = 4.0  # part of the scene's macro step with which it is seen what grows by itself,
+AHEAD = 4.0  # for as long as steps of so many macro steps take
 EVEN = 1.01  # a factor that the sampling of an oscillation's crests may feign
 
 
@@ -108,11 +109,11 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of(scene)]
     found: list[Limit] = []
     said: dict[str, None] = {}
-    own: dict[tuple[float, ...], float] = {}  # 1/s, what grows by itself at a point
+    own: dict[tuple[float, ...], Own] = {}  # what grows by itself, by point
     for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
         place = tuple(point.values())
         if place not in own:
-            own[place] = _own_growth(one, steps)
+            own[place] = _own(one, steps)
             said |= dict.fromkeys(_said(one, own[place]))
         found.append(_measured(point, one, scheme, own[place], steps))
     return Stability(scene, varied, tuple(found), tuple(said))
@@ -128,29 +129,30 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
     return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
 
 
-def _own_growth(scene: Scene, steps: int) -> float:
-    """Rate at which disturbances grow where the coupling hardly takes part, 1/s, at least 0; infinite where no run succeeds."""
+def _own(scene: Scene, steps: int) -> Own:
+    """What disturbances do where the coupling hardly takes part: with short steps and quadratic inputs."""
+    step = scene.master.step
     with ExitStack() as stack:
         try:
-            return max(Disturbed(_with(scene, ("gauss-seidel", 2)), stack).growth(scene.master.step / FINE, steps).rate, 0.0)
+            return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).own(step / FINE, AHEAD * steps * step)
         except (BadInput, StepFailed):
-            return 0.0  # what cannot start is said with each scheme
+            return Own(np.zeros(0), step)  # what cannot start is said with each scheme
 
 
-def _said(scene: Scene, own: float) -> Iterator[str]:
-    master, fine = scene.master, scene.master.step / FINE
-    if own == math.inf:
-        yield f"even with a macro step of {fine:g} s the scene's run ends early; limits tell when it does so much sooner"
-    elif own > 0.0:
-        yield (f"disturbances grow by themselves, e-fold in {1.0 / own:.3g} s with a macro step of {fine:g} s; a coupling is "
-               f"called unstable where they grow {FASTER:g} times as fast")
-    for key, value in (("control", master.control), ("events", master.events), ("smoothing", master.smoothing)):
-        if value:
-            yield ("smoothed inputs have other limits than the closed form" if key == "smoothing"
-                   else f"master.{key} was left out: all macro steps are of one length")
+def _said(scene: Scene, own: Own) -> Iterator[str]:
+    master = scene.master
+    if not own.sizes.size:
+        yield f"a run with a macro step of {own.h:g} s ends early: what grows by itself is not known"
+    elif (factor := own.factor(math.inf)) > EVEN:
+        yield (f"disturbances grow by themselves, in {own.sizes.size * own.h:.3g} s by a factor of {factor:.3g}; a coupling is "
+               "called unstable where they grow faster")
+    if master.control is not None or master.events:
+        yield "all macro steps were of one length: without step control and located events"
+    if master.smoothing:
+        yield "closed forms are for inputs that are not smoothed"
 
 
-def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: float, steps: int) -> Limit:
+def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own, steps: int) -> Limit:
     algorithm, degree = scheme
     with ExitStack() as stack:
         try:
@@ -167,7 +169,7 @@ def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: flo
             return found
 
         step = scene.master.step
-        longest, seen, tried = longest_stable(growth, FASTER * own, EVEN, step, step / SHORTEST, disturbed.longest)
+        longest, seen, tried = longest_stable(growth, own, EVEN, step, step / SHORTEST, disturbed.longest)
     return Limit(point, algorithm, degree, longest, closed, seen, tried, sum(made))
 
 
