@@ -6,11 +6,15 @@ from collections.abc import Sequence
 
 from ...analysis.wrist import HAND, ROWS, WristRecord, postures
 from ..page import Cells
-from ..style import number
 from .motion import DEGREES
 
 KEPT = {True: "yes", False: "no", None: ""}
 COLUMNS = (*HAND, *ROWS)
+
+
+def _degrees(angle: float | None) -> str:
+    """An angle in rad as degrees; "" for none."""
+    return "" if angle is None else f"{DEGREES * angle:.2f}".replace("-", "−")
 
 
 def posture_table(records: Sequence[WristRecord], instants: Sequence[float], start: int) -> Cells:
@@ -18,7 +22,7 @@ def posture_table(records: Sequence[WristRecord], instants: Sequence[float], sta
     rows = []
     for record in records:
         for p in postures(record, instants, start):
-            angles = ("" if n not in p.values else number(round(DEGREES * p.values[n], 2)) for n in COLUMNS)
+            angles = (_degrees(p.values.get(n)) for n in COLUMNS)
             rows.append((record.unit, f"{p.time:.4g}", p.name, *angles, KEPT[p.rule]))
     text = ("Row rule, from the abstract of Sandow (2020): in flexion both rows flex, in radial deviation the proximal row "
             "flexes and the distal one extends, and the reverse in extension and ulnar deviation; between these the rule says "
@@ -36,7 +40,7 @@ def difference_table(records: Sequence[WristRecord], instants: Sequence[float]) 
     for unit, theirs in others:
         for here, there in zip(theirs, first[1], strict=True):
             both = [(here.values.get(n), there.values.get(n)) for n in COLUMNS]
-            changes = ("" if a is None or b is None else number(round(DEGREES * (a - b), 2)) for a, b in both)
+            changes = (_degrees(None if a is None or b is None else a - b) for a, b in both)
             rows.append((unit, f"{here.time:.4g}", there.name, *changes))
     header = ("wrist", "at, s", f"posture of {first[0]}", "flexion, deg", "radial deviation, deg", "roll, deg",
               "proximal row flexes, deg", "distal row flexes, deg")
