@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.integrators import OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, NOT_FINITE, bind, kernel
 from ..core.variables import input_, output, parameter
 
 MUSCLES = ("fcr", "fcu", "ecrl", "ecrb", "ecu")
@@ -133,7 +133,7 @@ class ForearmTendons(OdeComponent):
         for i in range(COUNT):
             strain = -shortening(i, self.u[0], p, arms)[0] / fibres.length[i]
             if strain > 0.0:
-                s = strain / fibres.stretch
+                s = min(strain / fibres.stretch, TORN)
                 scale = p.largest_force[i] * fibres.length[i] * fibres.stretch
                 total += scale * (math.expm1(STIFFENING * s) / STIFFENING - s) / math.expm1(STIFFENING)
         return total
@@ -150,6 +150,7 @@ FLEXION_TORQUE, DEVIATION_TORQUE, POWER, ACTIVATION, FORCE = ForearmTendons.outp
     "flexion_torque", "deviation_torque", "power", "activation[1]", "force[1]"
 )
 STIFFENING = 4.0  # of the passive stretch
+TORN = 100.0  # of that stretch, beyond which it pulls no more: the exponential would overflow
 
 
 @kernel
@@ -229,7 +230,7 @@ def tendon_outputs(t, x, u, y, p, programme, fibres, velocity, arms):
         if velocity is not None:
             share *= by_velocity(rate / velocity.greatest_rate[i], velocity.curvature, velocity.lengthened)
         if fibres is not None and pulled < 0.0:
-            passive = -pulled / (fibres.length[i] * fibres.stretch)
+            passive = min(-pulled / (fibres.length[i] * fibres.stretch), TORN)
             share += math.expm1(STIFFENING * passive) / math.expm1(STIFFENING)
         force = p.largest_force[i] * share
         y[FLEXION_TORQUE] += force * arm
@@ -238,5 +239,17 @@ def tendon_outputs(t, x, u, y, p, programme, fibres, velocity, arms):
         y[ACTIVATION + i], y[FORCE + i] = x[i], force
 
 
-ForearmTendons.advance = bind(rk4, __name__, derivatives=tendon_derivatives, outputs=tendon_outputs)
+_advance = bind(rk4, __name__, derivatives=tendon_derivatives, outputs=tendon_outputs)
+
+
+@kernel
+def tendon_advance(t, h, n, x, u, y, work, counts, p, programme, fibres, velocity, arms):
+    """`rk4`, refused for angles or rates that are no numbers: activations know nothing of them."""
+    status = _advance(t, h, n, x, u, y, work, counts, p, programme, fibres, velocity, arms)
+    if status == DONE and not math.isfinite(y[FLEXION_TORQUE] + y[DEVIATION_TORQUE] + y[POWER]):
+        return NOT_FINITE
+    return status
+
+
+ForearmTendons.advance = tendon_advance
 ForearmTendons.output_kernel = tendon_outputs
