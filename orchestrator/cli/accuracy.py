@@ -12,13 +12,11 @@ import typer
 
 from components.core.errors import BadInput
 
-from .common import AsJson, Changes, app, change, listed, print_table
+from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table
 
 if TYPE_CHECKING:
     from ..scene import Scene
     from ..studies.accuracy import Accuracy
-
-COMPONENT = "component:"
 
 
 @app.command()
@@ -65,21 +63,8 @@ def _alone(name: str, budget: float | None, stop: float | None, effects: list[st
            told: Callable[[str], None]) -> Accuracy:
     from ..studies.alone import BUDGET, alone
 
-    parameters = {}
-    for text in values or []:
-        parameter, equals, value = text.partition("=")
-        if not (parameter and equals and value):
-            raise BadInput("--set", repr(text), "parameter=value")
-        parameters[parameter.strip()] = _number(value)
     on = tuple(listed("--effects", effects)) if effects else ()
-    return alone(name, on, parameters, stop=stop, budget=budget or BUDGET, told=told)
-
-
-def _number(text: str) -> Any:
-    try:
-        return float(text)
-    except ValueError:
-        return {"true": True, "false": False}.get(text, text)
+    return alone(name, on, parameters_of(values or []), stop=stop, budget=budget or BUDGET, told=told)
 
 
 def _of_scene(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
@@ -87,7 +72,7 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     from ..scene import load_scene
     from ..studies.accuracy import BUDGET
     from ..studies.accuracy import accuracy as measure
-    from ..studies.fronts import keep
+    from ..studies.fronts import keep, marked
 
     if effects:
         raise BadInput("--effects", repr(",".join(effects)), "none for a scene, which names its own", "Remove it.")
@@ -95,7 +80,7 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
     changes |= {} if stop is None else {"stop_time": stop}
     scene = scene.with_changes(changes) if changes else scene
-    measured = measure(scene, budget=budget or BUDGET, told=told)
+    measured = marked(scene, measure(scene, budget=budget or BUDGET, told=told))
     return measured, keep(scene, measured)
 
 

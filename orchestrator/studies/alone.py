@@ -82,8 +82,12 @@ class Alone:
             rows[k + 1] = component.y
         return self._course(component, rows), perf_counter() - begin, component.work
 
-    def by_scipy(self, method: str, tolerance: float, patience: float = inf) -> tuple[Course, float, Mapping[str, int]]:
-        """(outputs, s, counters) by `solve_ivp` with the component's right-hand side; raises `StepFailed` where it gives up."""
+    def by_scipy(self, method: str, tolerance: float, patience: float = inf,
+                 longest: float = inf) -> tuple[Course, float, Mapping[str, int]]:
+        """(outputs, s, counters) by `solve_ivp` with the component's right-hand side; raises `StepFailed` where it gives up.
+
+        longest: s, of its steps; one macro step keeps the kinks of the inputs out of them.
+        """
         component, kernel = self.make(), self.kernel
         assert kernel is not None
         component.u[0] = self.inputs[0, 0]
@@ -103,7 +107,8 @@ class Alone:
             return dx.copy()
 
         begin = perf_counter()
-        solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least)
+        solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least,
+                           max_step=longest)
         seconds = perf_counter() - begin
         if not solved.success or not np.isfinite(solved.y).all():
             raise StepFailed(method, float(solved.t[-1]) if solved.t.size else 0.0, str(solved.message), "")
@@ -178,7 +183,7 @@ def _truth(one: Alone, usual: float | None, told: Callable[[str], None]) -> tupl
         for method, tolerance in (REFERENCE, WITNESS):
             told(f"reference: {method}")
             try:
-                found.append((f"SciPy {method}, tolerance {tolerance:g}", one.by_scipy(method, tolerance, 30.0)[0]))
+                found.append((f"SciPy {method}, tolerance {tolerance:g}", one.by_scipy(method, tolerance, 30.0, one.step)[0]))
             except StepFailed:
                 continue
     for factor in FINER:

@@ -40,7 +40,7 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
     own = algorithm == scene.master.algorithm
     return {"master.algorithm": algorithm, "master.extrapolation": degree, "master.control": None,
             "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None,
-            "master.order": scene.master.order if own else ()}
+            "master.order": list(scene.master.order) if own else []}
 
 
 def substeps(scene: Scene) -> dict[str, float]:
