@@ -8,7 +8,7 @@ Wheel k pulls the sleeve's surface in the direction t_k = (cos a_k, sin a_k): al
 - skewed_free_rollers: the same directions, rollers on the wheels that turn freely across: t_k . v = R w_k, without slip.
 - orthogonal: a_1 = 0, a_2 = 90 degrees, with free rollers; plain wheels would hold each other's motion.
 
-The abstract of Fracczak (2013) has wheels that move a sleeve in two degrees of freedom; the arrangements are ours.
+The abstract of Frączak (2013) has wheels that move a sleeve in two degrees of freedom; the arrangements are ours.
 """
 
 from __future__ import annotations
