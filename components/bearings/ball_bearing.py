@@ -85,6 +85,8 @@ class Unbalance(Effect):
 class LoadVariation(Effect):
     """A load beside the given one: amplitude * sin(2 pi frequency t + phase) along x."""
 
+    asked_only = True
+
     amplitude = parameter(20.0, "N", "amplitude", nominal=100.0)
     frequency = parameter(50.0, "Hz", "frequency", low=0.0)
     phase = parameter(0.0, "rad", "phase at time 0")
@@ -93,12 +95,16 @@ class LoadVariation(Effect):
 class SpeedRamp(Effect):
     """Speed that changes evenly from time 0 and then stays, on top of the input."""
 
+    asked_only = True
+
     acceleration = parameter(100.0, "rad/s2", "angular acceleration")
     duration = parameter(1.0, "s", "time after which the speed stays", low=0.0)
 
 
 class GivenStart(Effect):
     """Start from a given state instead of from equilibrium."""
+
+    asked_only = True
 
     x = parameter(0.0, "m", "position along the load", nominal=1e-6)
     y = parameter(0.0, "m", "position across the load", nominal=1e-6)

@@ -69,6 +69,8 @@ class Damping(Effect):
 class PublishedLevers(Effect):
     """Moments with the lever to the balls' centres, tilts with that to the groove's: as published, without a potential."""
 
+    asked_only = True
+
 
 class Linearisation(Effect):
     """The bearing as force - stiffness q - damping q', q = (x, y, z, tilt_x, tilt_y), near its present motion.
@@ -76,6 +78,8 @@ class Linearisation(Effect):
     For a partner that takes the tangent along, so that it may take large steps and find its static position by Newton's
     method. The dependence of dampers on q is left out of the stiffness.
     """
+
+    asked_only = True
 
     idle_stiffness = parameter(1e6, "N/m", "added along x and y while initializing and at most one ball is loaded, so that a "
                                "search for the static position comes to a contact; the force itself is not changed, and in "

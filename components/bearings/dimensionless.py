@@ -65,6 +65,8 @@ class Waviness(Effect):
 class Defect(Effect):
     """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
 
+    asked_only = True
+
     depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
     width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
     position = parameter(0.0, "rad", "middle of the pit on its race")
@@ -72,6 +74,8 @@ class Defect(Effect):
 
 class BallDefect(Effect):
     """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
+
+    asked_only = True
 
     depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
     width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)
@@ -82,6 +86,8 @@ class BallDefect(Effect):
 class LoadVariation(Effect):
     """A load beside the given one: amplitude * sin(2 pi frequency tau + phase) along x."""
 
+    asked_only = True
+
     amplitude = parameter(0.1020, "1", "amplitude")
     frequency = parameter(0.03912, "1", "periods per unit of time", low=0.0)
     phase = parameter(0.0, "rad", "phase at time 0")
@@ -90,12 +96,16 @@ class LoadVariation(Effect):
 class SpeedRamp(Effect):
     """Speed that changes evenly from time 0 and then stays, on top of the input."""
 
+    asked_only = True
+
     acceleration = parameter(6.121e-5, "1", "angular acceleration")
     duration = parameter(1278.0, "1", "time after which the speed stays", low=0.0)
 
 
 class GivenStart(Effect):
     """Start from a given state instead of from equilibrium."""
+
+    asked_only = True
 
     x = parameter(0.0, "1", "position along the load")
     y = parameter(0.0, "1", "position across the load")

@@ -40,6 +40,8 @@ class Waviness(Effect):
 class Defect(Effect):
     """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
 
+    asked_only = True
+
     depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
     width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
     position = parameter(0.0, "rad", "middle of the pit on its race")
@@ -47,6 +49,8 @@ class Defect(Effect):
 
 class BallDefect(Effect):
     """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
+
+    asked_only = True
 
     depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
     width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)

@@ -40,10 +40,14 @@ class Effect:
 
     A subclass declares its own variables. Kernels get `Values` or None: the parameters, `u` and `y`, the positions of
     the effect's first input and first output where it has such, and `on` where there is nothing else to hold.
+
+    `asked_only`: what a scene has or has not, such as a part, a defect, a load, a programme or another form of the model, and
+    no refinement of what it has: only a scene that names it has it, and no study of effects adds it.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[tuple[str, ...]] = ()
+    asked_only: ClassVar[bool] = False
     variables: ClassVar[tuple[Variable, ...]] = ()
     Values: ClassVar[Any]
 

@@ -36,6 +36,8 @@ class Reference(Effect):
     Before the first time the first row holds, after the last the last. A table with fewer rows leaves the rest at 0.
     """
 
+    asked_only = True
+
     time = parameter((0.0, 0.5, *[0.0] * 6), "s", "time of a row, not decreasing", size=ROWS)
     feed = parameter((0.0, 0.02, *[0.0] * 6), "m", "feed added to the set point", size=ROWS, nominal=0.01)
     rotation = parameter((0.0, 1.0, *[0.0] * 6), "rad", "rotation added to the set point", size=ROWS)

@@ -89,6 +89,8 @@ class Gravity(Effect):
 class PreloadLoss(Effect):
     """Wheels lose a share of their normal force, over a time, smoothly."""
 
+    asked_only = True
+
     start = parameter(0.5, "s", "instant at which the loss begins")
     duration = parameter(0.05, "s", "time that the loss takes", low=1e-6)
     first = parameter(1.0, "1", "share of its preload that the first wheel loses", low=0.0, high=1.0)

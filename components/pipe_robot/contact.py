@@ -32,6 +32,8 @@ class Bristles(Effect):
     Own derivation; the paper speaks of elastic elements, and its abstract gives no law.
     """
 
+    asked_only = True
+
     count = parameter(8.0, "1", "number of bristles", low=0.0)
     length = parameter(0.03, "m", "length of a bristle", low=1e-9)
     angle = parameter(1.0472, "rad", "angle of a bristle to the pipe's axis", low=0.0, high=1.57)
@@ -41,6 +43,8 @@ class Bristles(Effect):
 
 class SmoothedFriction(Effect):
     """Friction as level * tanh(velocity / width): cheap, and it creeps where real friction would stick."""
+
+    asked_only = True
 
     excludes = ("lugre_friction",)
     width = parameter(5e-3, "m/s", "velocity over which the friction changes sign", low=1e-9)
@@ -52,6 +56,8 @@ class LuGreFriction(Effect):
     Source: Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Transactions on Automatic Control 40 (1995) 419-425; here with a
     level for each direction, which is ours.
     """
+
+    asked_only = True
 
     excludes = ("smoothed_friction",)
     stiffness = parameter(1e5, "N/m", "stiffness of the bristles", low=0.0)

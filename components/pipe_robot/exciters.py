@@ -16,6 +16,8 @@ class HarmonicExciter(HarmonicForce):
 class PrescribedMotion(Effect):
     """The inner mass is driven against the body: its way from it is amplitude * sin(frequency * t), whatever force that takes."""
 
+    asked_only = True
+
     excludes = ("harmonic_force", "unbalance")
     amplitude = parameter(0.02, "m", "amplitude of the motion of the inner mass against the body", low=0.0)
     frequency = parameter(60.0, "rad/s", "angular frequency of the motion", low=0.0)

@@ -16,6 +16,8 @@ class Slack(Effect):
     Its damping grows with the stretch up to `onset`, so that a rope that tightens suddenly does not jerk.
     """
 
+    asked_only = True
+
     onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
 
 

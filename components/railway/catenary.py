@@ -44,6 +44,8 @@ class GravitySag(Effect):
 class PreSag(Effect):
     """Parabolic pre-sag of the dropper clamps, 0 at the first and last dropper of a span; 55 mm as read for AC simple."""
 
+    asked_only = True
+
     depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
 
 
@@ -70,9 +72,13 @@ class SteadyArm(Effect):
 class LevelSupport(Effect):
     """The steady arms hold the contact wire at dropper level at rest; off, it hangs free at the supports."""
 
+    asked_only = True
+
 
 class SecondPantograph(Effect):
     """A second contact point, in the wake of the first."""
+
+    asked_only = True
 
     contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
@@ -92,12 +98,16 @@ class MovingWindow(Effect):
     side, 2.2 % with 120 m, 0.2 % with 180 m.
     """
 
+    asked_only = True
+
     ahead = parameter(180.0, "m", "length of the window ahead of the first contact point", low=1.0)
     behind = parameter(180.0, "m", "length of the window behind the last contact point", low=1.0)
 
 
 class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
+
+    asked_only = True
 
     height = output("m", "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
                     nominal=0.05, size=PROFILE, feedthrough=("contact_position",))

@@ -24,6 +24,8 @@ class Inerter(Effect):
     Source: the idea from the abstract of Mikhailov, Sidorov, Salya 2025 (Izvestiia Transsiba 61); equations ours.
     """
 
+    asked_only = True
+
     reference_force = parameter(120.0, "N", "force whose static line the second terminal follows", low=0.0)
 
 

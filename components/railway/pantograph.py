@@ -28,6 +28,8 @@ class ContactLoss(Effect):
 class LowerFrame(Effect):
     """A third mass between the frame and the base (three-mass model); values of the EN 50318:2018 pantograph."""
 
+    asked_only = True
+
     mass = parameter(6.0, "kg", "mass of the lower frame", low=1e-6)
     stiffness = parameter(160.0, "N/m", "stiffness from the lower frame to the base", low=0.0)
     damping = parameter(100.0, "N.s/m", "damping from the lower frame to the base", low=0.0)
@@ -56,6 +58,8 @@ class FrameFriction(Effect):
 class BaseExcitation(Effect):
     """Motion of the vehicle's roof under the base."""
 
+    asked_only = True
+
     height = input_(0.0, "m", "height of the base above its place at rest")
     velocity = input_(0.0, "m/s", "vertical velocity of the base")
 
@@ -65,6 +69,8 @@ class OuterContact(Effect):
 
     The own contact spring then only serves the equilibrium at the start.
     """
+
+    asked_only = True
 
     excludes = ("contact_loss",)
     force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)

@@ -45,6 +45,8 @@ class Gyroscopic(Effect):
 class Disks(Effect):
     """Rigid disks on the shaft; a disk of mass and inertia 0 is none. `elements.solid_disk` gives the numbers of a size."""
 
+    asked_only = True
+
     position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
     mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
     polar_inertia = parameter(tuple(d.polar_inertia for d in DEFAULT_DISKS), "kg.m2", "inertia about the shaft's axis",
@@ -79,6 +81,8 @@ class Gravity(Effect):
 
 class LinearSupports(Effect):
     """Two places where springs and dampers hold the shaft to the ground; values of the rotor of the defaults."""
+
+    asked_only = True
 
     position = parameter((0.0, 1.5), "m", "place of a support on the shaft", size=2, low=0.0)
     stiffness_x = parameter(1e6, "N/m", "stiffness along x", size=2, low=0.0)

@@ -35,6 +35,8 @@ class Gravity(Effect):
 class Orthotropy(Effect):
     """Supports of different stiffness along x and y: the critical speed splits, and the whirl is backward in between."""
 
+    asked_only = True
+
     ratio = parameter(1.2, "1", "stiffness along y over that along x", low=0.0)
 
 

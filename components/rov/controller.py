@@ -29,6 +29,8 @@ class InverseCurve(Effect):
     Numbers: T200 at 16 V, those of the effect `static_curve` of a thruster.
     """
 
+    asked_only = True
+
     command = parameter(T200_COMMAND, "1", "command of a row, not decreasing", size=ROWS, low=-1.0, high=1.0)
     thrust = parameter(T200_THRUST, "N", "thrust of a row, not decreasing", size=ROWS, nominal=10.0)
 
@@ -39,6 +41,8 @@ class Manoeuvre(Effect):
     Before the first time the first pose holds, after the last the last. Rows of equal time are a jump. A table with fewer
     rows than the arrays leaves the rest at 0. Angles are interpolated as roll, pitch and yaw.
     """
+
+    asked_only = True
 
     time = parameter(0.0, "s", "time of a pose, not decreasing", size=POSES)
     north = parameter(0.0, "m", "way to the north from the constant set point", size=POSES)

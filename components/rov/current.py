@@ -16,6 +16,8 @@ TURN = 2.0 * math.pi
 class Tide(Effect):
     """A sinusoidal part: amplitude * sin(2 pi t / period + phase) along its own direction. 6.2 h is half a day of the moon."""
 
+    asked_only = True
+
     amplitude = parameter(0.2, "m/s", "amplitude of the sinusoidal part")
     period = parameter(44714.0, "s", "period", low=1e-3)
     phase = parameter(0.0, "rad", "phase at time 0")
@@ -25,12 +27,16 @@ class Tide(Effect):
 class Ramp(Effect):
     """The mean current grows from 0 as 3 s² - 2 s³ in the share s of a duration, without a jump of its acceleration."""
 
+    asked_only = True
+
     start_time = parameter(0.0, "s", "time at which it begins to grow")
     duration = parameter(10.0, "s", "time it takes", low=1e-3)
 
 
 class Gust(Effect):
     """A single gust, amplitude (1 - cos(2 pi s)) / 2 in the share s of its duration."""
+
+    asked_only = True
 
     amplitude = parameter(0.2, "m/s", "highest speed of the gust")
     start_time = parameter(10.0, "s", "time at which it begins")

@@ -27,6 +27,8 @@ class StaticCurve(Effect):
 class PolynomialCurve(Effect):
     """Thrust as an odd polynomial of the command, c1 u + c3 u³ + c5 u⁵ + c7 u⁷ + c9 u⁹. Numbers: von Benzon et al. 2022."""
 
+    asked_only = True
+
     excludes = ("static_curve",)
 
     coefficient = parameter((8.9, 176.0, -404.1, 389.9, -140.3), "N", "coefficients, of the power 1 first", size=5, nominal=100.0)
@@ -61,6 +63,8 @@ class Propeller(Effect):
     speed, the rotor's inertia and its friction are choices of ours.
     """
 
+    asked_only = True
+
     excludes = ("static_curve", "polynomial_curve", "lag", "motor_lag")
 
     supply_voltage = parameter(16.0, "V", "voltage at full command", low=1e-3)
@@ -94,6 +98,8 @@ class Inductance(Effect):
 
 class Status(Effect):
     """A line that tells a controller that the thruster is there; a fault of a scene may override it, as the failure told."""
+
+    asked_only = True
 
     available = output("1", "1 while the thruster is there")
 

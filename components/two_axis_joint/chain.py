@@ -88,6 +88,8 @@ TORQUES = ("first_torque", "second_torque")
 class Reactions(Effect):
     """Loads of the joints by Newton's and Euler's equations: of the ground on the first link, of the first on the second."""
 
+    asked_only = True
+
     first_x = output("N", "force of the ground on the first link along x", nominal=10.0, feedthrough=TORQUES)
     first_y = output("N", "force of the ground on the first link along y", nominal=10.0, feedthrough=TORQUES)
     first_moment = output("N.m", "torque of the ground on the first link, motor and losses together", feedthrough=TORQUES)

@@ -18,6 +18,8 @@ STATES = 7
 class Scan(Effect):
     """The set point swings about the constant one in each axis: amplitude * sin(2 pi frequency t + phase)."""
 
+    asked_only = True
+
     outer_amplitude = parameter(0.5, "rad", "amplitude of the outer axis")
     inner_amplitude = parameter(0.3, "rad", "amplitude of the inner axis")
     outer_frequency = parameter(0.5, "Hz", "frequency of the outer axis", low=0.0)

@@ -45,6 +45,8 @@ class Gravity(Effect):
 class Rotor(Effect):
     """A rotor of constant momentum about the body's axis, as in a gyroscope; it does no work."""
 
+    asked_only = True
+
     spin_momentum = parameter(0.5, "kg.m2/s", "momentum of the rotor about the body's axis, relative to the body")
 
 
@@ -134,6 +136,8 @@ _TORQUES = ("outer_torque", "inner_torque", *(f"payload.moment_{axis}" for axis 
 
 class Reactions(Effect):
     """Force and moment of the base on the joint in base axes, by Newton's and Euler's laws; frame without weight."""
+
+    asked_only = True
 
     requires = ("gravity",)
     force_x = output("N", "force of the base on the joint along x", feedthrough=_TORQUES)

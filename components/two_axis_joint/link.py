@@ -18,6 +18,8 @@ LOADS = ("base_force_x", "base_force_y", "base_torque", "tip_force_x", "tip_forc
 class Pinned(Effect):
     """The base is held by a joint without friction: the link only turns. Forces on the base go into the joint."""
 
+    asked_only = True
+
     reaction_x = output("N", "force of the joint on the base along x", nominal=10.0, feedthrough=LOADS)
     reaction_y = output("N", "force of the joint on the base along y", nominal=10.0, feedthrough=LOADS)
 

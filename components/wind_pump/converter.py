@@ -46,6 +46,8 @@ class CompliantClutches(Effect):
 class Stresses(Effect):
     """Joint forces, and the nominal stresses of both shafts, the lever and its pins; signed, so that their ranges show."""
 
+    asked_only = True
+
     shaft_diameter = parameter(0.03, "m", "diameter of the input shaft", low=1e-6)
     driven_shaft_diameter = parameter(0.03, "m", "diameter of the driven shaft", low=1e-6)
     lever_arm = parameter(0.4, "m", "distance from the slider to the crank pin along the lever", low=1e-6)

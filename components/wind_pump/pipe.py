@@ -32,6 +32,8 @@ class AirVessel(Effect):
     Small oscillations: w² = n p A / (rho L V) with the absolute pressure p. At the start vessel and column are at rest.
     """
 
+    asked_only = True
+
     gas_volume = parameter(5e-3, "m3", "volume of the air at the start", low=1e-9)
     exponent = parameter(1.2, "1", "polytropic exponent: 1 slow, 1.4 quick changes", low=1.0, high=1.7)
     pipe_length = parameter(30.0, "m", "length of the pipe", low=1e-3)

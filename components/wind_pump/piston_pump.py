@@ -33,6 +33,8 @@ class SealFriction(Effect):
 class Averaged(Effect):
     """Torque and flow in the mean over a turn: for long runs and flywheels that do not feel the strokes."""
 
+    asked_only = True
+
 
 class PistonPump(OdeComponent):
     """Pump with a piston of area A on a crank of radius r = stroke / 2 and a long rod; phi is the crank's angle.

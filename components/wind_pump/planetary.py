@@ -28,12 +28,16 @@ SHAFTS = ("sun", "ring", "carrier")
 class DryBrake(Effect):
     """Brake of the third shaft that holds it exactly until it slips: a fixed ratio with protection against overload."""
 
+    asked_only = True
+
     kinetic = parameter(10.0, "N.m", "torque while it slips; a choice of ours", low=0.0)
     static = parameter(10.0, "N.m", "torque at which it begins to slip; no less than the kinetic one", low=1e-9)
 
 
 class CentrifugalBrake(Effect):
     """Brake of the third shaft whose torque grows with the square of its speed."""
+
+    asked_only = True
 
     coefficient = parameter(0.5, "N.m.s2/rad2", "torque per speed squared; a choice of ours", low=0.0)
     largest_speed = parameter(50.0, "rad/s", "speed of the third shaft beyond which a run fails; sets the stable step", low=1e-3)

@@ -29,6 +29,8 @@ class Pitch(Effect):
 class Furling(Effect):
     """The rotor turns out of a strong wind, so that the component along its axis stays at a given speed; a model of ours."""
 
+    asked_only = True
+
     wind = parameter(8.0, "m/s", "wind above which the rotor turns away", low=1e-3)
 
 

@@ -19,6 +19,8 @@ FOREVER = 1e12  # s
 class Ramp(Effect):
     """The mean changes at a constant rate to an end speed, stays there, and goes back as slowly if a time is given for it."""
 
+    asked_only = True
+
     end_speed = parameter(8.0, "m/s", "speed at the end of the ramp", low=0.0, high=100.0)
     rate = parameter(0.05, "m/s2", "magnitude of the rate of change", low=0.0)
     start_time = parameter(0.0, "s", "time at which the speed begins to change")
@@ -27,6 +29,8 @@ class Ramp(Effect):
 
 class Daily(Effect):
     """Course of the day: the mean times 1 + amplitude cos(2 pi (t - strongest) / 24 h)."""
+
+    asked_only = True
 
     amplitude = parameter(0.3, "1", "amplitude over the mean; a choice of ours", low=0.0, high=1.0)
     strongest = parameter(54000.0, "s", "time of the day at which the wind is strongest; 15 h, a choice of ours")
@@ -40,6 +44,8 @@ class Turbulence(Effect):
     seed and the sample alone.
     """
 
+    asked_only = True
+
     intensity = parameter(0.15, "1", "standard deviation over the mean speed", low=0.0, high=1.0)
     length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, recalled", low=1e-3)
     interval = parameter(0.5, "s", "time between samples", low=1e-3)
@@ -48,6 +54,8 @@ class Turbulence(Effect):
 
 class Gusts(Effect):
     """One gust, or one every period: a rise as (1 - cos)/2, a stay, and the same way down. A rise of 0 s is a step."""
+
+    asked_only = True
 
     amplitude = parameter(7.0, "m/s", "speed added at the height of the gust")
     start_time = parameter(10.0, "s", "time at which the first gust begins")

@@ -25,12 +25,16 @@ class PinDamping(Effect):
 class RockerSpring(Effect):
     """A torsion spring from the ground to the rocker, as ligaments between two bones are one."""
 
+    asked_only = True
+
     stiffness = parameter(1.0, "N.m/rad", "stiffness of the spring", low=0.0)
     rest_angle = parameter(1.9, "rad", "rocker angle at which it has no torque")
 
 
 class CouplerPoint(Effect):
     """A point that the coupler carries: its path is the coupler curve."""
+
+    asked_only = True
 
     along = parameter(0.025, "m", "distance from the crank's tip along the coupler")
     across = parameter(0.02, "m", "distance from the coupler's line, to its left")

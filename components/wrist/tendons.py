@@ -24,6 +24,8 @@ class Programme(Effect):
     A table with fewer rows than the arrays leaves the rest at 0.
     """
 
+    asked_only = True
+
     time = parameter(0.0, "s", "time of a row, not decreasing", size=ROWS)
     fcr = parameter(0.0, "1", "excitation of flexor carpi radialis", size=ROWS, low=0.0, high=1.0)
     fcu = parameter(0.0, "1", "excitation of flexor carpi ulnaris", size=ROWS, low=0.0, high=1.0)
