@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
+COMPONENT = "component:"  # before the name of a component that is studied alone
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
                   help="Mechanical components as FMUs, coupled simulations of them, and validation against published tables.")
@@ -97,3 +98,27 @@ def share(option: str, text: str) -> float:
     if rest or not 0.0 < value <= 1.0:
         raise BadInput(option, repr(text), "a share above 0 % and at most 100 %", "As in 1% or 0.01.")
     return value
+
+
+def parameters_of(texts: Sequence[str]) -> dict[str, Any]:
+    """Parameters of a component alone, each given as "parameter=value"."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        parameter, equals, value = text.partition("=")
+        if not (parameter and equals and value):
+            raise BadInput("--set", repr(text), "parameter=value")
+        try:
+            found[parameter.strip()] = float(value)
+        except ValueError:
+            found[parameter.strip()] = {"true": True, "false": False}.get(value, value)
+    return found
+
+
+def range_of(text: str) -> tuple[str, Any]:
+    """("unit.parameter", range) of "unit.parameter=from:to:points"."""
+    place, _, values = text.partition("=")
+    try:
+        first, last, points = values.split(":")
+        return place.strip(), {"from": float(first), "to": float(last), "points": int(points)}
+    except ValueError:
+        raise BadInput("--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31.") from None

@@ -8,9 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput
-
-from .common import FAILED_RUN, Changes, app, change
+from .common import FAILED_RUN, Changes, app, change, range_of
 
 
 @app.command()
@@ -30,7 +28,7 @@ def sweep(
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
     if over:
-        changes["sweep"] = dict(map(_range_of, over))
+        changes["sweep"] = dict(map(range_of, over))
     if changes:
         loaded = loaded.with_changes(changes)
     made(output)  # now, not after a long sweep
@@ -42,13 +40,3 @@ def sweep(
         print(f"cosimo: {reason}", file=sys.stderr)
     if failed:
         raise SystemExit(FAILED_RUN)
-
-
-def _range_of(text: str) -> tuple[str, Any]:
-    """("unit.parameter", range) of "unit.parameter=from:to:points"."""
-    place, _, values = text.partition("=")
-    try:
-        first, last, points = values.split(":")
-        return place.strip(), {"from": float(first), "to": float(last), "points": int(points)}
-    except ValueError:
-        raise BadInput("--over", repr(text), "unit.parameter=from:to:points", "As in --over bearing.speed=100:400:31.") from None

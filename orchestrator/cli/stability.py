@@ -1,0 +1,112 @@
+"""What stays stable: limits of the macro step of a scene, and of the internal step of a component."""
+
+from __future__ import annotations
+
+from math import inf, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput, nearest
+
+from .common import COMPONENT, Changes, app, change, listed, parameters_of, print_table, range_of
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+    from ..studies.stability import Scheme
+
+ALGORITHMS = ("jacobi", "gauss-seidel", "iterative", "interface-model")
+
+
+@app.command()
+def stability(
+    what: Annotated[str, typer.Argument(metavar="SCENE|component:NAME", help=(
+        "name of a shipped scene, a scene file, or a component of the catalogue alone"))],
+    over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
+        "Values of a parameter, instead of the scene's [study]; two make a map."))] = None,
+    algorithm: Annotated[list[str] | None, typer.Option("--algorithm", metavar="NAME[,...]", help=(
+        "Only these algorithms; default: all that the scene can have."))] = None,
+    extrapolation: Annotated[list[int] | None, typer.Option("--extrapolation", min=0, max=2, help=(
+        "Only this degree; may be repeated."))] = None,
+    steps: Annotated[int | None, typer.Option("--steps", help=(
+        "Steps of each run; more of them show slower growth. Default 1000, 600 for a component."))] = None,
+    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
+        "Effects of a component that is measured alone; default: none, and each with what it needs."))] = None,
+    preset: Annotated[str, typer.Option("--preset", help="Published parameters of a component that is measured alone.")] = "",
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the table and the report.")] = Path("stability"),
+    values: Changes = None,
+) -> None:
+    """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
+
+    A component alone: cosimo stability component:Pantograph. Without a map: cosimo stability lumped-catenary.
+    """
+    from ..results import made
+
+    made(output)  # now, not after a long study
+    if what.startswith(COMPONENT):
+        for option, given in (("--over", over), ("--algorithm", algorithm), ("--extrapolation", extrapolation)):
+            if given:
+                raise BadInput(option, "a value", "none for a component alone", "Remove it.")
+        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset, steps, output)
+        return
+    for option, came in (("--effects", ",".join(effects or [])), ("--preset", preset)):
+        if came:
+            raise BadInput(option, repr(came), "none for a scene, which names its own", "Remove it.")
+    _macro_steps(what, over, values, algorithm, extrapolation, steps, output)
+
+
+def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, algorithm: list[str] | None,
+                 extrapolation: list[int] | None, steps: int | None, output: Path) -> None:
+    from ..report.studies.stability import for_stability
+    from ..scene import load_scene
+    from ..studies.stability import STEPS
+    from ..studies.stability import stability as measure
+
+    scene = load_scene(what)
+    changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
+    if over:
+        changes["study.stability"] = dict(map(range_of, over))
+    scene = scene.with_changes(changes) if changes else scene
+    found = measure(scene, _schemes(scene, algorithm, extrapolation), steps=steps or STEPS, progress=True)
+    written = [found.save(output), for_stability(found, output)]
+    names = list(found.varied)
+    print_table(f"{scene.title or scene.name}: longest stable macro step", (*names, "algorithm", "degree", "s", "closed form, s",
+                                                                             "what the next longer step did"), [
+        (*limit.point.values(), limit.algorithm, limit.extrapolation, _shown(limit.longest, limit.tried),
+         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in found.limits])
+    for remark in found.remarks:
+        print(remark)
+    print("wrote " + ", ".join(map(str, written)))
+
+
+def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int] | None) -> list[Scheme]:
+    from ..studies.stability import schemes_of
+
+    names = listed("--algorithm", algorithm) if algorithm else []
+    for name in names:
+        if name not in ALGORITHMS:
+            raise BadInput("--algorithm", repr(name), "one of " + ", ".join(ALGORITHMS), nearest(name, ALGORITHMS))
+    return schemes_of(scene, names, extrapolation or [])
+
+
+def _internal_steps(name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path
+                    ) -> None:
+    from ..report.studies.stability import for_internal_steps
+    from ..studies.internal_steps import STEPS, internal_steps
+
+    chosen = listed("--effects", effects) if effects else None
+    found = internal_steps(name, effects=chosen, parameters=parameters_of(values or []), preset=preset, steps=steps or STEPS,
+                           progress=True)
+    written = [found.save(output), for_internal_steps(found, output)]
+    print_table(f"{found.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
+                                                                  "what the next longer step did"), [
+        (", ".join(s.effects) or "none", _shown(s.longest, s.tried), "none" if s.own == inf else s.own,
+         "" if isnan(s.margin) else s.margin, s.seen) for s in found.steps])
+    print("wrote " + ", ".join(map(str, written)))
+
+
+def _shown(longest: float, tried: float) -> str:
+    if isnan(longest):
+        return "not measured"
+    return f"above {tried:.4g}" if longest == inf else f"none, down to {tried:.4g}" if longest == 0.0 else f"{longest:.4g}"
