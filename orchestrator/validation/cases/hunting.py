@@ -26,7 +26,7 @@ KINDS: Mapping[str, tuple[float, float]] = {  # integral gain of the way, 1/s2; 
 }
 LEVEL = 0.01  # N.m at the wheel
 SETTLED = 5.0  # s, from when on the cycle is measured
-END = 22.0  # s, of the pulled masses
+END = 16.0  # s, of the pulled masses
 MOVING = 0.01  # m/s, from when on the mass counts as slipping
 
 
@@ -38,7 +38,7 @@ def slips(rows: np.ndarray, above: float = MOVING) -> np.ndarray:
     return time[before] + share * SAMPLE
 
 
-def scene(stop: float = 20.0) -> Scene:
+def scene(stop: float = 14.0) -> Scene:
     """Three motors, each under a controller of its own: one that seeks, one without a drop of friction, one that stands."""
     units: dict[str, Any] = {}
     links, order = [], []
@@ -85,7 +85,7 @@ def findings(options: Options) -> Findings:
                      f"{name}.fastest": float(rows[:, 2].max())}  # fmt: skip
     ends = ideal[1:][(ideal[1:, 2] == 0.0) & (ideal[:-1, 2] > 0.0), 0]
     measured["ideal.slip"] = float(ends[0]) - measured["ideal.first"]
-    return Findings(compare(load_table("hunting").rows, measured), {"drives": result}, _charts(result, bristles, ideal))
+    return Findings(compare(load_table("hunting").rows, measured), charts=_charts(result, bristles, ideal))
 
 
 def _charts(result: Result, bristles: np.ndarray, ideal: np.ndarray) -> tuple[Chart, ...]:

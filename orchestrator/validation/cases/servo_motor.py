@@ -70,7 +70,7 @@ def findings(options: Options) -> Findings:
     measured["stop.angle"] = float(result["running_out.angle"][-1])
     measured["held.angle"] = float(np.abs(result["held.angle"]).max())
     measured["loose.angle"] = float(result["breaking_loose.angle"][-1])
-    return Findings(compare(load_table("servo-motor").rows, measured), {"motors": result}, (_chart(result),))
+    return Findings(compare(load_table("servo-motor").rows, measured), charts=(_chart(result),))
 
 
 def _chart(result: Result) -> Chart:
