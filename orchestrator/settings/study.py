@@ -66,6 +66,8 @@ class StudySettings(Model):
         + "; without it the course and the maximum of every recorded signal"))
     mesh: tuple[str, ...] = Field(default=(), description="unit.parameter, lengths of elements; halved, the mesh is finer")
     monolith: MonolithSettings | None = Field(default=None, description="a scene that gives the same signals from one unit")
+    effects: tuple[str, ...] = Field(default=(), description=(
+        "unit.effect: parts, defects, loads and the like that cosimo effects takes into the full model, too"))
     stability: Sweep = Field(default={}, description=(
         "unit.parameter = [values] or { from, to, points }, one or two of them: axes of the map of cosimo stability"))
 
