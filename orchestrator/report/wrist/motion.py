@@ -44,13 +44,15 @@ def paths_chart(records: Sequence[WristRecord], instants: Sequence[float], start
         if not lines:
             return None
         if len(records) == 1 and instants:
-            held = [DEGREES * np.interp(instants, records[0].time, records[0].signals[n]) for n in (x, y)]
-            lines.append(Series("instants of the table of postures", *held, kind="points"))
+            at, above = (DEGREES * np.interp(instants, records[0].time, records[0].signals[n]) for n in (x, y))
+            lines.append(Series("instants of the table of postures", at, above, "points"))
         return Panel(f"{label_y}, degrees", tuple(lines), title=title, x_label=f"{label_x}, degrees", equal=True)
 
     panels = (path("flexion", "deviation", "flexion", "radial deviation", "hand"),
               path("proximal_flexion", "distal_flexion", "flexion of the proximal row", "of the distal row", "rows"))
-    text = ("Left, where the hand goes. Right, how the rows share it: by the rule of Sandow (2020, abstract) they go to the "
-            "upper right in flexion, to the lower left in extension, to the lower right in radial and to the upper left in ulnar "
-            "deviation. The directions of the rows' axes, and with them the slopes, are a choice of this project.")
+    text = "Where the hand goes."
+    if panels[1] is not None:
+        text = ("Left, where the hand goes. Right, how the rows share it: by the rule of Sandow (2020, abstract) they go to the "
+                "upper right in flexion, to the lower left in extension, to the lower right in radial and to the upper left in "
+                "ulnar deviation. The directions of the rows' axes, and with them the slopes, are a choice of this project.")
     return Chart("Paths", "", tuple(p for p in panels if p is not None), text, columns=2, height=340)

@@ -35,14 +35,14 @@ def posture_table(records: Sequence[WristRecord], instants: Sequence[float], sta
 
 def difference_table(records: Sequence[WristRecord], instants: Sequence[float]) -> Cells:
     """What every further wrist does otherwise than the first at the same instants."""
-    first, *others = ([r.unit, postures(r, instants)] for r in records)
+    first = postures(records[0], instants)
     rows = []
-    for unit, theirs in others:
-        for here, there in zip(theirs, first[1], strict=True):
+    for record in records[1:]:
+        for here, there in zip(postures(record, instants), first, strict=True):
             both = [(here.values.get(n), there.values.get(n)) for n in COLUMNS]
             changes = (_degrees(None if a is None or b is None else a - b) for a, b in both)
-            rows.append((unit, f"{here.time:.4g}", there.name, *changes))
-    header = ("wrist", "at, s", f"posture of {first[0]}", "flexion, deg", "radial deviation, deg", "roll, deg",
+            rows.append((record.unit, f"{here.time:.4g}", there.name, *changes))
+    header = ("wrist", "at, s", f"posture of {records[0].unit}", "flexion, deg", "radial deviation, deg", "roll, deg",
               "proximal row flexes, deg", "distal row flexes, deg")
-    return Cells(f"Against {first[0]}", header, rows, "Angles less those of the first wrist, at the same instants.",
+    return Cells(f"Against {records[0].unit}", header, rows, "Angles less those of the first wrist, at the same instants.",
                  frozenset({1, *range(3, 8)}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ HELD = {"flexion": (40.0, 0.0), "extension": (-40.0, 0.0), "radial": (0.0, 15.0)
 OTHER_TILTS = {"morphology": {"proximal_tilt": math.radians(10.0), "distal_tilt": math.radians(35.0)}}
 BIAS, STEP = (0.4, -0.2), 2e-3  # N.m: about which, and by which the torques are changed for the compliance
 SETTLED = 5.0  # s
-CALM = {"proximal_damping": 0.05, "distal_damping": 0.05}  # N.m.s/rad, with which they rest after that time
+CALM: dict[str, Any] = {"proximal_damping": 0.05, "distal_damping": 0.05}  # N.m.s/rad, with which they rest after that time
 HAND = ("flexion", "deviation", "roll", "proximal_angle", "distal_angle", "proximal_flexion", "distal_flexion")
 
 
@@ -64,36 +65,36 @@ def findings(options: Options) -> Findings:
 def scenes() -> dict[str, Scene]:
     """Postures held by torques; four torques about one of them; a wrist that swings with its ligaments; the shipped scene."""
     torques = {name: [math.radians(v) for v in angles] for name, angles in HELD.items()}
-    units = {name: _wrist(*held, **CALM) for name, held in torques.items()}
-    units["ulnar_other"] = _wrist(*torques["ulnar"], **OTHER_TILTS, **CALM)
-    units |= {f"half_{name}": _wrist(*torques[name], coupling_model="opensim_half", **CALM) for name in ("flexion", "radial")}
+    units = {name: _wrist(held, CALM) for name, held in torques.items()}
+    units["ulnar_other"] = _wrist(torques["ulnar"], CALM | OTHER_TILTS)
+    units |= {f"half_{name}": _wrist(torques[name], CALM | {"coupling_model": "opensim_half"}) for name in ("flexion", "radial")}
     held = _scene(units, [f"{u}.{n}" for u in units for n in HAND], SETTLED, 0.02)
     near = {}
     for i, name in enumerate(("flexion", "deviation")):
         for sign in (-1.0, 1.0):
             torque = [b + sign * STEP * (j == i) for j, b in enumerate(BIAS)]
-            near[f"{name}_{'less' if sign < 0.0 else 'more'}"] = _wrist(*torque, effects=("morphology", "constraint"), **CALM)
+            near[f"{name}_{'less' if sign < 0.0 else 'more'}"] = _wrist(torque, CALM, ("morphology", "constraint"))
     compliance = _scene(near, [f"{u}.{n}" for u in near for n in HAND[:2]], SETTLED, 0.02)
-    swinging = {"wrist": _wrist(0.0, 0.0, start_proximal_angle=0.6, start_distal_angle=-0.3),
+    swinging = {"wrist": _wrist((0.0, 0.0), {"start_proximal_angle": 0.6, "start_distal_angle": -0.3}),
                 "ligaments": {"component": "LigamentBundle", "parameters": {"damping": 0.02}},
                 "isometric": {"component": "LigamentBundle", "parameters": {"off_axis": [0.0] * 5}}}  # fmt: skip
-    signals = ["wrist.flexion", "wrist.deviation", "wrist.roll", "wrist.proximal_angle", "wrist.distal_angle",
-               "wrist.mechanical_energy", "wrist.dissipation", "ligaments.stored_energy", "ligaments.dissipation",
-               "ligaments.strain", "isometric.strain"]  # fmt: skip
+    signals = [*(f"wrist.{n}" for n in (*HAND, "mechanical_energy", "dissipation")), "ligaments.stored_energy",
+               "ligaments.dissipation", "ligaments.strain", "isometric.strain"]  # fmt: skip
     swing = _scene(swinging, signals, 2.0, 5e-4, ("wrist.* -> ligaments.*", "ligaments.* -> wrist.*", "wrist.* -> isometric.*"))
     return {"held postures": held, "compliance": compliance, "swing": swing, "moved by muscles": load_scene("wrist-motion")}
 
 
-def _wrist(flexion: float, deviation: float, effects: tuple[str, ...] = ("morphology",), **parameters: Any) -> dict[str, Any]:
-    values = {"tau_flexion": flexion, "tau_deviation": deviation, **parameters}
+def _wrist(torques: Sequence[float], parameters: Mapping[str, Any], effects: Sequence[str] = ("morphology",)) -> dict[str, Any]:
+    values = {"tau_flexion": torques[0], "tau_deviation": torques[1], **parameters}
     return {"component": "Wrist", "effects": list(effects), "parameters": values}
 
 
 def _scene(units: dict[str, Any], signals: list[str], stop: float, step: float, connections: tuple[str, ...] = ()) -> Scene:
+    analysis = {"system": "wrist"} if connections else {"system": "wrist", "postures": [stop]}
     return read_scene({
         "title": "Wrists", "stop_time": stop, "units": units, "connections": list(connections),
         "master": {"step": step} | ({"extrapolation": 1} if connections else {}),
-        "record": {"signals": signals}, "analysis": {"system": "wrist"},
+        "record": {"signals": signals}, "analysis": analysis,
     }, "wrist-rules")  # fmt: skip
 
 
@@ -106,9 +107,9 @@ def _slope(result: Result, angle: str, torque: str) -> float:
 def _chart(held: Result) -> Chart:
     x, y = ([DEGREES * float(held[f"{unit}.{row}_flexion"][-1]) for unit in HELD] for row in ("proximal", "distal"))
     rules = Series("rules", x, y, "points", labels=list(HELD))
-    halves = [[DEGREES * float(held[f"half_{unit}.{row}_flexion"][-1]) for unit in ("flexion", "radial")]
-              for row in ("proximal", "distal")]  # fmt: skip
-    half = Series("half and half, flexion and radial deviation", *halves, "points", labels=["flexion", "radial"])
+    first, second = ([DEGREES * float(held[f"half_{unit}.{row}_flexion"][-1]) for unit in ("flexion", "radial")]
+                     for row in ("proximal", "distal"))  # fmt: skip
+    half = Series("half and half, flexion and radial deviation", first, second, "points", labels=["flexion", "radial"])
     text = ("Lower right: radial deviation, the proximal row flexes and the distal one extends; upper left: ulnar deviation. "
             "Both rows flex in flexion, to the right, and extend in extension.")
     panel = Panel("flexion of the distal row, degrees", (rules, half), x_label="flexion of the proximal row, degrees", equal=True)
@@ -118,7 +119,8 @@ def _chart(held: Result) -> Chart:
 def _grid(measured: dict[str, float]) -> Grid:
     header = ("posture", "proximal row, degrees", "distal row, degrees", "roll, degrees")
     names = ("proximal_angle", "distal_angle", "roll")
-    rows = tuple((unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD)
+    rows: tuple[tuple[str | float, ...], ...] = tuple(
+        (unit, *(round(measured[f"{unit}.{n}"], 3) for n in names)) for unit in HELD)
     return Grid("Angles of the rows about their axes", header, rows, "At the flexion or deviation that the torques hold.")
 
 

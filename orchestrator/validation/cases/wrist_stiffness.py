@@ -49,7 +49,7 @@ def findings(options: Options) -> Findings:
         "of the measured range lies there.",
     )
     rows = compare(load_table("wrist-stiffness").rows, measured)
-    return Findings(rows, {"two rows": runs["two rows"]}, (_chart(ranges),), notes)
+    return Findings(rows, charts=(_chart(ranges),), notes=notes)  # 24 wrists that come to rest are no picture
 
 
 def directions() -> np.ndarray:
@@ -87,7 +87,8 @@ def _acute(direction: int) -> float:
 
 def _chart(ranges: dict[str, np.ndarray]) -> Chart:
     closed = np.append(ranges["small angles"], ranges["small angles"][:1], axis=0)
-    lines = [Series("small angles", *closed.T), Series("two rows", *ranges["two rows"].T, "points")]
+    rows = ranges["two rows"]
+    lines = [Series("small angles", closed[:, 0], closed[:, 1]), Series("two rows", rows[:, 0], rows[:, 1], "points")]
     reach = float(np.abs(ranges["small angles"]).max())
     axes = []
     for angle in (-26.6, -26.6 - 4.4, -26.6 + 4.4):
