@@ -133,8 +133,8 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     points = held(bench.points)
     bench.left += (1.0 - FIRST) * budget
     best = [front_of([p for p in points if p.knob in ("own", "coupling")], cost) for cost in COSTS]
-    chosen = {(p.line, p.size): p for front in best for p in front[-REFINED:]}
-    for point in [bench.points[0], *chosen.values()]:
+    chosen = {(p.line, p.size): p for p in (points[0], *(p for front in best for p in front[-REFINED:]))}
+    for point in chosen.values():
         for setting in finer_inside(scene, Setting(point.line, point.knob, point.size, dict(point.changes))):
             bench.measure(setting)
     how = ", ".join(f"{p} {version(p)}" for p in PACKAGES)

@@ -28,7 +28,8 @@ def test_a_scene(tmp_path, capsys):
 
 
 def test_a_component_alone_as_json(tmp_path, capsys):
-    assert code_of("component:JeffcottRotor", "--set", "stiffness=2e5", "--stop", 0.2, "--budget", 2, "-o", tmp_path, "--json") == 0
+    given = ("--set", "stiffness=2e5", "--stop", 0.2, "--budget", 2, "-o", tmp_path, "--json")
+    assert code_of("component:JeffcottRotor", *given) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["name"] == "component:JeffcottRotor"
     assert told["fronts"]["calls"]
@@ -38,7 +39,8 @@ def test_a_component_alone_as_json(tmp_path, capsys):
 @pytest.mark.parametrize(("arguments", "word"), [
     (["no-such-scene"], "shipped scene"), (["component:BallBering"], "BallBearing"), (["component:Wind"], "integrated"),
     (["mass-on-spring", "--budget", "0"], "more than 0 s"), (["mass-on-spring", "--effects", "x"], "none for a scene"),
-    (["component:PlanarLink", "--set", "mass"], "parameter=value"), (["component:PlanarLink", "--effects", "gravitty"], "gravity"),
+    (["component:PlanarLink", "--set", "mass"], "parameter=value"),
+    (["component:PlanarLink", "--effects", "gravitty"], "gravity"),
 ])
 def test_bad_input(arguments, word, tmp_path, capsys):
     assert code_of(*arguments, "-o", tmp_path) == 2

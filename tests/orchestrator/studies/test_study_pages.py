@@ -1,0 +1,72 @@
+"""Pages of studies in a real browser: every figure is drawn, nothing goes wrong, nothing is asked of any network."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from orchestrator.report.studies.accuracy import for_accuracy
+from orchestrator.scene import load_scene
+from orchestrator.studies.accuracy import OWN, Accuracy, Point, accuracy
+from orchestrator.studies.alone import alone
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+SHORT = {"stop_time": 0.5}
+
+
+def accuracy_of_a_scene(folder):
+    return for_accuracy(accuracy(load_scene("mass-on-spring").with_changes(SHORT), budget=10.0, repeats=1), folder)
+
+
+def accuracy_with_failures(folder):
+    scene = load_scene("mass-on-spring").with_changes({"stop_time": 4.0, "master.step": 4e-2})
+    return for_accuracy(accuracy(scene, budget=10.0, repeats=1), folder)
+
+
+def accuracy_of_a_component(folder):
+    return for_accuracy(alone("PlanarLink", ("gravity",), stop=0.1, budget=2.0, repeats=1), folder)
+
+
+def accuracy_without_results(folder):
+    points = (Point(OWN, "own", 1e-3, {}, "failed", "at once"), Point("jacobi, held", "coupling", 2e-3, {}, "refused", "never"))
+    return for_accuracy(Accuracy("a", "a", points, "by hand", "by hand", {"x, end": 1e-3}, "here", "now"), folder)
+
+
+PAGES = {  # -> figures that the page must have at least
+    accuracy_of_a_scene: 3, accuracy_with_failures: 3, accuracy_of_a_component: 3, accuracy_without_results: 2,
+}
+
+
+def opened(path, folder):
+    """(DOM, messages of the console, addresses asked for) of a page, all of which is on the screen; no host is found."""
+    log = folder.with_name("net.json")
+    done = subprocess.run(
+        [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--host-resolver-rules=MAP * ~NOTFOUND", "--window-size=1200,12000",
+         f"--user-data-dir={folder}", "--enable-logging=stderr", "--virtual-time-budget=20000",
+         f"--log-net-log={log}", "--dump-dom", path.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True)
+    asked = set(re.findall(r'"url":"(https?://[^"]*)"', log.read_text(encoding="utf-8")))
+    asked = {url for url in asked if not re.match(r"https?://[\w.-]*\.google(apis)?\.com/", url)}  # the browser's own
+    return done.stdout, re.findall(r"CONSOLE[^\"]*\"(.*)\", source", done.stderr), asked
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs a browser")
+@pytest.mark.parametrize("make", PAGES, ids=lambda make: make.__name__)
+def test_a_page_opens(make, tmp_path):
+    dom, console, asked = opened(make(tmp_path), tmp_path / "browser")
+    figures = len(re.findall(r'class="plot[ "]', dom))
+    assert figures >= PAGES[make]
+    assert len(re.findall(r'class="plot-container', dom)) == figures
+    assert console == []
+    assert asked == set()
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs a browser")
+def test_what_is_looked_for_would_be_seen(tmp_path):
+    page = tmp_path / "bad.html"
+    page.write_text('<html><body><img src="http://example.org/x.png"><script>nothing();</script></body></html>', encoding="utf-8")
+    _, console, asked = opened(page, tmp_path / "browser")
+    assert any("nothing is not defined" in line for line in console)
+    assert asked == {"http://example.org/x.png"}
