@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +11,7 @@ import typer
 
 from components.core.errors import BadInput
 
-from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table
+from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table, shown
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -42,7 +41,7 @@ def accuracy(
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
     made(output)  # now, not after a long measurement
     kept: Path | None = None
-    with _told() as told:
+    with shown() as told:
         if what.startswith(COMPONENT):
             measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, told)
         else:
@@ -82,18 +81,6 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     scene = scene.with_changes(changes) if changes else scene
     measured = marked(scene, measure(scene, budget=budget or BUDGET, told=told))
     return measured, keep(scene, measured)
-
-
-@contextmanager
-def _told() -> Iterator[Callable[[str], None]]:
-    """A function that shows what is being done, on a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda text: None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("") as status:
-        yield status.update
 
 
 def summary(measured: Accuracy) -> dict[str, Any]:
@@ -136,7 +123,7 @@ def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
     found = known(scene)
     if found is None:
         print(f"nothing is known of the accuracy of {scene.name} with these settings: measuring first", file=sys.stderr)
-        with _told() as told:
+        with shown() as told:
             keep(scene, measure(scene, told=told))
         found = known(scene)
         assert found is not None

@@ -26,6 +26,7 @@ from .common import (
     switched_on,
     warn,
 )
+from .effects import called_for, said, tolerance_of
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -40,7 +41,9 @@ def run(
     output: Output = None,
     values: Changes = None,
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
-        "Switch on effects beside those of the scene; may be repeated."))] = None,
+        "Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for."))] = None,
+    tolerance: Annotated[str | None, typer.Option("--tolerance", metavar="PERCENT", help=(
+        "With --effects auto: largest error against all effects; default 1%."))] = None,
     algorithm: Annotated[str | None, typer.Option("--algorithm", help=(
         "jacobi, gauss-seidel, iterative or interface-model"))] = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
@@ -70,12 +73,17 @@ def run(
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
              "record.signals": listed("--record", record) if record else None}
     changes = {place: value for place, value in given.items() if value is not None}
-    changes |= switched_on(loaded, effects or []) | dict(change(loaded, text) for text in values or [])
+    within = tolerance_of(effects, tolerance)
+    changes |= switched_on(loaded, effects or []) if within is None else {}
+    changes |= dict(change(loaded, text) for text in values or [])
     if changes:
         loaded = loaded.with_changes(changes)
-    tolerance, reason = _tolerance(accuracy, verify, step, algorithm), None
-    if tolerance is not None:
-        loaded, reason = chosen(loaded, tolerance)
+    choice = None
+    if within is not None:
+        loaded, choice = called_for(loaded, within)
+    asked, reason = _tolerance(accuracy, verify, step, algorithm), None
+    if asked is not None:
+        loaded, reason = chosen(loaded, asked)
     if in_process and all(unit.fmu for unit in loaded.units.values()):
         raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
@@ -92,6 +100,8 @@ def run(
                        checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
     if reason is not None:
         result = replace(result, info={**result.info, "accuracy": reason})
+    if choice is not None and within is not None:
+        result = said(result, choice, within)
     if output is not None:
         from .. import report
 
@@ -110,7 +120,7 @@ def run(
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)
-    if verify and tolerance is not None and not verified(loaded, tolerance):
+    if verify and asked is not None and not verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
 
 

@@ -29,7 +29,7 @@ from ..units.component import ComponentUnit
 from .quantities import Quantity
 
 WAYS = 4  # from as many instants of the run
-SHARE = 1.0 / 8.0  # of the run, that all ways of an effect take together
+SHARE = 1.0 / 4.0  # of the run, that all ways of an effect take together
 FEWEST = 8  # macro steps of a way
 EVEN = 0.99  # growth in the second half over that in the first, from which on there is no limit in sight
 
@@ -50,7 +50,7 @@ class Windows:
         self._length = min(max(int(SHARE * count / WAYS), FEWEST), count)
         self._from_start = min(WAYS * self._length, count)
         room = count - self._length
-        starts = {round(room * (k + 0.5) / WAYS) for k in range(WAYS)} if room >= WAYS else {0}
+        starts = {room * k // WAYS for k in range(WAYS)}  # the start is among them: much happens there and never again
         with ExitStack() as stack:
             self._master = master = self._started(scene, stack)
             if not all(interface.saves_state for interface in master.coupling.interfaces.values()):
@@ -103,7 +103,8 @@ class Windows:
             if q.unit == "rad":
                 each = [np.remainder(d + np.pi, 2.0 * np.pi) - np.pi for d in each]
             solution = self._rows[int(q.transient / self._step) :, column]
-            found.append(expected(each, self._end / self._step, q.kind) / _scale(solution, q.nominal))
+            error = expected(each, self._end / self._step, q.kind) / _scale(solution, q.nominal)
+            found.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
         return max(found)
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:

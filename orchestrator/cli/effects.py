@@ -1,0 +1,139 @@
+"""Which effects a scene calls for, and a run with exactly those."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from components.core.errors import BadInput
+
+from .common import AsJson, Changes, app, change, listed, print_table, share, shown, warn
+
+if TYPE_CHECKING:
+    from ..results import Result
+    from ..scene import Scene
+    from ..studies.chosen import Choice
+    from ..studies.effects import Effects
+
+AUTO = "auto"
+TOLERANCE = "1%"
+
+
+@app.command()
+def effects(
+    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    tolerance: Annotated[str, typer.Option("--tolerance", metavar="PERCENT", help=(
+        "Largest error of a quantity of interest against the scene with all effects."))] = TOLERANCE,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for effects.csv and the report.")] = Path("effects"),
+    write: Annotated[Path | None, typer.Option("--write", metavar="FILE", help=(
+        "Write the scene with the smallest set of effects; a .toml file."))] = None,
+    more: Annotated[list[str] | None, typer.Option("--with", metavar="UNIT.EFFECT[,...]", help=(
+        "Parts, defects, loads and the like to take into the full model, too."))] = None,
+    stop: Annotated[float | None, typer.Option("--stop", help="End of the runs, s.")] = None,
+    values: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find the effects a scene calls for. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
+    from ..report.studies.effects import for_effects
+    from ..results import made
+    from ..scene import load_scene
+    from ..scene_text import write_scene
+    from ..studies.chosen import keep
+    from ..studies.effects import effects as find
+
+    allowed = share("--tolerance", tolerance)
+    if write is not None and write.suffix != ".toml":
+        raise BadInput("--write", repr(str(write)), "a .toml file")
+    loaded = load_scene(scene)
+    changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
+    loaded = loaded.with_changes(changes) if changes else loaded
+    made(output)  # now, not after many runs
+    with shown() as told:
+        found = find(loaded, allowed, more=listed("--with", more) if more else (), told=told)
+    written = [found.save(output), for_effects(found, output)]
+    written += [write_scene(found.chosen, write, remarks(found))] if write is not None else []
+    if not more:
+        keep(found)
+    if as_json:
+        print(json.dumps(summary(found), indent=2))
+        return
+    print_found(found)
+    warn(found.remarks)
+    print(f"wrote {', '.join(map(str, written))}")
+
+
+def remarks(found: Effects) -> list[str]:
+    """What stands above a scene that is written."""
+    from ..studies.chosen import percent, reason
+
+    lines = [f"Of the scene {found.scene.name}: the effects whose absence shows by more than {percent(found.tolerance)};",
+             f"error of this scene {percent(found.least.error)} against all effects."]
+    return lines + [f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(reason(f, found.tolerance).split())}"
+                    for f in found.findings if f.chosen or f.given]
+
+
+def summary(found: Effects) -> dict[str, Any]:
+    """What was found as plain data."""
+    from dataclasses import asdict
+
+    from ..studies.chosen import reason
+
+    def plain(data: dict[str, Any]) -> dict[str, Any]:
+        return {k: v if not isinstance(v, float) or isfinite(v) else None for k, v in data.items()}
+
+    return {
+        "scene": found.scene.name, "tolerance": found.tolerance, "quantities": list(found.quantities), "runs": found.runs,
+        "full": plain(asdict(found.full)), "given": plain(asdict(found.given)), "chosen": plain(asdict(found.least)),
+        "effects": [plain(asdict(f)) | {"why": reason(f, found.tolerance)} for f in found.findings],
+    }
+
+
+def print_found(found: Effects) -> None:
+    """Every effect that was measured or is required, then what the models cost."""
+    from ..studies.chosen import percent, reason
+
+    order = sorted((f for f in found.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
+    print_table(f"{found.scene.title or found.scene.name}: effects within {percent(found.tolerance)}",
+                ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
+                [(f.name, "yes" if f.given else "no", percent(f.predicted), percent(f.actual), f.states, f.calls,
+                  "yes" if f.chosen else "no", reason(f, found.tolerance)) for f in order])
+    if left := [f.name for f in found.findings if f.standing == "left out"]:
+        print(f"not in the full model: {', '.join(left)}")
+    for name, cost in (("all effects", found.full), ("as it is", found.given), ("smallest set", found.least)):
+        print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
+    print(f"{found.runs} models were run")
+
+
+def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
+    """The scene with exactly the effects that it calls for, and why; measured first where nothing is kept."""
+    from ..studies.chosen import choose, percent
+
+    with shown() as told:
+        choice = choose(scene, tolerance, told)
+    names = [f"{unit}.{e}" for unit, on in choice.on.items() for e in on]
+    print(f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}")
+    print(f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}", file=sys.stderr)
+    return choice.applied(scene), choice
+
+
+def said(result: Result, choice: Choice, tolerance: float) -> Result:
+    """The result with the reasons of the choice in what run.json holds."""
+    return replace(result, info=choice.told(result.info, tolerance))
+
+
+def tolerance_of(effects: list[str] | None, tolerance: str | None) -> float | None:
+    """The share within which effects are to be chosen; None where they are not. Raises `BadInput` for half of it."""
+    auto = AUTO in (listed("--effects", effects) if effects else ())
+    if not auto:
+        if tolerance is not None:
+            raise BadInput("--tolerance", repr(tolerance), "none without --effects auto; it would have no effect", "Remove it.")
+        return None
+    if effects != [AUTO]:
+        raise BadInput("--effects", repr(",".join(effects or ())), "auto alone", "What else there is, it finds.")
+    return share("--tolerance", tolerance or TOLERANCE)
