@@ -12,6 +12,7 @@ from .course import changes, resonance_lines
 
 MILLI = 1e3
 DEGREES = 180.0 / np.pi
+SWING = 0.2  # of the largest frequency, from which on a stretch is a sweep, and not a motor that swings about its speed
 
 
 def frequency_chart(found: Sequence[RobotRecord]) -> Chart | None:
@@ -41,11 +42,10 @@ def frequency_chart(found: Sequence[RobotRecord]) -> Chart | None:
 
 
 def ways(frequency: np.ndarray) -> list[tuple[str, slice]]:
-    """("rising" or "falling", samples) of the stretches up to the largest frequency and after it; short ones are left out."""
+    """("rising" or "falling", samples) of the stretches up to the largest frequency and after it; small ones are left out."""
     top = int(np.argmax(frequency))
-    least = max(2, frequency.size // 50)
     parts = [("rising", slice(0, top + 1)), ("falling", slice(top, frequency.size))]
-    return [(way, p) for way, p in parts if p.stop - p.start > least and changes(frequency[p])]
+    return [(way, p) for way, p in parts if np.ptp(frequency[p]) > SWING * frequency[top]]
 
 
 def pipe_chart(found: Sequence[RobotRecord]) -> Chart | None:

@@ -92,10 +92,7 @@ def _until_zero(before: np.ndarray) -> float:
     """Intervals from the last of three samples to the zero of the parabola through them; friction jumps at the zero itself."""
     bend = 0.5 * (before[2] - 2.0 * before[1] + before[0])
     slope = before[2] - before[1] + bend
-    after = -before[2] / slope
-    for _ in range(3):
-        after = -before[2] / (slope + bend * after)
-    return float(after)
+    return float(-2.0 * before[2] / (slope + math.copysign(math.sqrt(slope**2 - 4.0 * bend * before[2]), slope)))
 
 
 def _phase_chart(result: Result) -> Chart:

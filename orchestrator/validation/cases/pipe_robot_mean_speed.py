@@ -73,9 +73,13 @@ def exact_speed(forward: float, backward: float, weight: float = 0.0) -> float:
     return -B * math.cos(math.pi * p) * math.sqrt(1.0 - d * d)
 
 
+def _exact(scale: float, sine: float = 0.0) -> float:
+    return exact_speed(scale * WEAK["forward_friction"], scale * WEAK["backward_friction"], MASS * GRAVITY * sine)
+
+
 def _weak(scale: float, sine: float = 0.0) -> dict[str, float]:
     levels = {n: scale * v for n, v in WEAK.items()}
-    start = exact_speed(*levels.values(), MASS * GRAVITY * sine) - B
+    start = _exact(scale, sine) - B
     return {"body_mass": 0.5 * MASS, "inner_mass": 0.5 * MASS, "prescribed_motion.amplitude": AMPLITUDE,
             "prescribed_motion.frequency": FREQUENCY, "start_velocity": start, "route.slope": math.asin(sine),
             **levels}  # fmt: skip
@@ -150,20 +154,20 @@ def _limit_chart(measured: Mapping[str, float], distances: list[float]) -> Chart
     limit = B * math.cos(0.25 * math.pi)
     errors = [limit - measured[f"weak.{s:g}"] for s in SCALES]
     fine = np.geomspace(min(SCALES), max(SCALES), 40)
-    closed = [limit - exact_speed(*(s * v for v in WEAK.values())) for s in fine]
+    closed = [limit - _exact(s) for s in fine]
     ripple = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in FROM_REST]
     panels = (
         Panel("b cos(pi/4) - V, m/s", (Series("exact", epsilon[0] * fine, closed), Series("runs", epsilon, errors, "points")),
-              logarithmic=True, x_label="ε = μ+ g / (a ω²), 1", title="periodic motion: second order"),
+              logarithmic=True, y_range=(1e-6, 1e-3), x_label="ε = μ+ g / (a ω²), 1", title="periodic motion: second order"),
         Panel("distance from the averaged motion over b, 1", (Series("runs", ripple, distances, "line+points"),),
-              logarithmic=True, x_label="ε, 1", title="from rest: first order"),
+              logarithmic=True, y_range=(1e-3, 1.0), x_label="ε, 1", title="from rest: first order"),
     )
     return Chart("Approach to the limit of weak friction", "", panels, "Prescribed motion, friction 1 : 3.", columns=2)
 
 
 def _slope_chart(measured: Mapping[str, float]) -> Chart:
     sines = np.linspace(0.0, 0.13, 60)
-    closed = [exact_speed(*WEAK.values(), MASS * GRAVITY * s) for s in sines]
+    closed = [_exact(1.0, s) for s in sines]
     runs = Series("runs", SINES, [measured[f"slope.{s:g}"] for s in SINES], "points")
     by_force = {0.0: measured["force.level"], TURNS: measured["force.turns"], **{s: measured[f"force.{s:g}"] for s in FORCED}}
     at = sorted(by_force)
