@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from math import inf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +12,7 @@ import typer
 
 from components.core.errors import BadInput, nearest
 
-from .common import COMPONENT, Changes, app, change, listed, parameters_of, print_table, range_of
+from .common import COMPONENT, FAILED_CHECK, Changes, app, change, listed, parameters_of, print_table, range_of
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -21,8 +23,11 @@ ALGORITHMS = ("jacobi", "gauss-seidel", "iterative", "interface-model")
 
 @app.command()
 def stability(
-    what: Annotated[str, typer.Argument(metavar="SCENE|component:NAME", help=(
-        "name of a shipped scene, a scene file, or a component of the catalogue alone"))],
+    names: Annotated[list[str] | None, typer.Argument(metavar="SCENE|component:NAME|COMPONENT...", help=(
+        "name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components"))] = None,
+    hard: Annotated[bool, typer.Option("--hard-cases", help=(
+        "Run the hard cases that components declare, of those named or of all, and say how far each claim is from its limit. "
+        "In plain Python: the compiler would take minutes over runs of moments."))] = False,
     over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
         "Values of a parameter, instead of the scene's [study]; two make a map."))] = None,
     algorithm: Annotated[list[str] | None, typer.Option("--algorithm", metavar="NAME[,...]", help=(
@@ -40,10 +45,22 @@ def stability(
     """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
 
     A component alone: cosimo stability component:Pantograph. Without a map: cosimo stability lumped-catenary.
+    Hard cases of all components: cosimo stability --hard-cases -o out; exit code 1 where one does not hold.
     """
     from ..results import made
 
     made(output)  # now, not after a long study
+    if hard:
+        for option, given in {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation, "--steps": steps,
+                              "--effects": effects, "--preset": preset, "--set": values}.items():
+            if given:
+                raise BadInput(option, "a value", "none for hard cases, which have their own", "Remove it.")
+        _hard_cases(names or [], output)
+        return
+    if not names or len(names) > 1:
+        raise BadInput("cosimo stability", " ".join(names or []) or "nothing", "one scene, or one component:NAME",
+                       "Several components: with --hard-cases.")
+    what = names[0]
     if what.startswith(COMPONENT):
         for option, given in (("--over", over), ("--algorithm", algorithm), ("--extrapolation", extrapolation)):
             if given:
@@ -104,6 +121,25 @@ def _internal_steps(name: str, effects: list[str] | None, values: list[str] | No
         (", ".join(s.effects) or "none", _shown(s.longest, s.tried), "none" if s.own == inf else s.own,
          "" if isnan(s.margin) else s.margin, s.seen) for s in found.steps])
     print("wrote " + ", ".join(map(str, written)))
+
+
+def _hard_cases(names: list[str], output: Path) -> None:
+    if "numba" not in sys.modules:
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
+    from ..report.studies.hard_cases import for_hard_cases, margin_text
+    from ..studies.hard_cases import hard_cases
+
+    found = hard_cases(names, progress=True)
+    written = [found.save(output), for_hard_cases(found, output)]
+    print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), [
+        (v.component, v.case.name, v.claim, "" if isnan(v.reached) else v.reached, "" if isnan(v.limit) else v.limit,
+         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in found.verdicts])
+    for verdict in found.failed:
+        print(f"{verdict.component}, {verdict.case.name}: {verdict.said or 'beyond its limit'}")
+    print(found.summary)
+    print("wrote " + ", ".join(map(str, written)))
+    if found.failed:
+        raise SystemExit(FAILED_CHECK)
 
 
 def _shown(longest: float, tried: float) -> str:

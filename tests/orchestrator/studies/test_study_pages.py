@@ -6,10 +6,13 @@ import subprocess
 
 import pytest
 
+from components.core.hard_cases import AtMost, HardCase
 from orchestrator.report.studies.accuracy import for_accuracy
+from orchestrator.report.studies.hard_cases import for_hard_cases
 from orchestrator.scene import load_scene
 from orchestrator.studies.accuracy import OWN, Accuracy, Point, accuracy
 from orchestrator.studies.alone import alone
+from orchestrator.studies.hard_cases import HardCases, hard_cases, verdicts
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SHORT = {"stop_time": 0.5}
@@ -33,8 +36,18 @@ def accuracy_without_results(folder):
     return for_accuracy(Accuracy("a", "a", points, "by hand", "by hand", {"x, end": 1e-3}, "here", "now"), folder)
 
 
+def hard_cases_of_two_components(folder):
+    return for_hard_cases(hard_cases(["TowCoupling", "ExciterProgram"]), folder)
+
+
+def hard_cases_that_fail(folder):
+    case = HardCase("a case", "What is hard.", (AtMost("stretch", 1e-3), AtMost("rear_force", 1.0)), inputs={"front_position": 0.6})
+    return for_hard_cases(HardCases(tuple(verdicts("TowCoupling", case))), folder)
+
+
 PAGES = {  # -> figures that the page must have at least
     accuracy_of_a_scene: 3, accuracy_with_failures: 3, accuracy_of_a_component: 3, accuracy_without_results: 2,
+    hard_cases_of_two_components: 1, hard_cases_that_fail: 1,
 }
 
 

@@ -1,0 +1,126 @@
+"""Hard cases of bearings and their heat: no contact, preload, one ball, short impacts, narrow pits, no load, no heat."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.component import Component
+from ..core.hard_cases import AtLeast, AtMost, Course, Ends, Finite, HardCase, Invariant, Refused, jumps, sine
+
+START = {"given_start.x": 3e-3, "given_start.y": -2e-3, "given_start.velocity_x": -0.4, "given_start.velocity_y": 0.3}
+LIGHT = {"mass": 0.1, "damping": 0.0, "clearance.radial_clearance": 10e-6}
+MOVING = {"given_start.velocity_x": 0.1, "given_start.velocity_y": 3e-3}
+
+
+def _motion(component: Component) -> np.ndarray:
+    return component.x[:4]
+
+
+def _forces(component: Component) -> np.ndarray:
+    return component.y[:7]
+
+
+def _rise(component: Component) -> np.ndarray:
+    return component.x[:4] - 293.15
+
+
+def _balance(component: Component) -> float:
+    return component["heat_supplied"] - component["heat_stored"] - component["heat_released"]
+
+
+def _axial_stiffness(component: Component) -> float:
+    return component["linearisation.stiffness[13]"]
+
+
+HARD_CASES = {
+    "BallBearing": (
+        HardCase("free flight", "No ball in contact: x0 + v t + W t²/2m, which the method integrates exactly.",
+                 (Invariant("displacement_x", 1e-12, value=lambda t: 3e-3 - 0.4 * t + 4.9 * t**2),
+                  Invariant("displacement_y", 1e-12, value=lambda t: -2e-3 + 0.3 * t)),
+                 ("clearance", "given_start"), {"clearance.radial_clearance": 2.0, "damping": 0.0} | START, {"speed": 314.0}),
+        HardCase("preload without a load", "All balls carry K c^1.5 in balance; nothing moves the shaft out of the middle.",
+                 (Invariant("max_ball_load", 1e-9, value=1.334e10 * 5e-6**1.5, share=True),
+                  AtMost("displacement_x", 1e-12 * 50e-6)),
+                 ("clearance",), {"clearance.radial_clearance": -5e-6}, {"speed": 314.0, "load": 0.0}, duration=0.02),
+        HardCase("no load in clearance", "Nothing pushes and nothing holds: the shaft stays where it is, to the last bit.",
+                 (AtMost(_motion, 0.0, "motion"),), ("clearance",), {"clearance.radial_clearance": 20e-6}, {"load": 0.0},
+                 duration=0.02),
+        HardCase("impacts", "0.1 kg between stiff balls without damping, some 26 impacts: energy stays.",
+                 (Invariant("energy", 2e-3, share=True),), ("clearance", "given_start"), LIGHT | MOVING | {"substep": 5e-6},
+                 {"speed": 0.0, "load": 0.0}, duration=0.01),
+        HardCase("impacts too short for the step", "With 50 us most of the energy would be gone, and the run stay finite.",
+                 Refused("what the impacts that may come need", accepted={"substep": 1.9e-5}), ("clearance", "given_start"),
+                 LIGHT | MOVING, {"speed": 0.0, "load": 0.0}),
+        HardCase("a load that comes later", "Nothing is known of it at the start; the contact it closes is too stiff.",
+                 Refused("a ball is pressed in by", "step", {"substep": 5e-6}), ("clearance",), LIGHT | {"damping": 1.0},
+                 {"speed": 0.0, "load": jumps(1e-3, (2e-3, 1e3))}, duration=5e-3),
+        HardCase("a pit narrower than a step", "A ball would step over it.",
+                 Refused("a quarter of the passage of a ball", accepted={"substep": 2e-6}), ("outer_defect",),
+                 {"outer_defect.width": 1e-3}, {"speed": 314.159}),
+    ),
+    "DimensionlessBallBearing": (
+        HardCase("free flight", "No ball in contact: t²/2 under the load of 1.",
+                 (Invariant("displacement_x", 1e-10, value=lambda t: 0.5 * t**2),), ("clearance", "given_start"),
+                 {"clearance.radial_clearance": 1e6, "damping_ratio": 0.0}, duration=60.0, step=1.0),
+        HardCase("preload without a load", "All balls carry 1^1.5.", (Invariant("max_ball_load", 1e-9, value=1.0),),
+                 ("clearance",),
+                 {"clearance.radial_clearance": -1.0}, {"load": 0.0}, duration=60.0, step=1.0),
+        HardCase("a load that comes later", "A contact six decades too stiff for the step.",
+                 Refused("a ball is pressed in by", "step", {"substep": 0.01}), ("clearance",), {},
+                 {"load": jumps(1.0, (5.0, 1e6))}, duration=10.0, step=1.0),
+        HardCase("a pit narrower than a step", "A ball would step over it.",
+                 Refused("a quarter of the passage of a ball", accepted={"outer_defect.width": 0.01}), ("outer_defect",),
+                 {"outer_defect.width": 1e-3}, step=1.0, duration=1.0),
+    ),
+    "DeepGrooveBearing": (
+        HardCase("free flight", "A ring that swings within its play: no force, no tangent, no power.",
+                 (AtMost(_forces, 0.0, "forces, moments, loaded balls"),), ("damping", "friction"),
+                 {"diametral_clearance": 2e-5}, {"displacement_x": sine(9.9e-6, 100.0), "velocity_x": 1.0, "speed": 500.0}),
+        HardCase("contact angle zero", "Without play the axial stiffness vanishes in the middle, and the force stays finite.",
+                 (AtMost(_axial_stiffness, 1.0, "axial stiffness, N/m"), Finite()), ("linearisation", "damping"), {},
+                 {"displacement_z": sine(1e-9, 100.0)}),
+        HardCase("film through standstill",
+                 "The film's slope over the speed has no bound at 0; friction takes, in both directions.",
+                 (AtLeast("friction.power", 0.0), Finite()), ("film", "friction"), {},
+                 {"displacement_x": 1e-5, "speed": sine(50.0, 100.0)}),
+        HardCase("a pit passed within a step", "It may be missed.", Refused("may miss it", "step", {"speed": 110.0}),
+                 ("outer_defect",), {}, {"displacement_x": 1e-5, "speed": 300.0}),
+        HardCase("a ring that has left the grooves", "Contacts longer than a ball's radius.",
+                 Refused("left the range", "step", {"displacement_x": 5e-5}), (), {},
+                 {"displacement_x": jumps(0.0, (0.0, 1e-3))}),
+        HardCase("preload beyond the balls", "The preload alone makes the contacts longer than a ball's radius.",
+                 Refused("the preload alone", accepted={"diametral_clearance": -1e-4}), (), {"diametral_clearance": -5e-3}),
+    ),
+    "AngularContactConductance": (
+        HardCase("load over twelve decades", "Contacts that vanish with the cube root of the load: no division by their size.",
+                 (AtLeast("conductance", 0.0), Ends("conductance", 1e-4)), (), {},
+                 {"axial_force": Course(lambda t: 10.0 ** (3.0 - t), smooth=False)}, duration=13.0, step=1.0),
+        HardCase("balls unload one after the other", "A radial load beside an axial one, up to ten times as large.",
+                 (AtLeast("loaded_balls", 0.0, low=1.0), AtLeast("conductance", 0.0), Finite()), (), {"balls": 16},
+                 {"axial_force": 500.0, "radial_force": Course(lambda t: 5e3 * t)}, duration=1.0, step=0.05),
+        HardCase("a load that comes and goes", "It leaves no trace.", (Ends("conductance", 0.0),), ("ball_bulk",), {},
+                 {"axial_force": jumps(0.0, (1.0, 3000.0), (2.0, 1e-9), (3.0, 50.0), (4.0, 0.0))}, duration=5.0, step=1.0),
+        HardCase("rings thinner than nothing", "A bore beyond the race.",
+                 Refused("walls around", accepted={"ring_walls.bore": 0.045}), ("ring_walls",), {"ring_walls.bore": 0.05}),
+    ),
+    "BearingTemperatures": (
+        HardCase("no heat", "Nothing changes, to rounding of 293 K through flows that should be 0.",
+                 (AtMost(_rise, 1e-9, "rise of the temperatures"), AtMost("clearance_change", 1e-14)),
+                 ("housing", "oil_flow", "radiation", "shaft_heat"), {"substep": 500.0}, {"conductance": 0.7},
+                 duration=20e3, step=1e3),
+        HardCase("capacities of nothing", "Time constants of nanoseconds under steps of a quarter of an hour: the steady state.",
+                 (Ends("inner_temperature", 1e-3, value=293.15 + 350.0 / 11.0),
+                  Ends("ball_temperature", 1e-3, value=293.15 + 387.5 / 11.0), AtMost(_balance, 0.06, "balance of heat, J")),
+                 (), {f"{part}_capacity": 1e-9 for part in ("inner", "ball", "outer")} | {"substep": 1000.0},
+                 {"friction_power": 20.0}, duration=3e3, step=1e3),
+        HardCase("a conductance without measure", "1e12 W/K: one mass, P over both ways out.",
+                 (Ends("inner_temperature", 1e-3, value=293.15 + 20.0 / 1.2),
+                  Ends("ball_temperature", 1e-3, value=293.15 + 20.0 / 1.2)), (), {"substep": 100.0},
+                 {"friction_power": 20.0, "conductance": 1e12}, duration=2e4, step=1e3),
+        HardCase("a negative conductance", "An extrapolated input may fall below 0: the balls keep what is theirs.",
+                 (Ends("ball_temperature", 1e-6, value=293.15 + 10.0 * 100.0 / 15.0),), (), {},
+                 {"friction_power": 20.0, "conductance": -0.5}, duration=100.0, step=100.0),
+        HardCase("more heat shared out than there is", "Shares above 1.",
+                 Refused("at most 1", accepted={"inner_share": 0.5}), (), {"inner_share": 0.6, "outer_share": 0.5}),
+    ),
+}

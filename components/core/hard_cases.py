@@ -1,0 +1,201 @@
+"""Hard cases of components: where a model is at its limits, and what has to hold there all the same.
+
+Each system declares those of its components in its `hard_cases.py`, as HARD_CASES = {component: (HardCase, ...)}. Nothing that
+runs imports those files; tests and the command `cosimo stability --hard-cases` look them up and say how far each claim is from
+its limit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from .component import Component
+
+Quantity = str | Callable[[Component], float | Sequence[float] | np.ndarray]  # an output, "energy", or what a function says of the component
+ENERGY = "energy"
+
+
+@dataclass(frozen=True)
+class Course:
+    """An input over time. at: time in s -> value.  smooth: a parabola in each step through its start, middle and end, else the
+    value at its start.  before: what the component is initialized with, where that is not the value at 0."""
+
+    at: Callable[[float], float]
+    smooth: bool = True
+    before: float | None = None
+
+    @property
+    def start(self) -> float:
+        """Value for the initialization."""
+        return self.at(0.0) if self.before is None else self.before
+
+
+def jumps(start: float, *changes: tuple[float, float]) -> Course:
+    """`start`, also for the initialization, then in the first step that begins at or after each time, s, the value with it."""
+    return Course(lambda t: next((value for time, value in reversed(changes) if t >= time - 1e-9), start), False, start)
+
+
+def ramp(rate: float, start: float = 0.0) -> Course:
+    """Grows from `start` by `rate` a second."""
+    return Course(lambda t: start + rate * t)
+
+
+def sine(swing: float, rate: float, mean: float = 0.0) -> Course:
+    """mean + swing sin(rate t); rate in rad/s."""
+    return Course(lambda t: mean + swing * math.sin(rate * t))
+
+
+def seen(component: Component, quantity: Quantity) -> np.ndarray:
+    """Present values of a quantity, (k,)."""
+    if not isinstance(quantity, str):
+        return np.atleast_1d(np.asarray(quantity(component), dtype=float))
+    return np.array([component.energy() if quantity == ENERGY else component.get(quantity)])
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Something that has to hold during a run: what is `reached` stays at or below the `limit`.
+
+    of: what is looked at.  text: what it says, where the kind of claim and the quantity do not say it.
+    """
+
+    kind: ClassVar[str] = ""
+    of: Quantity
+    limit: float
+    text: str = ""
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """How much of the limit was used. times: (n,), s; values: (n, k), from the start on."""
+        raise NotImplementedError
+
+    @property
+    def label(self) -> str:
+        """The claim in words."""
+        what = self.text or (self.of if isinstance(self.of, str) else "")
+        return f"{self.kind}: {what}" if what else self.kind
+
+
+@dataclass(frozen=True)
+class AtMost(Claim):
+    """The magnitude stays at or below the limit."""
+
+    kind = "at most"
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Largest magnitude."""
+        return float(np.abs(values).max())
+
+
+@dataclass(frozen=True)
+class AtLeast(Claim):
+    """Never below `low`, but for what rounding takes: the limit."""
+
+    kind = "never below"
+    low: float = 0.0
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """How far below."""
+        return max(0.0, self.low - float(values.min()))
+
+
+@dataclass(frozen=True)
+class Invariant(Claim):
+    """Stays what it is at the start, or at `value`, a number or a function of time.
+
+    share: the limit is a part of the largest magnitude instead of a number in the quantity's unit.
+    """
+
+    kind = "invariant"
+    value: float | Callable[[float], float] | None = None
+    share: bool = False
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Largest deviation."""
+        wanted: Any = values[0] if self.value is None else self.value
+        if callable(wanted):
+            wanted = np.array([wanted(t) for t in times])[:, None]
+        scale = np.abs(values).max() if self.share else 1.0
+        return float(np.abs(values - wanted).max() / (scale or 1.0))
+
+
+@dataclass(frozen=True)
+class Ends(Claim):
+    """At the end of the run it is `value`; `share` as of an `Invariant`."""
+
+    kind = "ends"
+    value: float = 0.0
+    share: bool = False
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Deviation at the end."""
+        return float(np.abs(values[-1] - self.value).max() / (abs(self.value) if self.share else 1.0))
+
+
+@dataclass(frozen=True)
+class BoundedEnergy(Claim):
+    """Energy never grows above that of any time before, by more than the limit as a part of its largest value."""
+
+    kind = "bounded energy"
+    of: Quantity = ENERGY
+    limit: float = 1e-9
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Largest growth."""
+        growth = float((values - np.minimum.accumulate(values, axis=0)).max())
+        return growth / (float(np.abs(values).max()) or 1.0)
+
+
+@dataclass(frozen=True)
+class Finite(Claim):
+    """Every output stays finite, and within so many of its nominal values."""
+
+    kind = "outputs over nominal values"
+    of: Quantity = ""
+    limit: float = 1e3
+
+    def reached(self, component: Component, times: np.ndarray, values: np.ndarray) -> float:
+        """Largest output over its nominal value."""
+        return float(np.abs(values).max())
+
+
+@dataclass(frozen=True)
+class Refused:
+    """No run at all: one message that says what to do. words: of the message.
+
+    when: "construction", "initialize", or "step", where the state before the failed step can be taken back.
+    accepted: parameters and inputs instead of those of the case with which it runs: how sharp the refusal is.
+    """
+
+    kind: ClassVar[str] = "refused"
+    words: str
+    when: str = "initialize"
+    accepted: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def label(self) -> str:
+        """The claim in words."""
+        return f'refused at {self.when}: "{self.words}"'
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """One case of one component.
+
+    name: short, unique among those of the component.  text: what is hard about it.  holds: what has to hold; besides, states
+    and outputs stay finite in every case that is not refused.
+    inputs: numbers, or courses over time.  duration, step: of the run and its macro steps, s.
+    """
+
+    name: str
+    text: str
+    holds: Sequence[Claim] | Refused
+    effects: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    inputs: Mapping[str, float | Course] = field(default_factory=dict)
+    duration: float = 0.1
+    step: float = 1e-3

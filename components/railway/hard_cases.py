@@ -1,0 +1,67 @@
+"""Hard cases of pantograph and catenaries: contact lost, hardly any mass, no damping, slack droppers, steps too long."""
+
+from __future__ import annotations
+
+from ..core.component import Component
+from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Finite, HardCase, Invariant, Refused, jumps, ramp
+
+RELEASED = {"contact_force": jumps(200.0, (0.0, 0.0))}
+THREE_SPANS = {"spans": 3, "element": 1.0}
+
+
+def _solutions(component: Component) -> float:
+    """Linear systems solved for each internal step; a set of droppers that chatters would need up to 50."""
+    return component.work["solves"] / max(component.work["steps"], 1)
+
+
+HARD_CASES = {
+    "Pantograph": (
+        HardCase("contact lost and regained", "The wire rises out of reach for 0.3 s and returns: a flight between two contacts.",
+                 (AtLeast("contact_force", 0.0), Finite()), ("contact_loss",),
+                 {"frame_stiffness": 0.0, "frame_damping": 0.0, "head_damping": 0.0},
+                 {"wire_height": jumps(0.0, (0.2, 1.0), (0.5, 0.0))}, duration=1.0),
+        HardCase("no force at all", "A drive without force leaves the wire alone, to the last bit.",
+                 (AtMost("contact_force", 0.0), AtMost("head_height", 0.0)), ("contact_loss",), {"static_force": 0.0}),
+        HardCase("a head of a tenth of a gram", "Its frequency is far beyond the substep.",
+                 Refused("the limit of RK4", accepted={"substep": 2.5e-5}), ("contact_loss",), {"head_mass": 1e-4}),
+        HardCase("a stiff contact at the stable step", "Half of the contact force taken away at 0.99 of the limit: it swings, "
+                 "and does not grow.", (AtMost("contact_force", 190.0),), ("contact_loss",),
+                 {"contact_stiffness": 1e9, "substep": 2.33e-4}, {"wire_height": jumps(0.0, (2e-3, 0.6e-7))}),
+        HardCase("bump stops under a blow", "The frame is driven into its stops and out again: no energy comes from there.",
+                 (Finite(), AtLeast("contact_force", 0.0)), ("contact_loss", "bump_stops"),
+                 {"bump_stops.stiffness": 1e6}, {"wire_height": jumps(0.0, (0.02, -0.3), (0.1, 0.3), (0.2, 0.0))}, duration=0.4),
+    ),
+    "Catenary": (
+        HardCase("undamped, explicit", "Released from 200 N: Verlet's energy swings by (w h)²/8 of the modes that take part.",
+                 (Invariant("energy", 2e-3, share=True),), (), THREE_SPANS,
+                 RELEASED | {"contact_position": 90.0}, duration=0.2, step=2e-3),
+        HardCase("undamped, implicit", "The midpoint rule conserves a quadratic energy exactly, at any step.",
+                 (Invariant("energy", 1e-8, share=True),), (), THREE_SPANS | {"method": "implicit"},
+                 RELEASED | {"contact_position": 90.0}, duration=0.2, step=2e-3),
+        HardCase("slack droppers around a blow", "10 kN lift most of the wire off its droppers: the set settles in every step.",
+                 (AtMost(_solutions, 2.0, "solutions per step"), Finite(limit=1e4)), ("dropper_slackening", "gravity_sag"),
+                 {"spans": 2, "method": "implicit"}, {"contact_position": 60.0, "contact_force": jumps(0.0, (2e-3, 1e4))},
+                 duration=0.1, step=2e-3),
+        HardCase("a dropper that would push at rest", "Too much sag for so light a wire.",
+                 Refused("at rest", accepted={"pre_sag.depth": 0.03}), ("dropper_slackening", "pre_sag"),
+                 {"spans": 2, "pre_sag.depth": 0.3, "contact_wire_mass": 0.3}),
+        HardCase("an explicit step above the limit", "Elements of 0.1 m ask for steps shorter than 1 ms.",
+                 Refused("at most", accepted={"substep": 4e-4}), (), {"spans": 2, "element": 0.1}),
+        HardCase("off the end of the wire", "The contact point leaves the last span.",
+                 Refused("left the range", "step", {"contact_position": 50.0}), (), {"spans": 1},
+                 {"contact_position": ramp(80.0, 59.0)}, duration=0.1, step=5e-3),
+    ),
+    "LumpedCatenary": (
+        HardCase("undamped", "Released from 200 N without damping: RK4 loses (w h)^6/72 of the energy in a step.",
+                 (Invariant("energy", 1e-8, share=True),), (), {"damping": 0.0}, RELEASED, duration=2.0, step=0.01),
+        HardCase("undamped at the stable step", "0.95 of the limit: RK4 damps, and never feeds.", (BoundedEnergy(limit=0.0),), (),
+                 {"damping": 0.0, "mass": 0.03, "harmonic[1]": 0.0}, RELEASED, duration=1.0, step=0.01),
+        HardCase("a stiffness that changes quickly", "A span passed in 0.2 s, its stiffness going up and down by half.",
+                 (Finite(),), ("inerter",), {}, {"contact_position": ramp(300.0), "contact_force": 120.0}, duration=2.0,
+                 step=5e-3),
+        HardCase("no stiffness somewhere", "Harmonics that take all of it away.",
+                 Refused("a positive one everywhere", accepted={"harmonic[1]": 0.8}), (), {"harmonic[1]": 1.2}),
+        HardCase("a mass of a gram", "Far beyond the substep.", Refused("the limit of RK4", accepted={"substep": 8e-6}), (),
+                 {"mass": 1e-3}),
+    ),
+}
