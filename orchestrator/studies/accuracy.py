@@ -24,7 +24,7 @@ from components.core.errors import BadInput
 
 from ..results import write_table
 from ..scene import Scene
-from .knobs import Setting, finer_inside, macro_steps, settings
+from .knobs import Setting, finer_inside, macro_steps, settings, without_effects
 from .quantities import Quantity, errors, quantities_of, recording
 from .reference import Reference, reference
 from .trial import REPEATS, WORK, Trial, trial
@@ -106,9 +106,10 @@ class Accuracy:
 
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:
-    """See `Accuracy.front`; settings that do not come to the end are on no front."""
+    """See `Accuracy.front`; on no front is what does not come to the end, or is another model, without one of its effects."""
     front: list[Point] = []
-    for point in sorted((p for p in points if p.outcome == "done" and isfinite(p.held)), key=lambda p: (p.cost(cost), p.held)):
+    kept = [p for p in points if p.outcome == "done" and p.knob != "effect" and isfinite(p.held)]
+    for point in sorted(kept, key=lambda p: (p.cost(cost), p.held)):
         if not front or point.held < front[-1].held:
             front.append(point)
     return front
@@ -119,7 +120,8 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     """Measure the default settings of a scene within a budget of seconds, to which the reference does not count.
 
     First how the scene is coupled over macro steps, from coarse to fine; then, for the settings on the front, the internal
-    steps. What the budget does not reach is kept as "skipped". `told` hears what is being done.
+    steps; then the scene without each of its effects, which shows what they are worth but is no way to run it. What the budget
+    does not reach is kept as "skipped". `told` hears what is being done.
     """
     scene = recording(scene)
     quantities = quantities_of(scene)
@@ -137,6 +139,8 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     for point in chosen.values():
         for setting in finer_inside(scene, Setting(point.line, point.knob, point.size, dict(point.changes))):
             bench.measure(setting)
+    for setting in without_effects(scene):
+        bench.measure(setting)
     how = ", ".join(f"{p} {version(p)}" for p in PACKAGES)
     return Accuracy(scene.name, scene.title or scene.name, tuple(held(bench.points)), truth.how,
                     "; ".join(w.how for w in truth.witnesses), truth.agreement, machine_name(),

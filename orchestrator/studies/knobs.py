@@ -130,3 +130,12 @@ def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:
     for factor in SUBSTEPS:
         if changes := refined(scene, factor):
             yield Setting(f"{setting.line}, substeps x {factor:g}", "substep", setting.size, {**setting.changes, **changes})
+
+
+def without_effects(scene: Scene) -> Iterator[Setting]:
+    """The scene as it is without one of the effects that it names, each in turn; what needs that effect refuses to start."""
+    for name, unit in scene.units.items():
+        for effect in unit.effects if unit.component else ():
+            yield Setting(f"without {name}.{effect}", "effect", scene.master.step, {
+                f"units.{name}.effects": [e for e in unit.effects if e != effect],
+                f"units.{name}.parameters": {k: v for k, v in unit.parameters.items() if not k.startswith(f"{effect}.")}})

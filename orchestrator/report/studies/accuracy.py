@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "hexagon", "star-square")
 LINES = ("coupling", "adaptive", "method")  # knobs whose points are joined
+OTHERS = (("other internal steps or meshes", ("substep", "mesh"), "circle-open"),
+          ("without one effect", ("effect",), "diamond-open"))
 FAILED = 2.0  # where crosses stand on an axis of errors
 ASKED = (0.1, 0.01, 1e-3)  # errors for which the page names the quickest setting
 ORDERS = (1, 2, 3, 4)
@@ -103,10 +105,11 @@ def _work_precision(measured: Accuracy, cost: str, title: str, y_label: str, tex
         if done:
             data.append(_marked(done, [p.error for p in done], [p.cost(cost) for p in done], name, *styles[name]))
     joined = {p.line for points in lines.values() for p in points}
-    others = [p for p in measured.points if p.line not in joined and p.knob not in ("own",) and p.outcome == "done"]
-    if others:
-        data.append(_marked(others, [p.error for p in others], [p.cost(cost) for p in others], "other internal steps or meshes",
-                            RAW, "circle-open", mode="markers"))
+    for name, knobs, symbol in OTHERS:
+        others = [p for p in measured.points if p.line not in joined and p.knob in knobs and p.outcome == "done"]
+        if others:
+            data.append(_marked(others, [p.error for p in others], [p.cost(cost) for p in others], name, RAW, symbol,
+                                mode="markers"))
     front = measured.front(cost)
     data.append(_marked(front, [p.error for p in front], [p.cost(cost) for p in front], "front", INK, "circle-open",
                         line={"color": INK, "width": 1, "dash": "dot"},

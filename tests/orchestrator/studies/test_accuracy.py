@@ -11,7 +11,7 @@ from components.core.errors import BadInput
 from orchestrator.scene import load_scene, read_scene
 from orchestrator.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, read_points, write_points
 from orchestrator.studies.alone import Alone, alone
-from orchestrator.studies.knobs import couplings, macro_steps, meshes, settings, with_step
+from orchestrator.studies.knobs import couplings, macro_steps, meshes, settings, with_step, without_effects
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})
 
@@ -138,6 +138,16 @@ def test_a_mesh_has_its_own_line():
     scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
     assert [s.changes for s in settings(scene) if s.knob == "mesh"] == [
         {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 5e-4}]
+
+
+def test_an_effect_less_is_shown_but_advised_by_no_front():
+    scene = load_scene("link-split").with_changes({"stop_time": 0.05})
+    named = {s.line: s.changes for s in without_effects(scene)}
+    assert named["without joint.rotation"] == {
+        "units.joint.effects": [], "units.joint.parameters": {"stiffness": 1e5, "damping": 100.0}}
+    assert scene.with_changes(named["without second.gravity"]).units["second"].effects == ()
+    cheap = Point("without a.gravity", "effect", 1.0, {}, "done", error=1e-9, held=1e-9, seconds=1e-9)
+    assert front_of([cheap], "seconds") == []
 
 
 def test_a_component_alone_has_the_order_of_its_integrator():

@@ -153,3 +153,16 @@ def test_shipped_tables_are_those_of_the_scenes(name):
     assert measured.machine
     assert "numba" in measured.versions
     assert measured.own.outcome == "done"
+    assert measured.own.size == scene.master.step
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in TABLES.glob("*.csv")))
+def test_scenes_run_at_a_setting_on_their_front(name):
+    """By counted work; a factor below 1.5 between neighbours turns with the quantity that is looked at."""
+    measured = read_points(TABLES / f"{name}.csv")
+    own, floor = measured.own, measured.least
+    for p in measured.points:
+        if p.outcome == "done" and p.knob != "effect":
+            calls, error = (own.work["calls"] / p.work["calls"], max(own.held, floor) / max(p.held, floor))
+            assert not (calls >= 1.0 and error > 1.5), f"{p.line} at {p.size:g} is more accurate"
+            assert not (error >= 1.0 and calls > 1.5), f"{p.line} at {p.size:g} is cheaper"
