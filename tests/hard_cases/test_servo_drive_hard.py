@@ -10,6 +10,8 @@ import pytest
 from components.core.errors import BadInput
 from components.drives.servo_motor import ServoMotor
 from components.friction_drive.controller import ServoController
+from orchestrator.scene import read_scene
+from tests.orchestrator.scene_runs import finished
 
 STEP = 1e-3
 TORQUE = 23.4e-3 * 19.0 / 2.3  # N.m/V at the wheel
@@ -124,15 +126,42 @@ def test_a_stalled_motor_stands_at_its_limit_and_starts_again():
     assert motor["rate"] > 20.0
 
 
-def test_no_voltage_and_no_load_is_rest_whatever_the_effects():
-    motor = ServoMotor(("inductance", "saturation", "shaft_friction"), {"shaft_friction.level": 0.0})
-    motor.initialize(0.0)
-    motor.step(0.0, 1.0)
-    assert not motor.x[:3].any()
-
-
 def test_an_overflowing_set_point_is_refused_or_the_run_says_so():
     with pytest.raises(BadInput, match="finite"):
         ServoController(parameters={"set_feed": math.inf})
     made, _ = loop(0.05, {"set_feed": 1e200})
     assert np.isfinite(made).all()
+
+
+# -- stiff contacts, fast windings -------------------------------------------------------------------------------------------
+def coupled(step: float, voltages, force=0.0, **motor):
+    """0.2 s of two motors with windings of 0.1 ms and wheels on bristles of 60 kN/m, coupled with linear inputs."""
+    names = ("first", "second")
+    units = {f"{k}_motor": {"component": "ServoMotor", "effects": ["inductance"], "parameters": {"voltage": v, **motor}}
+             for k, v in zip(names, voltages, strict=True)}  # fmt: skip
+    units["wheels"] = {"component": "FrictionWheels", "effects": ["lugre_slip"],
+                       "parameters": {"layout": "skewed_free_rollers", "external_force": force}}  # fmt: skip
+    links = [f"{k}_motor.rate -> wheels.{k}_rate" for k in names]
+    links += [f"wheels.{k}_torque -> {k}_motor.load_torque" for k in names]
+    bonds = [f"{k}_motor.rate * wheels.{k}_torque" for k in names]
+    return finished(read_scene({"stop_time": 0.2, "units": units, "connections": links,
+                                "master": {"step": step, "bonds": bonds}}, "stiff"))  # fmt: skip
+
+
+def test_geared_motors_bear_stiff_contacts_at_a_millisecond():
+    """The gear makes the rotors heavy, 3.6 kg at the rim, beside the sleeve's 0.15 kg: what is stiff stays within a unit."""
+    coarse, fine = coupled(1e-3, (6.0, -3.0), -4.0), coupled(2.5e-4, (6.0, -3.0), -4.0)
+    for result in (coarse, fine):
+        assert not result.info.get("warnings")
+        for bond in result.info["energy"].values():
+            assert abs(bond["created"]) < 2e-3 * bond["exchanged"]
+    assert coarse["wheels.feed_rate"][-1] == pytest.approx(fine["wheels.feed_rate"][-1], rel=1e-6)
+
+
+def test_motors_without_a_gear_need_shorter_macro_steps_and_the_run_says_so():
+    """0.01 kg at the rim on 60 kN/m: 2.4 krad/s between the units, too fast for inputs that are led over 1 ms."""
+    coarse, fine = coupled(1e-3, (0.3, -0.2), gear_ratio=1.0), coupled(1e-4, (0.3, -0.2), gear_ratio=1.0)
+    assert any("macro step" in text or "coupling made" in text for text in coarse.info["warnings"])
+    assert not fine.info.get("warnings")
+    for bond in fine.info["energy"].values():
+        assert abs(bond["created"]) < 1e-3 * bond["exchanged"]
