@@ -72,26 +72,6 @@ def test_a_single_turning_ball_hits_and_lets_go():
     assert seen["max_ball_load"].min() == 0.0
 
 
-def test_free_flight_is_ballistic_to_rounding():
-    """No ball in contact: x = x0 + v t + W t² / (2 m), which the method integrates exactly."""
-    start = {"x": 3e-3, "y": -2e-3, "velocity_x": -0.4, "velocity_y": 0.3}
-    bearing = ball_bearing(["clearance", "given_start"], {"clearance.radial_clearance": 2.0, "damping": 0.0,
-                                                     **{f"given_start.{n}": v for n, v in start.items()}}, rpm=3000.0)
-    seen = run(bearing, 0.5)
-    t = 1e-3 * np.arange(1, 501)
-    assert not seen["max_ball_load"].any()
-    assert not seen["force_x"].any()
-    # 10^4 additions to numbers up to 1, half a unit of the last place each, 1e-16
-    np.testing.assert_allclose(seen["displacement_x"], 3e-3 - 0.4 * t + 0.5 * 9.8 * t**2, rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(seen["displacement_y"], -2e-3 + 0.3 * t, rtol=0.0, atol=1e-12)
-
-
-def test_no_load_and_no_contact_stays_where_it_is():
-    bearing = with_gap(20.0, load=0.0)
-    run(bearing, 0.1)
-    assert not bearing.x[:4].any()
-
-
 def test_the_exponent_at_zero():
     """Deformation zero, a rounding error below it, and denormal: force zero or tiny, never NaN."""
     bearing = with_gap(10.0, rpm=0.0, load=0.0)

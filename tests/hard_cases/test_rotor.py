@@ -204,15 +204,6 @@ def test_an_infinite_force_is_a_failed_step_that_can_be_taken_back():
     assert 0.0 < rotor["displacement_x"] < 1e-3
 
 
-def test_an_undamped_jeffcott_rotor_at_its_critical_speed_grows_with_time():
-    """Amplitude e w t / 2, the one case without a steady state."""
-    rotor = JeffcottRotor(["unbalance"], {"damping": 0.0, "start_speed": 100.0, "substep": 1e-5})
-    rotor.initialize(0.0)
-    rotor.step(0.0, 2.0)
-    # beside the growing term stands one that does not grow, of e / 2
-    assert math.hypot(rotor["displacement_x"], rotor["displacement_y"]) == pytest.approx(0.5 * 1e-5 * 100.0 * 2.0, abs=1e-5)
-
-
 # -- coupling with bearings in units of their own ----------------------------------------------------------------------
 TIME_CONSTANT = 1e-5  # s, damping over stiffness of the linear bearings
 

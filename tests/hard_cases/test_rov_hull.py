@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from components.core.errors import BadInput, StepFailed
+from components.core.errors import BadInput
 from components.rov.hull import WATER, RovHull
 
 BALL = {f"inertia_{a}": 0.16 for a in "xyz"} | {"centre_of_gravity_z": 0.0}  # keeps any angular velocity
@@ -144,14 +144,6 @@ def test_added_mass_far_above_the_mass(share):
     assert hull["heave"] == pytest.approx(1000.0 / (11.5 * (1.0 + share)), rel=1e-9)
 
 
-def test_a_flow_beyond_the_step_ends_in_a_refusal_and_never_in_numbers():
-    """Quadratic drag at 200 m/s has eigenvalues far beyond RK4 at the default step: the run says so."""
-    hull = started((*WATER, "current"))
-    hull["current.velocity_north"] = 200.0
-    with pytest.raises(StepFailed, match=r"not finite.*substep"):
-        hull.step(0.0, 10.0)
-
-
 def test_the_same_flow_with_a_fitting_step_is_followed():
     """Speed through the water r' = -(X r + XX r²) / (m + m_A): r = X / ((X / r0 + XX) exp(X t / (m + m_A)) - XX)."""
     hull = started((*WATER, "current"), substep=1e-4, centre_of_gravity_z=0.0, **{"restoring.buoyancy": 112.8})
@@ -172,21 +164,10 @@ def test_a_step_too_long_for_the_drag_is_refused():
         started(WATER, substep=1.0)
 
 
-def test_a_thruster_without_direction_is_refused():
-    with pytest.raises(BadInput, match=r"thruster 3 with the direction \(0, 0, 0\).*thruster_direction_x\[3\]"):
-        started((), **{"thruster_direction_x[3]": 0.0, "thruster_direction_y[3]": 0.0})
-
-
 def test_a_direction_of_any_length_is_the_same_direction():
     names = [f"thruster_direction_{a}[2]" for a in "xyz"]
     long = started((), **{n: 40.0 * RovHull.variables[n].start for n in names})
     np.testing.assert_allclose(long.settled[0].thrusters, started(()).settled[0].thrusters, atol=1e-15)
-
-
-def test_inertia_that_no_body_of_this_mass_has_is_refused():
-    """Given about the centre of gravity by mistake, and smaller than mass times distance squared."""
-    with pytest.raises(BadInput, match=r"moments of inertia that leave -0.3 kg.m2.*about the origin"):
-        started((), centre_of_gravity_z=0.2)
 
 
 def test_all_axes_at_once_far_from_upright_keep_finite_and_come_to_rest():

@@ -229,16 +229,6 @@ def test_a_rest_in_which_drive_and_load_are_equal_is_left_as_the_drive_grows(tra
     assert unit.work["events"] < 10
 
 
-def test_dry_friction_is_left_as_the_drive_grows_from_its_level():
-    """The torque on the rotor is the static friction to the last bit, and grows."""
-    turbine = WindTurbine(["bearing_friction"])
-    turbine.set("torque", -1.0)
-    turbine.initialize(0.0)
-    turbine.u[1, 1] = -1.0
-    turbine.step(0.0, 1.0)
-    assert turbine["speed"] == pytest.approx(0.5 / 15.0, rel=1e-9)
-
-
 def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
     """Head and flow in a loop: solved to H0 n² - n d Q - c Q² = H_static + K Q² at every instant after the valve opens."""
     scene = read_scene({
