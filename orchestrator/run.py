@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -18,11 +18,13 @@ from components.core.errors import StepFailed
 from .algorithms import Master, master_of
 from .algorithms.contact import ContactUnit
 from .algorithms.energy import EnergyAccount, metered
+from .algorithms.master import Runaway
 from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .coupling import Coupling, settle
 from .results import Result, Snapshot
 from .scene import Scene
 from .stepping.faults import Faults, Mortal, edges
+from .stepping.growth import Growth
 from .stepping.guided import Guided, clock_for, stepping_of
 from .stepping.loop import Observer
 from .stepping.observers import Interrupt, Misses, Progress, Recorder, reading
@@ -78,6 +80,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
         interrupt, checkpoints = stack.enter_context(Interrupt(loop.halt)), None
         observers: list[Observer] = [signals, *arrays.values(), misses, interrupt]
+        if any(len(group) > 1 for group in coupling.groups):
+            observers.append(Growth(master, int(scene.stop_time / settings.step), partial(_remedy, scene, master), account))
         if checkpoint_every is not None and checkpoint_to is not None:
             checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, loop, parts)
             observers.append(checkpoints)
@@ -97,6 +101,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
             started = perf_counter()
             loop.run(observers)
             outcome = "done"
+        except Runaway as error:
+            message = f"{error}. {_remedy(scene, master)}"
         except StepFailed as error:
             message = str(error)
         except KeyboardInterrupt:
@@ -130,6 +136,13 @@ def opened(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
         units[name] = open_unit(name, unit, in_process=in_process)
         stack.callback(units[name].close)
     return units | {contact.name: ContactUnit(contact, scene.master.extrapolation) for contact in scene.contacts}
+
+
+def _remedy(scene: Scene, master: Master) -> str:
+    """What would help a run that became unstable."""
+    from .advice.limits import remedy  # advice starts scenes as a run does, so it is behind this module
+
+    return master.told_late or remedy(scene)
 
 
 def _warnings(misses: Mapping[str, float], late: str) -> list[str]:

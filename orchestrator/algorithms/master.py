@@ -33,6 +33,10 @@ from .texts import Texts
 ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial has led it has not moved
 
 
+class Runaway(StepFailed):
+    """A coupling that has grown without bound; what would help is for those to say who know the scene."""
+
+
 @dataclass
 class Saved:
     """A master and its units at an instant."""
@@ -265,6 +269,6 @@ class Master:
         """Outputs that are no numbers, or so large that the coupling has grown without bound, end the run."""
         for (unit, name), value in zip(self.positions, self.sample(), strict=True):
             if not isfinite(value):
-                raise StepFailed(unit, t, f"output {name} is {value}", self.told_late or "Reduce the macro step")
+                raise Runaway(unit, t, f"output {name} is {value}")
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
-                raise StepFailed(unit, t, f"output {name} has grown to {value:.3g}", self.told_late or "Reduce the macro step")
+                raise Runaway(unit, t, f"output {name} has grown to {value:.3g}")

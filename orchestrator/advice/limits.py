@@ -1,0 +1,32 @@
+"""What to say of a macro step that has made a run unstable."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+
+from components.core.errors import BadInput, StepFailed
+
+from ..algorithms import master_of
+from ..coupling import settle
+from ..run import opened
+from ..scene import Scene
+from .probing import contacts
+
+
+def remedy(scene: Scene) -> str:
+    """That the macro step is to be reduced, and below what where a closed form tells; the scene is started anew to ask it."""
+    degree, coupling = scene.master.extrapolation, settle(scene)
+    with ExitStack() as stack:
+        try:
+            units = opened(scene, stack, in_process=True)
+            master = master_of(scene, units, coupling)
+            master.initialize(0.0)
+            found, _ = contacts(scene, coupling, master, units)
+        except (BadInput, StepFailed):
+            found = ()
+    short = min((c for c in found if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree], default=None)
+    if short is None:
+        return "Reduce the macro step; cosimo stability tells how long it may be"
+    if not (limit := short.longest[degree]):
+        return f"Take another master.extrapolation: with {degree}, {short.pair} is stable at no step"
+    return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
