@@ -25,7 +25,9 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = drives(result)
     if not found:
         return []
-    bands = {axis: float(result.scene.analysis.get(f"{axis}_band", band)) for axis, band in BANDS.items()}
+    analysis = result.scene.analysis
+    bands = {"feed": float(analysis.get("feed_band", BANDS["feed"])),
+             "rotation": float(analysis.get("rotation_band", BANDS["rotation"]))}  # fmt: skip
     charts = [way_chart(found, bands), rest_chart(found)]
     for drive in found:
         who = f"{drive.unit}: " if len(found) > 1 else ""

@@ -33,7 +33,7 @@ def wheels(parameters: Mapping[str, Any], effects: tuple[str, ...] = ("exact_sli
 
 def scene() -> Scene:
     """Wheels that turn at a given rate under many loads, and wheels that stand under loads about the limit."""
-    units = {}
+    units: dict[str, Any] = {}
     for layout in ("skewed", "skewed_free_rollers", "orthogonal"):
         for way, sign in (("feed", 1.0), ("rotation", -1.0)):
             second = RATE if layout == "orthogonal" else sign * RATE
@@ -42,8 +42,7 @@ def scene() -> Scene:
             if layout != "skewed" or way == "feed":  # unloaded plain wheels that turn against each other leave the feed open
                 units[f"{layout}_{way}"] = wheels({"layout": layout, **pair})
     for share in SHARES[1:]:
-        force = {"external_force": -share * LIMIT}
-        units[_loaded(share)] = wheels({"first_rate": RATE, "second_rate": RATE, **force})
+        units[_loaded(share)] = wheels({"first_rate": RATE, "second_rate": RATE, "external_force": -share * LIMIT})
     for name, (force, torque) in LOADS.items():
         for way, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR)):
             load = {"external_force": share * force * LIMIT, "external_torque": share * torque * LIMIT * SLEEVE}
