@@ -20,6 +20,7 @@ FILES = (
     "tests/contract/test_steps.py",
     "tests/contract/test_effects_absent.py",
     "tests/contract/test_effect_strength.py",
+    "tests/contract/test_effects_free.py",
     "tests/hard_cases/test_catalogue.py",
     "tests/fmus/test_fmu_run.py",
     "tests/orchestrator/test_run.py",

@@ -102,8 +102,12 @@ class Windows:
             each = [way[:, column] for way in ways]
             if q.unit == "rad":
                 each = [np.remainder(d + np.pi, 2.0 * np.pi) - np.pi for d in each]
-            solution = self._rows[int(q.transient / self._step) :, column]
-            error = expected(each, self._end / self._step, q.kind) / _scale(solution, q.nominal)
+            first = min(int(q.transient / self._step), self._rows.shape[0] - 1)
+            solution = self._rows[first:, column]
+            whole = self._rows.shape[0] - 1
+            if q.kind in ("maximum", "minimum"):  # what happens behind it does not count
+                whole = first + int(np.argmax(solution) if q.kind == "maximum" else np.argmin(solution))
+            error = expected(each, whole, q.kind) / _scale(solution, q.nominal)
             found.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
         return max(found)
 
@@ -167,19 +171,21 @@ def _scale(solution: np.ndarray, nominal: float) -> float:
     return next((s for s in (width, size) if s > 1e-6 * max(size, nominal)), nominal)
 
 
-def expected(ways: Sequence[np.ndarray], whole: float, kind: str) -> float:
-    """What a difference will have become after `whole` steps, seen on ways of a few steps each, (n,).
+def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
+    """What a difference will have become after `whole` steps, seen on ways of a few steps each, (n,), the first from the start.
 
     kind: of the quantity. A course and the like are means over the run, a maximum and the like the largest value.
     """
     n = min(way.size for way in ways)
+    if whole < n:
+        return float(np.abs(ways[0][: max(whole, 1)]).max())
     half = max(n // 2, 1)
     early = math.sqrt(np.mean([np.abs(way[:half]).max() ** 2 for way in ways]))
     late = math.sqrt(np.mean([np.abs(way[:n]).max() ** 2 for way in ways]))
     if late == 0.0 or not math.isfinite(late):
         return late
     growth = late / early - 1.0 if early else math.inf  # of the second half over the first
-    times, shape = max(whole / n, 1.0), 1.0
+    times, shape = whole / n, 1.0
     if growth < EVEN:
         size = late * (1.0 - growth ** (2.0 * times)) / (1.0 - growth**2) if growth else late
     else:

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from components.drives.servo_motor import ServoMotor
+from components.friction_drive.monolith import FrictionDrive
 from components.railway.catenary import Catenary
 from components.railway.pantograph import Pantograph, pantograph_derivatives
 from components.railway.statics import elasticity
@@ -129,3 +131,21 @@ def test_a_hand_rests_where_its_limit_and_its_stiffness_bear_the_torque(torque, 
         wrist.step(0.1 * k, 0.1)
     assert abs(wrist["flexion_rate"]) < 1e-9
     assert wrist["flexion"] == pytest.approx((torque + 200.0 * limit) / 201.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("law", "given"), [
+    ("smoothed_slip", {}), ("lugre_slip", {"viscous": 0.0, "static_ratio": 1.0}), ("exact_slip", {"static_ratio": 1.0})])
+def test_a_motor_bears_the_friction_of_its_contact_under_every_law(law, given):
+    """Even plain wheels without load: R mu N sin a each, here 0.01 m * 6 N / 2, and the rate of a motor under that load."""
+    drive = FrictionDrive([law], {f"{law}.{name}": value for name, value in given.items()})
+    drive.set("first_voltage", 9.0)
+    drive.set("second_voltage", 9.0)
+    motor = ServoMotor()
+    motor.set("voltage", 9.0)
+    motor.set("load_torque", 0.03)
+    for unit in (drive, motor):
+        unit.initialize(0.0)
+        unit.step(0.0, 0.3)
+    assert drive["first_rate"] == pytest.approx(motor["rate"], rel=1e-6)
+    assert drive["second_rate"] == pytest.approx(motor["rate"], rel=1e-6)
+    assert drive["feed_rate"] == pytest.approx(0.01 * motor["rate"] * math.cos(math.pi / 6.0), rel=1e-5)

@@ -1,0 +1,98 @@
+"""An effect that is off costs nothing: no call, no state, no bit of the result, no instruction of the machine code."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import components
+from components.catalogue import CATALOGUE, component_class
+from components.core.integrators import OdeComponent, rk4
+from components.core.kernels import COMPILED
+
+from ..never_written import never_written, python, stripped
+from .configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
+from .test_effects_absent import SINGLE
+from .test_effects_absent import stripped as undeclared
+
+ROOT = str(Path(components.__file__).parent)
+CLASSIC = [c for c in CATALOGUE if issubclass(cls := component_class(c), OdeComponent) and cls.effects
+           and python(cls.advance).__code__ is python(rk4).__code__]
+MACHINE_CODE = ("Pantograph", "BallBearing")  # the compiler takes seconds over each
+
+
+def calls_of(component) -> tuple[Counter, list[bytes]]:
+    """Calls of every function of the components' package in two steps with moving inputs, and every bit behind each."""
+    excite(component)
+    component.initialize(0.0)
+    counted: Counter = Counter()
+
+    def count(frame, event, argument):
+        if event == "call" and frame.f_code.co_filename.startswith(ROOT):
+            counted[frame.f_code.co_filename[len(ROOT) :], frame.f_code.co_qualname] += 1
+
+    rows = []
+    before = sys.getprofile()
+    sys.setprofile(count)
+    try:
+        for k in range(2):
+            slope_inputs(component, rate=0.5 + 0.1 * k)
+            component.step(k * 1e-3, 1e-3)
+            rows.append(bits(component))
+    finally:
+        sys.setprofile(before)
+    return counted, rows
+
+
+@pytest.mark.parametrize(("component", "effect"), in_plain_python(SINGLE))
+def test_an_effect_that_is_off_is_neither_called_nor_felt_by_the_others(component, effect):
+    """All others on, this one off, against the component in which nobody has declared it."""
+    cls = component_class(component)
+    others = [e for e in compatible(cls) if effect not in with_required(cls, e)]
+    here, bare = cls(others, SMALL[component]), undeclared(cls, effect)(others, SMALL[component])
+    calls, rows = calls_of(here)
+    wanted, same = calls_of(bare)
+    assert calls == wanted
+    assert sum(calls.values()) > 0
+    assert rows == same
+    assert here.x.size == bare.x.size
+    assert here.work == bare.work
+
+
+@pytest.mark.parametrize("component", in_plain_python(CLASSIC))
+def test_without_effects_it_is_the_component_without_their_source(component):
+    """Kernels from whose source every branch of an effect has been cut out: the same calls, the same bits."""
+    cls = component_class(component)
+    here, bare = cls((), SMALL[component]), never_written(cls)((), SMALL[component])
+    calls, rows = calls_of(here)
+    wanted, same = calls_of(bare)
+    assert sum(calls.values()) == sum(wanted.values())
+    assert rows == same
+
+
+@pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+@pytest.mark.parametrize("component", MACHINE_CODE)
+def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(component):
+    import numba
+    import numpy as np
+
+    cls = component_class(component)
+    made, full = cls((), SMALL[component]), cls(compatible(cls), SMALL[component])
+    for one in (made, full):
+        one.initialize(0.0)
+    source = python(cls.advance).__globals__["derivatives"]
+    cut, branches = stripped(source)
+    assert branches > 0
+
+    def instructions(function, one) -> int:
+        compiled = numba.njit(error_model="numpy")(python(function))
+        compiled(0.0, one.x, one.u[0], np.zeros_like(one.x), *one.settled)
+        (code,) = compiled.inspect_asm().values()
+        return sum(line.startswith("\t") and not line.startswith("\t.") for line in code.splitlines())
+
+    off, never, on = instructions(source, made), instructions(cut, made), instructions(source, full)
+    assert off == never
+    assert on > off
