@@ -34,7 +34,8 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     assert "Recorded signals" in html
     wanted = scene.analysis["system"]
     short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
-             "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run"}
+             "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
+             "pipe_robot": "Way and speed"}
     assert short[wanted] in html
 
 
