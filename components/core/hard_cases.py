@@ -16,7 +16,7 @@ import numpy as np
 
 from .component import Component
 
-Quantity = str | Callable[[Component], float | Sequence[float] | np.ndarray]  # an output, "energy", or what a function says of the component
+Quantity = str | Callable[[Component], float | Sequence[float] | np.ndarray]  # an output, "energy", or what a function says
 ENERGY = "energy"
 
 
@@ -53,7 +53,7 @@ def sine(swing: float, rate: float, mean: float = 0.0) -> Course:
 def seen(component: Component, quantity: Quantity) -> np.ndarray:
     """Present values of a quantity, (k,)."""
     if not isinstance(quantity, str):
-        return np.atleast_1d(np.asarray(quantity(component), dtype=float))
+        return np.array(quantity(component), dtype=float, ndmin=1)  # a copy: it may have been a view of the state
     return np.array([component.energy() if quantity == ENERGY else component.get(quantity)])
 
 

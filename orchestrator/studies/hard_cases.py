@@ -58,8 +58,8 @@ class HardCases:
         """How many there are, and how many do not hold."""
         cases = {(v.component, v.case.name) for v in self.verdicts}
         components = {v.component for v in self.verdicts}
-        return (f"{len(self.verdicts)} claims of {len(cases)} hard cases of {len(components)} components; "
-                f"{len(self.failed) or 'none'} {'do' if len(self.failed) > 1 else 'does'} not hold")
+        failed = f"{len(self.failed)} of them do not hold" if self.failed else "all hold"
+        return f"{len(self.verdicts)} claims of {len(cases)} hard cases of {len(components)} components: {failed}"
 
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each claim."""
