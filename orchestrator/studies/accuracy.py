@@ -33,6 +33,7 @@ USELESS = 1.0  # error from which a run tells nothing
 OWN = "as it is"
 BUDGET = 60.0  # s
 PATIENCE = 0.01  # of the budget: a setting is not run again once its runs have taken that long
+PROBED = 0.02  # of a run, to tell how long the whole will take
 FIRST = 0.6  # of the budget, for how the scene is coupled; the rest for internal steps
 DEAREST = 0.05  # of the budget, for one run
 REFINED = 4  # settings on the front whose internal steps are varied
@@ -159,8 +160,7 @@ class _Bench:
 
     def measure(self, setting: Setting) -> None:
         """Append the setting's point."""
-        size, seconds = self._dear.get(setting.line, (setting.size, 0.0))
-        expected = seconds * max(size / setting.size, 1.0)
+        expected = self._expected(setting)
         known = Point(setting.line, setting.knob, setting.size, setting.changes, "skipped",
                       f"not within the budget of {self._budget:g} s")
         if min(self.left, DEAREST * self._budget) <= expected:
@@ -173,6 +173,16 @@ class _Bench:
             self.left -= perf_counter() - begin
             self._dear[setting.line] = (setting.size, found.seconds)
         self.points.append(self._judged(known, found))
+
+    def _expected(self, setting: Setting) -> float:
+        """What a run will take, s: by the last one of its line, or by a short part of the first."""
+        if setting.line in self._dear:
+            size, seconds = self._dear[setting.line]
+            return seconds * max(size / setting.size, 1.0)
+        if self.left <= 0.0 or not self.points:
+            return 0.0
+        probe = trial(self._scene, {**setting.changes, "stop_time": PROBED * self._scene.stop_time}, repeats=1)
+        return probe.seconds / PROBED if probe.done else 0.0
 
     def _judged(self, known: Point, found: Trial) -> Point:
         point = replace(known, outcome=found.outcome, reason=found.reason, seconds=found.seconds, middle=found.middle,

@@ -13,7 +13,7 @@ from dataclasses import replace
 from importlib.metadata import version
 from math import inf
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -75,12 +75,12 @@ class Alone:
         component.initialize(0.0)
         rows, step, h = np.empty((self.steps + 1, component.y.size)), component.step, self.step
         rows[0] = component.y
-        begin = perf_counter()
+        begin = process_time()
         for k, polynomial in enumerate(self.inputs):
             component.u[:] = polynomial
             step(k * h, h)
             rows[k + 1] = component.y
-        return self._course(component, rows), perf_counter() - begin, component.work
+        return self._course(component, rows), process_time() - begin, component.work
 
     def by_scipy(self, method: str, tolerance: float, patience: float = inf,
                  longest: float = inf) -> tuple[Course, float, Mapping[str, int]]:
@@ -106,10 +106,10 @@ class Alone:
                 raise StepFailed(method, t, f"took longer than {patience:.2g} s", "")
             return dx.copy()
 
-        begin = perf_counter()
+        begin = process_time()
         solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least,
                            max_step=longest)
-        seconds = perf_counter() - begin
+        seconds = process_time() - begin
         if not solved.success or not np.isfinite(solved.y).all():
             raise StepFailed(method, float(solved.t[-1]) if solved.t.size else 0.0, str(solved.message), "")
         rows = np.empty((time.size, component.y.size))

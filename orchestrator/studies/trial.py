@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from statistics import median
+from time import perf_counter, process_time
 from typing import Any
 
 from components.core.errors import BadInput
@@ -25,7 +26,8 @@ class Trial:
     """What one setting gave.
 
     changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run) or "refused" (before it);
-    reason: why.  seconds, middle: minimum and median of the stepping of warm runs; NaN without one.
+    reason: why.  seconds, middle: minimum and median of warm runs' stepping in time of the processor, which other programs on the
+    machine do not lengthen; where units have processes of their own, in time as it passes. NaN without a run.
     work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
     """
 
@@ -59,14 +61,18 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
         changed = scene.with_changes(changes) if changes else scene
         _warm_up(changed)
         runs: list[Result] = []
-        while len(runs) < max(repeats, 1) and (not runs or sum(r.info["timing"]["run"] for r in runs) < patience):
+        times: list[float] = []
+        alone = all(unit.isolation == "none" for unit in changed.units.values())
+        while len(runs) < max(repeats, 1) and (not runs or sum(times) < patience):
+            wall, processor = perf_counter(), process_time()
             runs.append(run(changed, in_process=True))
+            share = min((process_time() - processor) / (perf_counter() - wall), 1.0) if alone else 1.0
+            times.append(runs[-1].info["timing"]["run"] * share)
             if runs[-1].outcome != "done":
                 break
     except BadInput as error:
         return Trial(changes, "refused", str(error))
     last = runs[-1]
-    times = [r.info["timing"]["run"] for r in runs]
     return Trial(changes, last.outcome, last.message, min(times), median(times), work_of(last), last)
 
 

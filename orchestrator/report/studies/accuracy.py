@@ -31,7 +31,7 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
     """`report.html` of what accuracy costs."""
     figures: list[Block] = [
         _work_precision(measured, "seconds", "Error against time", "time of the run, s", (
-            f"Minimum of several warm runs on {measured.machine}. ")),
+            f"Time of the processor, minimum of several warm runs on {measured.machine}. ")),
         _work_precision(measured, "calls", "Error against counted work", "operations of the units and hand-overs", (
             "The same on every machine: of each unit its dearest operation, such as an evaluation of its equations, and one for "
             "every unit in every macro step or iteration. ")),
