@@ -87,6 +87,16 @@ def test_voltages_are_held_between_samples_and_samples_see_their_instant():
     assert made["first_voltage"] == pytest.approx(-0.8446 * 20.0 * feed / RADIUS, rel=1e-12)
 
 
+def test_a_run_that_begins_between_two_samples_takes_the_next_one():
+    made = controller(layout="orthogonal")
+    made.initialize(0.4e-3)
+    made.set("feed", 1e-3)
+    made.step(0.4e-3, 0.5e-3)
+    assert (made["feed_error"], made.work["samples"]) == (0.0, 0)
+    made.step(0.9e-3, 0.2e-3)
+    assert (made["feed_error"], made.work["samples"]) == (-1e-3, 1)
+
+
 def test_the_set_point_follows_its_table():
     table = {"reference.time": (1.0, 1.0, 2.0), "reference.feed": (0.0, 0.01, 0.03), "reference.rotation": (0.5, 0.5, -0.5)}
     given = {f"{n}[{k + 1}]": v for n, values in table.items() for k, v in enumerate((*values, 0.0))}
@@ -122,6 +132,19 @@ def test_counted_rates_sum_up_to_the_counted_angle():
     assert np.sum(counts) == pytest.approx(0.5 / 1.65e-4, abs=1.0)
 
 
+def test_each_wheel_is_counted_from_the_start_as_if_it_had_turned_before():
+    """4 and -6 counts a sample; then the angles jump by 5 and -1 counts within one."""
+    count, alone = 1.65e-4, {"layout": "orthogonal", "feed_gain": 0.0, "rotation_gain": 0.0, "feed_forward": 0.0,
+                             "rate_gain": 1.0, "rate_integral_gain": 0.0}  # fmt: skip
+    made = controller(("quantisation",), {"first_angle": 10.5 * count, "second_angle": -7.5 * count,
+                                          "first_rate": 4e3 * count, "second_rate": -6e3 * count}, **alone)  # fmt: skip
+    assert voltages(made) == pytest.approx([-4e3 * count, 6e3 * count], rel=1e-12)
+    made.set("first_angle", 15.5 * count)
+    made.set("second_angle", -8.5 * count)
+    made.step(0.0, 1e-3)
+    assert voltages(made) == pytest.approx([-5e3 * count, 1e3 * count], rel=1e-12)
+
+
 def test_a_sleeve_between_two_counts_is_seen_at_the_lower_one():
     made = controller(("quantisation",), {"feed": 2.7e-5, "rotation": -1.2e-3})
     assert (made["feed_error"], made["rotation_error"]) == pytest.approx((-2e-5, 2e-3), rel=1e-12)
@@ -137,6 +160,22 @@ def test_integrals_do_not_wind_up_at_the_limits():
     assert made.x[3] == pytest.approx(12.0 + excess - 0.8446 * 20.0, rel=1e-6)
     # the motion is limited to R 20 rad/s = 0.2 m/s, and the wanted one exceeds it by K_m e T
     assert made.x[9] == pytest.approx(0.2 + 50.0 * 1.0 * 0.02 - 20.0 * 1.0, rel=1e-6)
+
+
+def test_each_way_has_its_own_integral():
+    """Errors that stay, at 101 samples: K_m e per time each. At the common limit of the rates each gives up in proportion.
+
+    There v (1 - share) = K_m e T for both, with share = 0.2 m/s / v of the feed, whose wheel is at the limit.
+    """
+    gains = {"layout": "orthogonal", "feed_integral_gain": 50.0, "rotation_integral_gain": 70.0}
+    free = controller(set_feed=1e-3, set_rotation=0.1, **gains)
+    free.step(0.0, 0.1)
+    assert free.x[9:11] == pytest.approx([0.101 * 50.0 * 1e-3, 0.101 * 70.0 * 0.1], rel=1e-12)
+    limited = controller(set_feed=1.0, set_rotation=0.1, **gains)
+    limited.step(0.0, 2.0)
+    feed_rate = 0.2 + 50.0 * 1.0 * 0.02
+    turn_rate = 70.0 * 0.1 * 0.02 / (1.0 - 0.2 / feed_rate)
+    assert limited.x[9:11] == pytest.approx([feed_rate - 20.0 * 1.0, turn_rate - 20.0 * 0.1], rel=1e-9)
 
 
 def test_without_gains_there_are_no_integrals():

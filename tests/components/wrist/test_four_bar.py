@@ -104,6 +104,16 @@ def test_virtual_work(name):
         assert lossy["input_torque"] * rate == pytest.approx(load * lossy["output_rate"] + lost, rel=1e-12)
 
 
+def test_pins_lose_by_the_rates_of_their_links_against_each_other():
+    """Rates of coupler and rocker by differences of their angles; four pins, two of them in the ground."""
+    h, rate = 1e-6, 3.0
+    for angle in (0.4, 1.3, 2.6, 4.4):
+        ends = [four_bar(angle + s * h) for s in (-1.0, 1.0)]
+        coupler, rocker = (rate * (ends[1][n] - ends[0][n]) / (2.0 * h) for n in ("coupler_angle", "output_angle"))
+        lost = 1e-3 * (rate**2 + (coupler - rate) ** 2 + (rocker - coupler) ** 2 + rocker**2)
+        assert four_bar(angle, rate, effects=("pin_damping",))["pin_damping.dissipation"] == pytest.approx(lost, rel=1e-7)
+
+
 def test_the_spring_stores_what_goes_into_it():
     """Work of the input over a quarter of a turn, by Gauss's rule, is the spring's energy."""
     ends = [four_bar(a, effects=("rocker_spring",)).energy() for a in (0.4, 2.0)]
