@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...analysis.machines import after_transient
+import numpy as np
+
 from ...analysis.pipe_robot import robots
 from ..charts import draw_chart
-from ..page import Block
+from ..page import Block, Text
 from .course import course_chart, creep_chart, detail_chart
 from .places import frequency_chart, pipe_chart
 from .tables import energy_table, travel_table
@@ -26,11 +27,14 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = robots(result)
     if not found:
         return []
-    kept = after_transient(result)
+    transient = float(result.scene.analysis.get("transient", 0.0))
+    kept = slice(int(np.searchsorted(result.time, transient)), None)
     part = result.scene.analysis.get("detail")
-    charts = [course_chart(found, float(result.time[kept.start])), frequency_chart(found), pipe_chart(found), creep_chart(found),
+    charts = [course_chart(found, transient), frequency_chart(found), pipe_chart(found), creep_chart(found),
               detail_chart(found, part)]  # fmt: skip
     made: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    if result.time[kept].size < 2:
+        return [*made, Text([f"There are no tables: the run ends before its transient of {transient:g} s."], "note")]
     made.append(travel_table(found, kept))
     energy = energy_table(found, kept)
     return made if energy is None else [*made, energy]

@@ -18,7 +18,7 @@ LONG = 0.05  # of the record, from which on a standstill is one for good
 def course_chart(found: Sequence[RobotRecord], begin: float) -> Chart:
     """Way, mean speed over a period, and the exciter's frequency where it changes, of all robots."""
     t = found[0].time
-    mark = ((begin, ""),) if begin > t[0] else ()
+    mark = ((begin, ""),) if t[0] < begin < t[-1] else ()
     panels = [
         Panel("way of the body, m", tuple(Series(r.unit, t, r.signals["position"]) for r in found), x_marks=mark),
         Panel("mean speed, m/s", tuple(Series(r.unit, t, mean_speed(r)) for r in found), x_marks=mark),
