@@ -6,6 +6,7 @@ from ..core.component import Component
 from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Finite, HardCase, Invariant, Refused, jumps, ramp
 
 RELEASED = {"contact_force": jumps(200.0, (0.0, 0.0))}
+WAVE = (20e3 / 1.35) ** 0.5  # m/s, of the default contact wire
 THREE_SPANS = {"spans": 3, "element": 1.0}
 
 
@@ -42,6 +43,9 @@ HARD_CASES = {
                  (AtMost(_solutions, 2.0, "solutions per step"), Finite(limit=1e4)), ("dropper_slackening", "gravity_sag"),
                  {"spans": 2, "method": "implicit"}, {"contact_position": 60.0, "contact_force": jumps(0.0, (2e-3, 1e4))},
                  duration=0.1, step=2e-3),
+        HardCase("a force at the wave speed", "It piles up the wire before it, no quicker than on a bare string: F t / (2 m' c).",
+                 (AtMost("wire_height", 120.0 * 0.3 / (2.0 * 1.35 * WAVE)),), (), {"spans": 2, "element": 1.0},
+                 {"contact_position": ramp(WAVE, 10.0), "contact_force": jumps(0.0, (0.0, 120.0))}, duration=0.3, step=2e-3),
         HardCase("a dropper that would push at rest", "Too much sag for so light a wire.",
                  Refused("at rest", accepted={"pre_sag.depth": 0.03}), ("dropper_slackening", "pre_sag"),
                  {"spans": 2, "pre_sag.depth": 0.3, "contact_wire_mass": 0.3}),
