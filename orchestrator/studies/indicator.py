@@ -3,7 +3,8 @@
 The solution with all effects is run once, and saved at some instants. From each of them the scene without one effect makes a
 short way, beside the solution that is known. What they come to differ by, and how it grows from the first half of the ways to
 the second, tells what a whole run would show: a difference that grows less than evenly tends to a limit as 1 - exp(-t / T); one
-that grows evenly or faster goes on with a power of time, for as long as the run.
+that grows evenly or faster goes on with a power of time, halfway between even and as before, for as long as the run; what
+the ways come to in one direction adds up, and what they come to in both only by chance.
 
 An effect with states of its own cannot start from a state without them: there the way is one from the start of the run.
 """
@@ -189,8 +190,8 @@ def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
     if growth < EVEN:
         size = late * (1.0 - growth ** (2.0 * times)) / (1.0 - growth**2) if growth else late
     else:
-        power = min(math.log2(1.0 + growth), 2.0)
-        size = late * times**power
+        power = 0.5 * (1.0 + min(math.log2(1.0 + growth), 2.0))
+        size = late * _together([float(way[n - 1]) for way in ways], times) * times**power
         shape = 1.0 / math.sqrt(2.0 * power + 1.0)  # mean square of a power of time, over its end
     seconds = [way[half:n] for way in ways if n > half] or list(ways)
     largest = max(float(np.abs(s).max()) for s in seconds)
@@ -202,3 +203,10 @@ def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
     if kind == "mean":
         return size * abs(float(np.mean([np.mean(s) for s in seconds]))) / largest
     return size
+
+
+def _together(ends: Sequence[float], times: float) -> float:
+    """How much of the differences at the ends of some ways adds up over so many ways: all of it, if it has one sign."""
+    square = float(np.mean(np.square(ends)))
+    mean = float(np.mean(ends)) ** 2
+    return math.sqrt((mean + (square - mean) / times) / square) if square else 1.0
