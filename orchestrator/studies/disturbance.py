@@ -34,7 +34,9 @@ from ..units.interface import Row
 PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
 FEWEST = 32  # steps that tell growth from a transient
+FIRST = 4  # steps that show the push itself
 CLEAR = 1e3  # a factor in size that needs no longer look
+SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
 FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
 SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
 LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
@@ -72,9 +74,8 @@ class Own:
         found = []
         for share in np.geomspace(0.5, 2.0, 9) ** 0.5:  # a wave comes back a little sooner or later than to other steps
             n = int(min(share * time / self.h, self.sizes.size))
-            _, early, late = _fourths(self.sizes[:n]) if n >= FEWEST else (0.0, 1.0, 1.0)
-            found.append(late / early if early > 0.0 else 1.0)
-        return max(found)
+            found.append(_factor(self.sizes[:n]) if n >= FEWEST else 1.0)
+        return largest if SURE < (largest := max(found)) < math.inf else 1.0
 
     def allows(self, growth: Growth, even: float) -> bool:
         """Whether a growth is no more than what comes by itself; `even`: a factor that chance may give."""
@@ -88,17 +89,19 @@ def sizes(differences: np.ndarray) -> np.ndarray:
 
 def growth_of(found: np.ndarray, h: float, made: int, noise: float = 0.0) -> Growth:
     """Of sizes (n,), h seconds apart; below `noise` they mean nothing. made: steps made to get them."""
-    first, early, late = _fourths(found)
-    if late <= max(first / CLEAR, noise):
-        return Growth(0.0, h * found.size, made)
-    return Growth(late / early if early else math.inf, h * found.size, made)
-
-
-def _fourths(found: np.ndarray) -> tuple[float, float, float]:
-    """The largest of the first, second and last fourth."""
     window = found.size // 4
-    first, early, _, late = (float(found[k * window : (k + 1) * window].max()) for k in range(4))
-    return first, early, late
+    if found[-window:].max() <= max(found[:window].max() / CLEAR, noise):
+        return Growth(0.0, h * found.size, made)
+    return Growth(_factor(found), h * found.size, made)
+
+
+def _factor(found: np.ndarray) -> float:
+    """The last fourth over the second one; or over the start, where a bound, such as a contact that opens, has been reached."""
+    window, start, largest = found.size // 4, found[:FIRST].max(), found.max()
+    if largest > CLEAR * start:
+        return float(largest / start) if start > 0.0 else math.inf
+    early, late = found[window : 2 * window].max(), found[3 * window : 4 * window].max()
+    return float(late / early) if early > 0.0 else math.inf
 
 
 class Disturbed:

@@ -27,9 +27,11 @@ from .search import longest_stable
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
 
 STEPS = 600  # internal steps of a run that decides
-FARTHEST = 1e3  # times the first step tried: beyond it no limit is looked for
-PUSH = 1e-3  # of an input's value or nominal value; through an inertia little of it arrives within a step
-FLOOR = 1e-9  # of a state: a difference below it is rounding
+SMALL = 1e-3  # of the largest first difference: what a push reaches late does not grow because it arrives
+FARTHEST = 30.0  # times the first step tried: beyond it no limit is looked for
+PACE = 1.25  # from one trial to the next: far beyond a limit all is lost at once, and what bounds it looks like rest
+PUSH = 1e-8  # of an input's value or nominal value: what grows must have room before something bounds it
+FLOOR = 1e-12  # of a state: a difference below it is rounding
 EVEN = 1.5  # a factor that modes which beat may have; beyond its limit a method makes much more of them
 FINE = 8.0  # part of the own limit at which it is seen what grows by itself
 
@@ -114,7 +116,7 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
     longest, seen, tried = longest_stable(lambda h: _growth(made, h, steps), by_itself, EVEN, usual, usual / FARTHEST,
-                                          usual * FARTHEST)
+                                          usual * FARTHEST, PACE)
     return InternalStep(effects, own, longest, seen, tried)
 
 
@@ -138,7 +140,7 @@ def _sizes(made: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
     calm, pushed = (_states(made(h), h, steps, push) for push in (0.0, PUSH))
     differences = pushed - calm
     early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)
-    scale = np.maximum(early, FLOOR * np.maximum(np.abs(calm).max(axis=0, initial=0.0), early.max(initial=0.0)))
+    scale = np.maximum(early, np.maximum(FLOOR * np.abs(calm).max(axis=0, initial=0.0), SMALL * early.max(initial=0.0)))
     return sizes(differences / np.where(scale > 0.0, scale, 1.0)), 2 * steps
 
 

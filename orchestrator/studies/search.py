@@ -1,4 +1,4 @@
-"""The longest stable step: from a first one, doubled or halved until the other side is reached, then between the two."""
+"""The longest stable step: from a first one, longer or shorter until the other side is reached, then between the two."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from .disturbance import Growth, Own
 ACCURACY = 1.005  # of a limit: the shortest step seen to be unstable over the longest one seen to be stable
 
 
-def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float
-                   ) -> tuple[float, str, float]:
+def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float,
+                   pace: float = 2.0) -> tuple[float, str, float]:
     """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
 
     own, even: the growth that is allowed, see `Own.allows`.  first, least, most: steps, s.  The longest stable step is infinite
-    where `most` is stable, and 0 where `least` is not.
+    where `most` is stable, and 0 where `least` is not.  pace: factor of one trial to the next.
     """
     seen = ""
 
@@ -28,13 +28,13 @@ def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, fir
 
     h = low = high = min(first, most)
     if grows(h):
-        while grows(h := 0.5 * h):
+        while grows(h := h / pace):
             high = h
             if h <= least:
                 return 0.0, seen, h
         low = h
     else:
-        while not grows(h := min(2.0 * h, most)):
+        while not grows(h := min(pace * h, most)):
             low = h
             if h == most:
                 return math.inf, "", h

@@ -32,7 +32,7 @@ Scheme = tuple[str, int]  # algorithm, extrapolation
 STEPS = 1000  # macro steps of a run that decides
 SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
 FINE = 4.0  # part of the scene's macro step with which it is seen what grows by itself,
-AHEAD = 4.0  # for as long as steps of so many macro steps take
+AHEAD = 2.0  # for as long as steps of so many macro steps take
 EVEN = 1.01  # a factor that the sampling of an oscillation's crests may feign
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 ROW = 34  # px of a bar
 PANEL = 250  # px of a map
 LEVELS = 12  # about so many contours
+TICKS = 8  # values of a parameter that an axis may name
 
 
 def for_stability(found: Stability, directory: str | Path) -> Path:
@@ -146,7 +147,9 @@ def _parameter_axis(title: str, found: Stability, name: str, **more: Any) -> dic
     """Logarithmic where the values are spread over more than a decade."""
     values = np.array([limit.point[name] for limit in found.limits])
     spread = values.min() > 0.0 and values.max() > 8.0 * values.min()
-    return axis(title, type="log" if spread else "linear", **more)
+    ticks = sorted(set(values.tolist())) if len(set(values.tolist())) <= TICKS else []
+    marks: dict[str, Any] = {"tickvals": drawn(ticks, 6), "ticktext": [f"{v:.4g}" for v in ticks]} if ticks else {}
+    return axis(title, type="log" if spread else "linear", **marks, **more)
 
 
 def _maps(found: Stability) -> list[Block]:

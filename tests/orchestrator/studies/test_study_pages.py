@@ -9,10 +9,13 @@ import pytest
 from components.core.hard_cases import AtMost, HardCase
 from orchestrator.report.studies.accuracy import for_accuracy
 from orchestrator.report.studies.hard_cases import for_hard_cases
+from orchestrator.report.studies.stability import for_internal_steps, for_stability
 from orchestrator.scene import load_scene
 from orchestrator.studies.accuracy import OWN, Accuracy, Point, accuracy
 from orchestrator.studies.alone import alone
 from orchestrator.studies.hard_cases import HardCases, hard_cases, verdicts
+from orchestrator.studies.internal_steps import internal_steps
+from orchestrator.studies.stability import stability
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SHORT = {"stop_time": 0.5}
@@ -41,13 +44,35 @@ def hard_cases_of_two_components(folder):
 
 
 def hard_cases_that_fail(folder):
-    case = HardCase("a case", "What is hard.", (AtMost("stretch", 1e-3), AtMost("rear_force", 1.0)), inputs={"front_position": 0.6})
+    claims = (AtMost("stretch", 1e-3), AtMost("rear_force", 1.0))
+    case = HardCase("a case", "What is hard.", claims, inputs={"front_position": 0.6})
     return for_hard_cases(HardCases(tuple(verdicts("TowCoupling", case))), folder)
+
+
+def stability_of_a_map(folder):
+    table = {"spring.damping": [1.0, 4.0], "mass.mass": [0.5, 1.0]}
+    scene = load_scene("mass-on-spring").with_changes({"study.stability": table})
+    return for_stability(stability(scene, [("jacobi", 0), ("jacobi", 1)], steps=100), folder)
+
+
+def stability_over_one_parameter(folder):
+    scene = load_scene("mass-on-spring").with_changes({"study.stability": {"spring.damping": [0.0, 1.0, 4.0]}})
+    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0)], steps=100), folder)
+
+
+def stability_without_a_map(folder):
+    scene = load_scene("mass-on-spring").with_changes({"study.stability": {}})
+    return for_stability(stability(scene, [("jacobi", 0), ("iterative", 0), ("interface-model", 1)], steps=100), folder)
+
+
+def internal_steps_of_a_component(folder):
+    return for_internal_steps(internal_steps("PlanarLink", steps=100), folder)
 
 
 PAGES = {  # -> figures that the page must have at least
     accuracy_of_a_scene: 3, accuracy_with_failures: 3, accuracy_of_a_component: 3, accuracy_without_results: 2,
     hard_cases_of_two_components: 1, hard_cases_that_fail: 1,
+    stability_of_a_map: 2, stability_over_one_parameter: 2, stability_without_a_map: 2, internal_steps_of_a_component: 1,
 }
 
 
