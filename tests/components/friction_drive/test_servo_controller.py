@@ -36,9 +36,10 @@ def voltages(made) -> list[float]:
     ("orthogonal", (1.0, 0.0), (0.0, 1.0)),
 ])  # fmt: skip
 def test_errors_become_wheel_rates_by_the_inverse_kinematics(layout, first, second):
-    """20 1/s of 1 mm and 0.1 rad, over R = 10 mm; the voltages of (0.4446 + 0.4) V.s/rad, less 0.4 for what turns already."""
-    made = controller((), {"first_rate": 0.3, "second_rate": -0.2}, layout=layout, set_feed=1e-3, set_rotation=0.1)
-    motion = 20.0 * np.array([1e-3, SLEEVE * 0.1]) / RADIUS
+    """20 1/s of 1 mm, 15 1/s of 0.1 rad, R = 10 mm; voltages of (0.4446 + 0.4) V.s/rad, less 0.4 for what turns already."""
+    made = controller((), {"first_rate": 0.3, "second_rate": -0.2}, layout=layout, set_feed=1e-3, set_rotation=0.1,
+                      rotation_gain=15.0)
+    motion = np.array([20.0 * 1e-3, 15.0 * SLEEVE * 0.1]) / RADIUS
     wanted = np.array([first, second]) @ motion
     assert voltages(made) == pytest.approx(0.8446 * wanted - 0.4 * np.array([0.3, -0.2]), rel=1e-12)
     assert (made["feed_error"], made["rotation_error"]) == (1e-3, 0.1)

@@ -305,6 +305,60 @@ def test_a_robot_on_a_slope_starts_with_its_mass_hanging_still():
         assert made["position"] == 0.0
 
 
+@pytest.mark.parametrize("duration", [0.01, 0.1])
+def test_a_stretched_spring_swings_on_a_body_that_stands(duration):
+    """From start_stretch at rest: m2 x'' = -k x - c x'."""
+    made = started("harmonic_force", harmonic_force__amplitude=0.0, start_stretch=1e-3, forward_friction=1e4)
+    made.step(0.0, duration)
+    decay = 5.0 / (2.0 * 0.5)
+    w = math.sqrt(2000.0 / 0.5 - decay**2)
+    swing = math.cos(w * duration) + decay / w * math.sin(w * duration)
+    assert made["inner_position"] == pytest.approx(1e-3 * math.exp(-decay * duration) * swing, abs=1e-10)
+    assert made["position"] == 0.0
+
+
+# -- stable steps ------------------------------------------------------------------------------------------------------
+def fastest(made: PipeRobot, modes: tuple[float, ...] = (1.0, 0.0), stretch: float = 0.0, v: float = 0.1) -> float:
+    """Largest |eigenvalue| of the derivatives by central differences, 1/s; modes: of exact friction, none for other laws."""
+    moving = [i for i in range(made.x.size) if i != 4 or not modes]
+    largest = 0.0
+    for mode in modes or (0.0,):
+        x = np.zeros(made.x.size)
+        x[1], x[2], x[3], x[4] = mode * v if modes else v, stretch, mode * v if modes else v, mode
+        columns = []
+        for i in moving:
+            d, ends = 1e-7 * np.eye(x.size)[i], np.zeros((2, x.size))
+            for end, sign in zip(ends, (1.0, -1.0), strict=True):
+                robot_derivatives(0.0, x + sign * d, made.u[0], end, *made.settled)
+            columns.append((ends[0] - ends[1])[moving] / 2e-7)
+        largest = max(largest, float(np.abs(np.linalg.eigvals(np.array(columns))).max()))
+    return largest
+
+
+@pytest.mark.parametrize(("effects", "parameters", "where"), [
+    (("harmonic_force",), {"cubic_spring__stiffness": 1e6}, {"stretch": 0.0499999}),
+    (("unbalance",), {}, {}),
+    (("harmonic_force", "smoothed_friction"), {"route__friction_factor": 1.5}, {"modes": (), "v": -1e-6}),
+    (("harmonic_force", "lugre_friction"), {}, {"modes": (), "v": 0.0}),
+], ids=lambda v: "+".join(v) if isinstance(v, tuple) else "")  # fmt: skip
+def test_the_stable_step_is_that_of_the_stiffest_state(effects, parameters, where):
+    """2.78, RK4's limit, over the largest eigenvalue at the largest stretch and factor of friction, body free and stuck."""
+    made = started(*effects, **parameters, substep=1e-5)
+    assert made.stable_step() == pytest.approx(2.78 / fastest(made, **where), rel=1e-4)
+
+
+def test_stable_steps_of_a_prescribed_motion_and_of_bristles():
+    """One mass of 1.5 kg: 8 N over 5 mm/s, half as much again at the largest factor; bristles of 1e5 N/m. Levels of bristles."""
+    assert robot("prescribed_motion").stable_step() == math.inf
+    smoothed = robot("prescribed_motion", "smoothed_friction")
+    assert smoothed.stable_step() == pytest.approx(2.78 / (1.5 * 8.0 / 5e-3 / 1.5), rel=1e-12)
+    assert robot("prescribed_motion", "lugre_friction").stable_step() == pytest.approx(2.78 / math.sqrt(1e5 / 1.5), rel=1e-12)
+    mu, press = 0.3 * 1.5, 8.0 * 0.019 / 0.03
+    backward = mu * press / (math.cos(1.0472) - mu * math.sin(1.0472)) / 1.5  # over the factor, which counts again
+    given = robot("harmonic_force", "smoothed_friction", backward_friction=backward).stable_step()
+    assert robot("harmonic_force", "smoothed_friction", "bristles").stable_step() == pytest.approx(given, rel=1e-12)
+
+
 # -- refusals ----------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(("effects", "parameters", "words"), [
     (("bristles",), {"forward_friction": 3.0}, "forward_friction = 3 N with the effect 'bristles'"),

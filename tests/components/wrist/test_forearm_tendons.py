@@ -99,6 +99,19 @@ def test_passive_fibres_have_a_potential():
     assert tendons(flexion=0.5).energy() == 0.0
 
 
+def test_fibres_pull_by_their_length():
+    """Active: exp(-strain² / 0.45), either way. Passive: the largest force at 60 %, at 30 % (e² - 1) / (e⁴ - 1) of it."""
+    def force(strain, excitation):
+        return tendons(("fibres",), {FCR: excitation}, flexion=-strain * 0.0628 / 0.0177)["force[1]"] / 59.7
+
+    half = math.expm1(2.0) / math.expm1(4.0)
+    assert force(-0.3, 1.0) == pytest.approx(math.exp(-0.2), rel=1e-12)
+    assert force(-0.3, 0.0) == 0.0
+    assert force(0.6, 0.0) == pytest.approx(1.0, rel=1e-12)
+    assert force(0.3, 0.0) == pytest.approx(half, rel=1e-12)
+    assert force(0.3, 0.5) == pytest.approx(0.5 * math.exp(-0.2) + half, rel=1e-12)
+
+
 def test_stretched_muscles_pull_back():
     flexed = tendons(("fibres",), flexion=1.2)
     assert flexed["flexion_torque"] < 0.0
