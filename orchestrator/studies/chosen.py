@@ -55,7 +55,7 @@ def choose(scene: Scene, tolerance: float, told: Callable[[str], None] = lambda 
         try:
             data = json.loads(path.read_text(encoding="utf-8"))
             return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
-        except (OSError, ValueError, KeyError, AttributeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise BadInput(str(path), f"no set of effects ({type(error).__name__}: {error})", "one that was kept",
                            "Remove it, so that it is found anew.") from None
     return keep(effects(scene, tolerance, told=told))

@@ -3,16 +3,20 @@
 import re
 import shutil
 import subprocess
+from dataclasses import replace
+from math import inf, nan
 
 import pytest
 
 from components.core.hard_cases import AtMost, HardCase
 from orchestrator.report.studies.accuracy import for_accuracy
+from orchestrator.report.studies.effects import for_effects
 from orchestrator.report.studies.hard_cases import for_hard_cases
 from orchestrator.report.studies.stability import for_internal_steps, for_stability
-from orchestrator.scene import load_scene
+from orchestrator.scene import load_scene, read_scene
 from orchestrator.studies.accuracy import OWN, Accuracy, Point, accuracy
 from orchestrator.studies.alone import alone
+from orchestrator.studies.effects import effects
 from orchestrator.studies.hard_cases import HardCases, hard_cases, verdicts
 from orchestrator.studies.internal_steps import internal_steps
 from orchestrator.studies.stability import stability
@@ -37,6 +41,21 @@ def accuracy_of_a_component(folder):
 def accuracy_without_results(folder):
     points = (Point(OWN, "own", 1e-3, {}, "failed", "at once"), Point("jacobi, held", "coupling", 2e-3, {}, "refused", "never"))
     return for_accuracy(Accuracy("a", "a", points, "by hand", "by hand", {"x, end": 1e-3}, "here", "now"), folder)
+
+
+def effects_of_a_scene(folder):
+    return for_effects(effects(load_scene("mass-on-spring").with_changes(SHORT), 0.01), folder)
+
+
+def effects_without_which_runs_fail(folder):
+    found = effects(load_scene("mass-on-spring").with_changes(SHORT), 0.01)
+    failed = [replace(f, actual=inf, predicted=nan, reason="left its range") for f in found.findings]
+    return for_effects(replace(found, findings=tuple(failed), remarks=("no predictions: none",)), folder)
+
+
+def effects_of_a_scene_without_any(folder):
+    scene = {"stop_time": 0.1, "master": {"step": 0.01}, "units": {"water": {"component": "AddedMassForce"}}}
+    return for_effects(effects(read_scene(scene), 0.01), folder)
 
 
 def hard_cases_of_two_components(folder):
@@ -71,6 +90,7 @@ def internal_steps_of_a_component(folder):
 
 PAGES = {  # -> figures that the page must have at least
     accuracy_of_a_scene: 3, accuracy_with_failures: 3, accuracy_of_a_component: 3, accuracy_without_results: 2,
+    effects_of_a_scene: 2, effects_without_which_runs_fail: 2, effects_of_a_scene_without_any: 0,
     hard_cases_of_two_components: 1, hard_cases_that_fail: 1,
     stability_of_a_map: 2, stability_over_one_parameter: 2, stability_without_a_map: 2, internal_steps_of_a_component: 1,
 }
