@@ -32,10 +32,10 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     assert result.time.size == steps + 1
     html = page(result, tmp_path)
     assert "Recorded signals" in html
-    wanted = scene.analysis["system"]
+    wanted = scene.analysis.get("system", "")
     short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
              "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
-             "pipe_robot": "Way and speed"}
+             "pipe_robot": "Way and speed", "friction_drive": "Way of the sleeve", "wrist": "Motion of the hand", "": "Settings"}
     assert short[wanted] in html
 
 
