@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...studies.chosen import percent, reason
 from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
-from ..style import BLUE, GREEN, INK, RAW, VERMILION, axis, drawn, label, layout, vertical
+from ..style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, vertical
 
 if TYPE_CHECKING:
     from ...studies.effects import Effects, Finding
@@ -25,7 +25,7 @@ def for_effects(found: Effects, directory: str | Path) -> Path:
     shown = sorted(measured, key=lambda f: f.actual)  # the largest at the top
     blocks: list[Block] = [Text(_advice(found))]
     blocks += [Text(list(found.remarks), "note")] if found.remarks else []
-    blocks += [_sizes(found, shown), _costs(shown)] if shown else []
+    blocks += [_sizes(found, shown), _costs(found, shown)] if shown else []
     sections = [Section("Which effects matter", blocks), Section("Effects", [_table(found), *_others(found)]),
                 Section("Study", [Facts("What was compared", [
                     ("tolerance", percent(found.tolerance)), ("quantities", "; ".join(found.quantities)),
@@ -60,9 +60,10 @@ def _sizes(found: Effects, shown: Sequence[Finding]) -> Figure:
         return LARGEST if error == float("inf") else max(error, least) if error == error else error
 
     data = [
-        _bars([length(f.actual) for f in shown], rows, "actual", BLUE, 0.19,
-              [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in shown],
-              marker={"color": [BLUE if f.chosen else RAW for f in shown]}),
+        *(_bars([length(f.actual) for f in some], [r for r, f in enumerate(shown) if f.chosen == chosen], name, colour, 0.19,
+                [f"{f.name}<br>actual: {_size(f.actual)}" + (f", in {f.worst}" if f.worst else "") for f in some])
+          for chosen, name, colour in ((True, "actual, chosen", BLUE), (False, "actual, left out", SKY))
+          if (some := [f for f in shown if f.chosen == chosen])),
         _bars([length(f.predicted) for f in shown], rows, "predicted", VERMILION, -0.19,
               [f"{f.name}<br>predicted: {_size(f.predicted)}" for f in shown]),
     ]
@@ -71,17 +72,19 @@ def _sizes(found: Effects, shown: Sequence[Finding]) -> Figure:
     made["xaxis"] |= {"type": "log", "range": [log10(least), log10(LARGEST)], "dtick": 1}
     return Figure("Size of each effect", {"data": data, "layout": made}, (
         "Error of the scene with all effects but this one and those that need it: measured, and predicted from short ways along "
-        "the solution. Pale: left out, because all that is left out together stays within the tolerance, the dashed line. Bars "
-        "that end at the left are smaller than the axis shows; those that reach the right end are of runs that fail."))
+        "the solution. Left out is what stays within the tolerance, the dashed line, together with all else that is. Bars that "
+        "end at the left are smaller than the axis shows; those that reach the right end are of runs that fail."))
 
 
-def _costs(shown: Sequence[Finding]) -> Figure:
-    rows = list(range(len(shown)))
-    data = [_bars([f.calls for f in shown], rows, "calls", GREEN, 0.0, [
-        f"{f.name}<br>{f.calls} calls, {f.seconds:.3g} s, {f.states} states" for f in shown], width=0.5)]
-    return Figure("What each effect adds", {"data": data, "layout": _layout("operations in a run", shown, showlegend=False)}, (
-        "Counted work, the same on every machine: evaluations of equations and hand-overs that the run has more with the effect; "
-        "to the left: that it has fewer. What only lengthens an equation adds none; seconds are in the table."))
+def _costs(found: Effects, shown: Sequence[Finding]) -> Figure:
+    rows, full = list(range(len(shown))), found.full
+    texts = [f"{f.name}<br>{f.calls} calls, {f.seconds:.3g} s, {f.states} states" for f in shown]
+    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, 0.19, texts),
+            _bars([100.0 * f.seconds / full.seconds for f in shown], rows, "time", RAW, -0.19, texts)]
+    made = _layout("more with it, % of a run with all effects", shown, barmode="overlay", shapes=[vertical(0.0, colour=INK)])
+    return Figure("What each effect adds", {"data": data, "layout": made}, (
+        "Counted work, the same on every machine: evaluations of equations and hand-overs; what only lengthens an equation adds "
+        "none. Time is that of the shortest of several runs, and scatters. To the left: a run has less of it with the effect."))
 
 
 def _layout(title: str, shown: Sequence[Finding], **more: Any) -> dict[str, Any]:
