@@ -28,5 +28,6 @@ def remedy(scene: Scene) -> str:
     if short is None:
         return "Reduce the macro step; cosimo stability tells how long it may be"
     if not (limit := short.longest[degree]):
-        return f"Take another master.extrapolation: with {degree}, {short.pair} is stable at no step"
+        return (f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
+                "unless something damps it elsewhere")
     return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
