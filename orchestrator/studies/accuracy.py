@@ -24,7 +24,7 @@ from components.core.errors import BadInput
 
 from ..results import write_table
 from ..scene import Scene
-from .knobs import Setting, finer_inside, macro_steps, settings, without_effects
+from .knobs import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .quantities import Quantity, errors, quantities_of, recording
 from .reference import Reference, reference
 from .trial import REPEATS, WORK, Trial, trial
@@ -160,6 +160,7 @@ class _Bench:
 
     def measure(self, setting: Setting) -> None:
         """Append the setting's point."""
+        setting = replace(setting, changes={**pinned(self._scene), **setting.changes})
         expected = self._expected(setting)
         known = Point(setting.line, setting.knob, setting.size, setting.changes, "skipped",
                       f"not within the budget of {self._budget:g} s")

@@ -83,6 +83,14 @@ def with_step(scene: Scene, step: float) -> dict[str, Any]:
     return changes
 
 
+def pinned(scene: Scene) -> dict[str, Any]:
+    """The scene's own setting as changes, so that a measured one means the same when the scene runs at another."""
+    master = scene.master
+    control = {"master.control": master.control.model_dump() if master.control else None}
+    return {**coupling_changes(scene, master.algorithm, master.extrapolation), **control, "master.step": master.step,
+            **refined(scene, 1.0), **meshes(scene)}
+
+
 def macro_steps(scene: Scene) -> list[float]:
     """Macro steps to try, the longest first; each is a whole number of the next ones."""
     return [factor * scene.master.step for factor in MACRO if 4.0 * factor * scene.master.step <= scene.stop_time]
