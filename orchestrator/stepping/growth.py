@@ -39,6 +39,7 @@ class Growth(Patient):
         self._links = [link for node in self._nodes for link in node.links]
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
         self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))])
+        self._values, self._missed = [0.0] * len(self._links), [0.0] * len(self._links)  # largest in the present block
         self._blocks = [_Blocks(np.array(nominal)) for _ in range(KINDS)]
         self._energies = [_Blocks(account.nominal) for _ in range(KINDS)] if account is not None else []
         self._before: tuple[float, np.ndarray, np.ndarray] = (0.0, np.zeros(0), np.zeros(0))
@@ -50,13 +51,22 @@ class Growth(Patient):
         if self._calls % self._every:
             return
         self._looks += 1
-        values = np.array([v for node in self._nodes for v in node.history.present])
-        reached = [v for node in self._nodes for v in (node.history.present if node.reached is None else node.reached)]
-        if (k := _grown(self._blocks, self._looks, np.abs(values), np.abs(values - reached) * self._free)) is not None:
-            link, scale = self._links[k], self._blocks[0].nominal[k]
+        values, missed, k = self._values, self._missed, 0
+        for node in self._nodes:  # plain Python: for the few inputs of a usual scene an array takes ten times as long
+            present = node.history.present
+            for value, reached in zip(present, present if node.reached is None else node.reached, strict=True):
+                values[k] = max(values[k], abs(value))
+                missed[k] = max(missed[k], abs(value - reached))
+                k += 1
+        if self._looks % LOOKS:
+            return
+        block = np.array(values), np.array(missed) * self._free
+        self._values, self._missed = [0.0] * k, [0.0] * k
+        if (worst := _grown(self._blocks, self._looks // LOOKS, *block)) is not None:
+            link, scale = self._links[worst], self._blocks[0].nominal[worst]
             raise StepFailed(link.target[0], t, f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to "
-                             f"{values[k]:.3g} (nominal {scale:.3g}) and no step comes near to what it foretold, less so every "
-                             "time: the coupling is unstable", self._remedy())
+                             f"{block[0][worst]:.3g} (nominal {scale:.3g}) and no step comes near to what it foretold, less so "
+                             "every time: the coupling is unstable", self._remedy())
         if self._account is not None:
             self._look_at_energy(self._account, t)
 
@@ -65,7 +75,7 @@ class Growth(Patient):
         if (span := account.elapsed - elapsed) <= 0.0:
             return
         powers = np.abs(account.exchanged - exchanged) / span, np.abs(account.created - created) / span
-        if (k := _grown(self._energies, self._looks, *powers)) is not None:
+        if (k := _grown(self._energies, self._looks // LOOKS, *powers)) is not None:
             bond = account.bonds[k]
             raise StepFailed(bond.given[0][0], t, f"the coupling makes energy at the bond {bond.text}, more of it every time: "
                              f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it",
@@ -107,14 +117,14 @@ class _Blocks:
         return values, missed, int(np.argmax(np.where(grown, missed / self.nominal, 0.0))) if grown.any() else None
 
 
-def _grown(kinds: Sequence[_Blocks], looks: int, values: np.ndarray, missed: np.ndarray) -> int | None:
-    """Takes one more look, by absolute values and misses (n,), and tells which of them has grown, if one has."""
+def _grown(kinds: Sequence[_Blocks], count: int, values: np.ndarray, missed: np.ndarray) -> int | None:
+    """Takes the shortest block, the `count`-th one, by absolute values and misses (n,); tells which of them has grown, if any."""
     found = None
     for blocks in kinds:
         blocks.add(values, missed)
-        if looks % LOOKS:
+        if blocks is not kinds[0] and count % LOOKS:
             break
-        looks //= LOOKS
+        count //= 1 if blocks is kinds[0] else LOOKS
         values, missed, which = blocks.close()
         found = which if found is None else found
     return found
