@@ -29,12 +29,15 @@ BEYOND = 10.0  # times the interface's scale: the nominal value, or what was rea
 class Growth(Patient):
     """Looks at the inputs now and then; raises `StepFailed` with the connection, its growth, and what would help."""
 
-    EVERY = 29  # macro steps from one look to the next, as `Misses` has it: no stretch of steps is cut for it alone
+    EVERY = 29  # macro steps: longer runs are looked at after multiples of it, where `Misses` cuts their stretches anyway
+    RARELY = 3  # at most so many of it
 
     def __init__(self, master: Master, steps: int, remedy: Callable[[], str], account: EnergyAccount | None = None):
         """`steps`: of the whole run, about.  `remedy`: tells what would help, asked only when it is needed."""
         interfaces, self._remedy, self._account = master.coupling.interfaces, remedy, account
-        self._every, self._calls, self._looks = max(1, min(self.EVERY, steps // SHORT)), 0, 0
+        often = steps // SHORT
+        self._every = self.EVERY * min(often // self.EVERY, self.RARELY) or max(often, 1)
+        self._calls = self._looks = 0
         self._nodes = [node for node in master.nodes if len(node.held) < len(node.links)]
         self._links = [link for node in self._nodes for link in node.links]
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
