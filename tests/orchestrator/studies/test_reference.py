@@ -47,7 +47,9 @@ def test_a_smooth_scene_is_solved_as_one_differential_equation():
     found = reference(scene, quantities_of(scene), 5e-3)
     assert "DOP853" in found.how
     assert len(found.witnesses) == 1
-    decay, omega = 1.0, np.sqrt(100.0 - 1.0)  # m = 1 kg, k = 100 N/m, d = 2 N s/m, 1 m/s at the start
+    spring = scene.units["spring"].parameters  # the mass is 1 kg and starts with 1 m/s
+    decay = 0.5 * spring["damping"]
+    omega = np.sqrt(spring["stiffness"] - decay**2)
     t = found.course.time
     np.testing.assert_allclose(found.course.columns["mass.base_x"], np.exp(-decay * t) * np.sin(omega * t) / omega, atol=1e-10)
     assert found.floor < 1e-7  # LSODA at 1e-9 is what limits it
