@@ -157,6 +157,18 @@ def test_steps_too_long_for_spring_or_excitation_are_refused():
         fast.step(0.0, 1e-3)
 
 
+@pytest.mark.parametrize(("exciter", "given"), [
+    ("prescribed_motion", {"prescribed_motion__frequency": 2500.0}),
+    ("unbalance", {"unbalance__start_rate": -2500.0}),
+    ("harmonic_force", {"route__friction_factor": 1.51}),
+    ("harmonic_force", {"route__friction_factor": -0.01}),
+])  # fmt: skip
+def test_excitations_and_factors_of_friction_out_of_range_end_the_run(exciter, given):
+    made = started(exciter, **given)
+    with pytest.raises(StepFailed, match=r"over a radian within a substep, .*factor of friction left its range"):
+        made.step(0.0, 2e-3)
+
+
 def test_a_softening_spring_that_tears_ends_the_run():
     made = started("harmonic_force", cubic_spring__stiffness=-2e6, harmonic_force__amplitude=60.0)
     with pytest.raises(StepFailed, match="stretch of a cubic spring"):

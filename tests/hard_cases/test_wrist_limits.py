@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from components.core.errors import BadInput, StepFailed
-from components.wrist.kinematics import PROXIMAL_TILT, small_angle_matrix
+from components.wrist.kinematics import PROXIMAL_TILT, RULES, Axes, forward, inverse, small_angle_matrix
 from components.wrist.ligaments import LigamentBundle
 from components.wrist.wrist import Wrist
+from components.wrist.wrist_equations import wrist_derivatives
 
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 ALL = ("morphology", "constraint", "interaction", "load")
@@ -188,6 +189,58 @@ def test_one_long_step_is_many_short_ones():
         short.step(0.04 * k, 0.04)
     assert long.x == pytest.approx(short.x, abs=1e-13)
     assert long.work == short.work
+
+
+@pytest.mark.parametrize(("angles", "fine"), [((0.0, 1.5), True), ((0.0, 1.53), False), ((2.9, 0.0), True),
+                                              ((3.05, 0.0), False)])
+def test_angles_of_the_hand_are_told_up_to_the_pole_of_deviation_and_nearly_a_half_turn(angles, fine):
+    """Cosine of the deviation 0.05, flexion 3 rad, about axes that reach so far; nothing moves, nothing else ends the run."""
+    axes = Axes(RULES, math.pi / 6.0, math.pi / 3.0, 0.0)
+    there = dict(zip(("start_proximal_angle", "start_distal_angle"), inverse(*angles, axes)[:2], strict=True))
+    made = wrist(flexion_stiffness=0.0, deviation_stiffness=0.0, morphology__proximal_tilt=math.pi / 6.0,
+                 morphology__distal_tilt=math.pi / 3.0, **there)
+    if fine:
+        made.step(0.0, 1e-3)
+        assert [made["flexion"], made["deviation"]] == pytest.approx(angles, abs=1e-9)
+    else:
+        with pytest.raises(StepFailed, match="farther than angles of a wrist can tell"):
+            made.step(0.0, 1e-3)
+
+
+@pytest.mark.parametrize(("rate", "fine"), [(990.0, True), (1010.0, False), (-1010.0, False)])
+def test_a_row_that_turns_by_a_radian_within_a_substep_ends_the_run(rate, fine):
+    """Linear, so that nothing else fails, and with one inertia of a tonne: it does not slow down."""
+    made = wrist((), start_distal_rate=rate, transverse_inertia=1e3)
+    if fine:
+        made.step(0.0, 1e-3)
+    else:
+        with pytest.raises(StepFailed, match="a row by over a radian within a substep"):
+            made.step(0.0, 1e-3)
+
+
+@pytest.mark.parametrize("q", [(0.0, 0.0), (0.5, -0.65), (-0.5, -0.71), (0.75, 0.29)])
+@pytest.mark.parametrize("of_ligaments", [False, True])
+def test_the_stable_step_holds_wherever_the_wrist_is(q, of_ligaments):
+    """2.83, RK4's limit for what hardly damps itself, over the eigenvalues of the derivatives by differences.
+
+    All limits are just touched, or all ligaments taut; the arms of these are taken at their longest, so it is far less there.
+    """
+    flexion, deviation, _ = forward(*q)
+    stiffness = 0.0 if of_ligaments else 2000.0
+    given = {f"interaction__{name}_{end}": there - off for end, off in (("upper", 1e-4), ("lower", 9.0))
+             for name, there in (("flexion", flexion), ("deviation", deviation), ("contact", q[1]))}  # fmt: skip
+    given |= {f"constraint__stiffness[{j}]": 1e6 * of_ligaments for j in range(1, 6)}
+    made = wrist(ALL, **given, interaction__stiffness=stiffness, interaction__contact_stiffness=0.1 * stiffness, substep=1e-6,
+                 interaction__dissipation=0.0, constraint__toe=0.0, constraint__prestrain=0.1 * of_ligaments)
+    x, d, columns = np.r_[q, 0.0, 0.0], 1e-7, []
+    for step in d * np.eye(4):
+        ends = np.zeros((2, 4))
+        for end, sign in zip(ends, (1.0, -1.0), strict=True):
+            wrist_derivatives(0.0, x + sign * step, made.u[0], end, *made.settled)
+        columns.append((ends[0] - ends[1]) / (2.0 * d))
+    limit = 2.83 / np.abs(np.linalg.eigvals(np.array(columns))).max()
+    assert made.stable_step() < limit
+    assert of_ligaments or made.stable_step() > limit / 1.2
 
 
 @pytest.mark.parametrize("inputs", [{"tau_flexion": 30.0}, {"tau_deviation": -30.0}, {"tau_flexion": math.nan}])

@@ -168,6 +168,15 @@ def test_bristles_and_elastic_contact_are_the_same_spring_before_they_slide():
             assert wheels["feed"] == pytest.approx(exact, rel=2e-4, abs=1e-12)
 
 
+def test_relaxed_bristles_bear_what_dampers_do():
+    """Before they bend: damping and viscous part against the slip, in both directions of the plane."""
+    wheels = FrictionWheels(("lugre_slip",), {"lugre_slip.viscous": 50.0, "start_feed_rate": 0.02, "start_rotation_rate": -3.0})
+    wheels.initialize(0.0)
+    for wheel in ("first", "second"):
+        found = [wheels[f"{wheel}_traction_{way}"] for way in ("axial", "around")]
+        assert found == pytest.approx([-110.0 * 0.02, 110.0 * 0.005 * 3.0], rel=1e-12)
+
+
 def contact_losses(wheels: FrictionWheels, r: np.ndarray) -> float:
     """Power that contacts and seal lose, by their own formulas; r: rate of the state."""
     _, _, lugre, exact, trocar, _, loss = wheels.settled
@@ -300,6 +309,22 @@ def test_a_lost_wheel_bears_nothing_and_leaves_the_load_to_the_other():
     assert wheels["second_traction_axial"] == pytest.approx(3.0, rel=1e-6)
     assert wheels["margin"] == 0.0
     assert wheels["exact_slip.second_stuck"] == 1.0
+
+
+# -- stable steps -------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("effects", [(), ("smoothed_slip",), ("lugre_slip",), FULL], ids="+".join)
+@pytest.mark.parametrize("layout", ["skewed", "skewed_free_rollers"])
+def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
+    """2.6 over the largest eigenvalue of the derivatives at rest, by differences; the seal is stiffer than by default."""
+    wheels = wheels_at(effects, layout=layout, substep=1e-5, **({"trocar_friction.level": 100.0} if effects is FULL else {}))
+    moving, d = [i for i in range(wheels.x.size) if effects is not FULL or i not in (8, 9, 12)], 1e-9
+    columns = []
+    for i in moving:
+        ends = np.zeros((2, wheels.x.size))
+        for end, sign in zip(ends, (1.0, -1.0), strict=True):
+            wheels_derivatives(0.0, wheels.x + sign * d * np.eye(wheels.x.size)[i], wheels.u[0], end, *wheels.settled)
+        columns.append((ends[0] - ends[1])[moving] / (2.0 * d))
+    assert wheels.stable_step() == pytest.approx(2.6 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=1e-3)
 
 
 @pytest.mark.parametrize("effect", ["lugre_slip", "exact_slip"])

@@ -286,6 +286,29 @@ def test_static_friction_holds_up_to_its_own_level():
             assert made["velocity"] == pytest.approx((pull - moves * level) / 1.5 * 0.1, rel=1e-12)
 
 
+@pytest.mark.parametrize(("pull", "after"), [(2.5, 0.0), (2.7, 1.0), (-10.3, 0.0), (-10.5, -1.0)])
+def test_a_robot_that_stops_stays_up_to_the_static_level(pull, after):
+    """It comes to rest against the pull, which lies above the kinetic level: 2 N and 8 N, static 1.3 times as much."""
+    made = started("prescribed_motion", prescribed_motion__amplitude=0.0, static_ratio=1.3, tow__force=pull,
+                   start_velocity=-math.copysign(0.05, pull))
+    made.step(0.0, 0.1)
+    assert made["mode"] == after
+    assert made.work["events"] == 1
+
+
+@pytest.mark.parametrize(("pull", "slides"), [(2.3, False), (2.7, True), (-9.2, False), (-10.6, True)])
+def test_bristles_of_lugre_let_go_at_the_static_level(pull, slides):
+    """1.3 times 2 N and 8 N. The pull comes slowly: bristles that bend at the Stribeck velocity would bear less."""
+    made = started("harmonic_force", "lugre_friction", harmonic_force__amplitude=0.0, static_ratio=1.3)
+    made.u[1, made.input_positions(["tow.force"])] = 0.25 * pull
+    made.step(0.0, 4.0)
+    made.step(4.0, 0.5)
+    assert (abs(made["velocity"]) > 0.05) == slides
+    if not slides:
+        assert abs(made["velocity"]) < 1e-5
+        assert made["friction_force"] == pytest.approx(-pull, abs=1e-3)
+
+
 @pytest.mark.parametrize("friction", ["smoothed_friction", "lugre_friction"])
 @pytest.mark.parametrize("v", [0.3, -0.3])
 def test_other_frictions_have_the_same_levels_in_steady_sliding(friction, v):
@@ -367,6 +390,7 @@ def test_stable_steps_of_a_prescribed_motion_and_of_bristles():
     (("unbalance",), {"unbalance.mass": 0.5, "unbalance.inertia": 0.0}, "without inertia of the rotor"),
     (("cubic_spring", "route"), {"cubic_spring.stiffness": -1e9, "route.slope": 0.5}, "softening spring"),
     (("bristles", "lugre_friction"), {"bristles.angle": 1.4}, "locked backwards"),
+    (("bristles", "lugre_friction", "route"), {"bristles.angle": 1.25}, "1.354, locked backwards"),  # at 1.5 times the friction
     (("smoothed_friction",), {"smoothed_friction.width": 1e-5}, "the limit of RK4"),
     ((), {"stiffness": 1e8}, "the limit of RK4"),
 ])  # fmt: skip

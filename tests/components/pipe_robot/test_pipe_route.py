@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 
 from components.core.errors import BadInput
 from components.pipe_robot.route import PipeRoute
@@ -55,6 +56,16 @@ def test_the_taper_is_the_derivative_of_the_diameter_and_continuous():
         difference = (at(made, x + d, "diameter") - at(made, x - d, "diameter")) / (2.0 * d)
         # across a place the second derivative jumps by up to 6 * 0.03 / 0.25: half of it times d
         assert at(made, x, "taper") == pytest.approx(difference, abs=0.5 * d)
+
+
+def test_between_the_places_it_is_the_cubic_of_fritsch_and_butland():
+    """As scipy has it but for the ends, where this one is level; slopes of the table that change their sign, too."""
+    made = route()
+    diameter, slope = PchipInterpolator(PLACES, DIAMETERS), PchipInterpolator(PLACES, SLOPES)
+    for x in np.linspace(0.5, 6.0, 111):
+        assert at(made, x, "diameter") == pytest.approx(diameter(x), rel=1e-13)
+        assert at(made, x, "taper") == pytest.approx(diameter(x, 1), abs=1e-14)
+        assert at(made, x, "slope") == pytest.approx(slope(x), abs=1e-14)
 
 
 def test_a_cone_is_one():

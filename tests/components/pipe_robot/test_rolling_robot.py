@@ -148,6 +148,21 @@ def test_rolling_and_sliding_are_those_of_another_solver():
     np.testing.assert_allclose(made.y[:4], wanted, atol=1e-5 * 0.9)  # five digits of the handbook's 6.7214, 0.9 m of way
 
 
+def test_it_starts_on_a_slope_with_its_mass_hanging_still():
+    made = started(route__slope=0.1, harmonic_force__amplitude=0.0)
+    stretch = made["inner_position"]
+    assert stretch == pytest.approx(-0.5 * G * math.sin(0.1) / 2000.0, rel=1e-14)
+    made.step(0.0, 0.5)
+    assert made["inner_position"] == pytest.approx(stretch, abs=1e-15)
+    assert made["position"] == 0.0
+
+
+def test_the_stable_step_is_that_of_both_masses_on_the_spring():
+    """Roots of (k + c s) (1 / m1 + 1 / m2) + s², with the body as light as it slides."""
+    largest = np.abs(np.roots([1.0, 5.0 * (1.0 + 2.0), 2000.0 * (1.0 + 2.0)])).max()
+    assert started().stable_step() == pytest.approx(2.78 / largest, rel=1e-12)
+
+
 @pytest.mark.parametrize(("name", "value"), [("diameter", 0.2041), ("diameter", 0.16), ("route.friction_factor", -0.1),
                                              ("harmonic_force.frequency", 3000.0)])
 def test_out_of_its_range_the_run_fails(name, value):

@@ -213,6 +213,17 @@ def test_the_reaction_bears_what_the_held_row_is_given():
     assert made["constraint.distal_reaction"] == pytest.approx(-0.3 + 0.2 * m12 / m11, rel=1e-12)
 
 
+def test_the_reaction_of_a_held_proximal_row():
+    """The distal row turns alone about the axis that stands: m22 q2'' = its torque, and m12 q2'' comes on the other axis."""
+    made = wrist({**{k: v for k, v in ISOMETRIC.items() if "[2]" in k}, "constraint.kind": "rigid"})
+    made.set("proximal_torque", 0.2)
+    made.set("distal_torque", 0.3)
+    made.refresh()
+    m22, m12 = 0.45 * 0.05**2 + 1e-3, (0.45 * 0.07 * 0.05 + 1e-3) * math.cos(PROXIMAL_TILT + DISTAL_TILT)
+    assert made["constraint.proximal_reaction"] == pytest.approx(-0.2 + 0.3 * m12 / m22, rel=1e-12)
+    assert made["constraint.distal_reaction"] == 0.0
+
+
 def test_a_rigid_ligament_about_a_moved_axis_holds_its_row():
     """Isometric about the axis it was made for; about one that is moved the trapezium-scaphoid pair holds the distal row."""
     parameters = {**ISOMETRIC, "constraint.kind": "rigid", "morphology.distal_tilt": DISTAL_TILT + 0.1}

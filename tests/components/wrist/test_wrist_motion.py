@@ -151,6 +151,16 @@ def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
         assert rate == pytest.approx(power - made["dissipation"], rel=1e-6, abs=1e-7)
 
 
+def test_energy_is_counted_from_the_hand_at_rest_and_its_height_against_gravity():
+    """By the place of its centre of mass, of the two rotations composed; slack ligaments hold nothing at rest."""
+    assert wrist(ALL).energy() == pytest.approx(0.0, abs=1e-15)
+    pull = {"load.gravity_x": -4.0, "load.gravity_y": 3.0, "load.gravity_z": -2.0, "flexion_stiffness": 0.0,
+            "deviation_stiffness": 0.0}  # fmt: skip
+    made = wrist(ALL, {**pull, **NO_LIGAMENTS, "start_proximal_angle": 0.4, "start_distal_angle": -0.3})
+    moved = bodies((0.4, -0.3), half=False)[2] - [0.0, DISTANCE, 0.0]
+    assert made.energy() == pytest.approx(-MASS * moved @ [-4.0, 3.0, -2.0], rel=1e-12)
+
+
 @pytest.mark.parametrize("effects", [("morphology",), ALL], ids=["rows", "all"])
 def test_without_damping_energy_stays(effects):
     made = wrist(effects, {**FREE, "start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_distal_rate": 5.0})
@@ -225,6 +235,7 @@ def test_rows_move_as_the_rule_says_under_torques():
         assert [np.sign(made["proximal_flexion"]), np.sign(made["distal_flexion"])] == list(signs)
         assert abs(made["roll"]) < math.radians(5.0)
     assert made["proximal_flexion"] == math.cos(PROXIMAL_TILT) * made["proximal_angle"]
+    assert made["distal_flexion"] == math.cos(DISTAL_TILT) * made["distal_angle"]
 
 
 def test_a_force_of_a_tendon_is_a_torque_by_its_arms():
