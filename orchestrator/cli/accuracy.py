@@ -35,6 +35,7 @@ def accuracy(
 
     What is found is kept for cosimo run --accuracy.
     """
+    from ..report.studies.accuracy import for_accuracy
     from ..results import made
 
     if budget is not None and not budget > 0.0:
@@ -46,8 +47,6 @@ def accuracy(
             measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, told)
         else:
             measured, kept = _of_scene(what, budget, stop, effects, values, told)
-    from ..report.studies.accuracy import for_accuracy
-
     written = [measured.save(output), for_accuracy(measured, output), *([kept] if kept else [])]
     if as_json:
         import json

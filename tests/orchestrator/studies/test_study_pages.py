@@ -113,8 +113,12 @@ def opened(path, folder):
 @pytest.mark.skipif(BROWSER is None, reason="needs a browser")
 @pytest.mark.parametrize("make", PAGES, ids=lambda make: make.__name__)
 def test_a_page_opens(make, tmp_path):
-    dom, console, asked = opened(make(tmp_path), tmp_path / "browser")
-    figures = len(re.findall(r'class="plot[ "]', dom))
+    page = make(tmp_path)
+    for attempt in range(3):  # where the machine is busy, the browser may be done before its first frame, which draws
+        dom, console, asked = opened(page, tmp_path / f"browser{attempt}")
+        figures = len(re.findall(r'class="plot[ "]', dom))
+        if len(re.findall(r'class="plot-container', dom)) == figures:
+            break
     assert figures >= PAGES[make]
     assert len(re.findall(r'class="plot-container', dom)) == figures
     assert console == []
