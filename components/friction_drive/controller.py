@@ -11,7 +11,7 @@ from ..core.component import Component, Effect
 from ..core.errors import BadInput
 from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
 from ..core.variables import choice, input_, output, parameter
-from .kinematics import layout_choice, refuse_singular, sleeve_rates, wheel_rates
+from .kinematics import ANGLE, layout_choice, refuse_idle_angle, refuse_singular, sleeve_rates, wheel_rates
 
 ROWS = 8
 WHEELS = 1
@@ -71,7 +71,7 @@ class ServoController(Component):
     feedback = choice("sleeve", ("sleeve", "wheels"), "where the way is measured: feed and rotation, or the wheels' angles")
     wheel_radius = parameter(0.01, "m", "radius of the wheels", low=1e-6, nominal=0.01)
     sleeve_radius = parameter(0.005, "m", "radius of the sleeve", low=1e-6, nominal=0.01)
-    angle = parameter(math.pi / 6.0, "rad", "angle of the wheels' directions with the axis, for skewed wheels")
+    angle = parameter(ANGLE, "rad", "angle of the wheels' directions with the axis, for skewed wheels")
     period = parameter(1e-3, "s", "time between samples", low=1e-6, nominal=1e-3)
     set_feed = parameter(0.0, "m", "set point of the feed", nominal=0.01)
     set_rotation = parameter(0.0, "rad", "set point of the rotation")
@@ -104,6 +104,7 @@ class ServoController(Component):
         """What the kernels get; wheels that cannot give both degrees of freedom, and times that go back, are refused."""
         p, quantisation, reference = self._settled()
         refuse_singular(self.name, p.layout, p.angle)
+        refuse_idle_angle(self.name, p.layout, p.angle)
         return p, quantisation, None if reference is None else self._course(reference)
 
     def _course(self, reference: Any) -> Course:

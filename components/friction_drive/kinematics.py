@@ -21,6 +21,7 @@ from ..core.variables import Variable, choice
 
 LAYOUTS = ("skewed", "skewed_free_rollers", "orthogonal")
 SKEWED, FREE_ROLLERS, ORTHOGONAL = range(3)
+ANGLE = math.pi / 6.0  # rad, of skewed wheels by default
 WORST = 1e3  # condition of the map of rates, above which one degree of freedom counts as lost
 
 
@@ -80,3 +81,11 @@ def refuse_singular(where: str, layout: int, angle: float) -> None:
         raise BadInput(where, f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}",
                        f"wheels that give feed and rotation, a condition number of at most {WORST:g}",
                        f"The {lost} is lost; take an angle well between 0 and {math.pi / 2:.4g} rad.")
+
+
+def refuse_idle_angle(where: str, layout: int, angle: float) -> None:
+    """`BadInput` for an angle that is given to orthogonal wheels, which have none."""
+    if layout == ORTHOGONAL and angle != ANGLE:
+        came = f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}"
+        raise BadInput(where, came, "a layout of skewed wheels, or no angle",
+                       "Orthogonal wheels stand along the axis and across it.")

@@ -39,7 +39,7 @@ from .sleeve import (
     stuck_outputs,
     wheel_loads,
 )
-from .wheels import FrictionWheels, refuse_idle_creep
+from .wheels import FrictionWheels, refuse_idle
 
 RATES, CURRENTS = 2, 4  # behind the motors' place in the state: two angles, two rates, two currents; at last two modes
 
@@ -128,7 +128,7 @@ class FrictionDrive(EventComponent):
     mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
 
     def _initialize(self, t: float) -> int:
-        refuse_idle_creep(self)
+        refuse_idle(self)
         return super()._initialize(t)
 
     def initial_state(self) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..core.events import EventComponent, rk4_events
 from ..core.integrators import rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
-from .kinematics import layout_choice
+from .kinematics import ANGLE, layout_choice, refuse_idle_angle
 from .sleeve import (
     FEED,
     FEED_RATE,
@@ -64,7 +65,7 @@ class FrictionWheels(EventComponent):
     preload_loss = PreloadLoss
 
     layout = layout_choice()
-    angle = parameter(math.pi / 6.0, "rad", "angle of the skewed wheels to the axis of the sleeve", low=0.0, high=0.5 * math.pi)
+    angle = parameter(ANGLE, "rad", "angle of the skewed wheels to the axis of the sleeve", low=0.0, high=0.5 * math.pi)
     wheel_radius = parameter(0.01, "m", "radius of the wheels", low=1e-6, nominal=0.01)
     sleeve_radius = parameter(0.005, "m", "radius of the sleeve", low=1e-6, nominal=0.01)
     mass = parameter(0.15, "kg", "mass of the sleeve with its instrument", low=1e-9)
@@ -103,7 +104,7 @@ class FrictionWheels(EventComponent):
     mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
 
     def _initialize(self, t: float) -> int:
-        refuse_idle_creep(self)
+        refuse_idle(self)
         return super()._initialize(t)
 
     def initial_state(self) -> np.ndarray:
@@ -131,8 +132,10 @@ class FrictionWheels(EventComponent):
         return wheels_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
 
 
-def refuse_idle_creep(component) -> None:
-    """`BadInput` for a given `creep` with a law of friction that has none; of this unit and the whole drive."""
+def refuse_idle(component: Any) -> None:
+    """`BadInput` for a given `creep` with a law of friction that has none, and an angle of wheels without; also of the drive."""
+    p = component._settled()[0]
+    refuse_idle_angle(component.name, p.layout, p.angle)
     given = component.get("creep")
     if given != type(component).variables["creep"].start:
         for effect in ("lugre_slip", "exact_slip"):

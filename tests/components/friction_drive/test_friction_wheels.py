@@ -123,7 +123,10 @@ def test_load_shares():
 # -- the same for both layouts, linear contacts, energy -----------------------------------------------------------------------
 @pytest.mark.parametrize("effects", LAWS)
 def test_layouts_are_the_same_as_the_angle_vanishes(effects):
-    """Feed only: to second order in the angle; the rotation is another matter, which free rollers leave to itself."""
+    """Feed only; the rotation is another matter, which free rollers leave to itself.
+
+    To second order in the angle, but for LuGre: there the slip across, R w sin a, lets the bristles relax along as well.
+    """
     def feed_after(layout: str, angle: float) -> float:
         wheels = wheels_at(effects, 20.0, 20.0, -3.0, layout=layout, angle=angle)
         wheels.step(0.0, 0.05)
@@ -131,7 +134,9 @@ def test_layouts_are_the_same_as_the_angle_vanishes(effects):
 
     assert feed_after("skewed", 0.0) == pytest.approx(feed_after("skewed_free_rollers", 0.0), rel=1e-14)
     apart = [abs(feed_after("skewed", a) - feed_after("skewed_free_rollers", a)) for a in (2e-3, 1e-3)]
-    assert 0.0 < apart[1] < apart[0] < 1e-4
+    assert apart[0] < 1e-4
+    order = 1.0 if effects == ("lugre_slip",) else 2.0
+    assert math.log2(apart[0] / apart[1]) == pytest.approx(order, abs=0.15)
 
 
 @pytest.mark.parametrize("layout", ["skewed", "skewed_free_rollers", "orthogonal"])
@@ -315,7 +320,7 @@ def test_a_lost_wheel_bears_nothing_and_leaves_the_load_to_the_other():
 @pytest.mark.parametrize("effects", [(), ("smoothed_slip",), ("lugre_slip",), FULL], ids="+".join)
 @pytest.mark.parametrize("layout", ["skewed", "skewed_free_rollers"])
 def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
-    """2.6 over the largest eigenvalue of the derivatives at rest, by differences; the seal is stiffer than by default."""
+    """2.61, RK4's limit, over the largest eigenvalue of the derivatives, by differences; a seal stiffer than by default."""
     wheels = wheels_at(effects, layout=layout, substep=1e-5, **({"trocar_friction.level": 100.0} if effects is FULL else {}))
     moving, d = [i for i in range(wheels.x.size) if effects is not FULL or i not in (8, 9, 12)], 1e-9
     columns = []
@@ -324,7 +329,7 @@ def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
         for end, sign in zip(ends, (1.0, -1.0), strict=True):
             wheels_derivatives(0.0, wheels.x + sign * d * np.eye(wheels.x.size)[i], wheels.u[0], end, *wheels.settled)
         columns.append((ends[0] - ends[1])[moving] / (2.0 * d))
-    assert wheels.stable_step() == pytest.approx(2.6 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=1e-3)
+    assert wheels.stable_step() == pytest.approx(2.61 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=5e-3)
 
 
 @pytest.mark.parametrize("effect", ["lugre_slip", "exact_slip"])

@@ -12,6 +12,8 @@ from components.core.errors import BadInput
 from components.drives.closed_forms import wheel_constants
 from components.drives.servo_motor import ServoMotor
 from components.friction_drive.controller import ServoController
+from components.friction_drive.monolith import FrictionDrive
+from components.friction_drive.wheels import FrictionWheels
 
 A, RADIUS, SLEEVE = math.pi / 6.0, 0.01, 0.005
 LAYOUTS = ("skewed", "skewed_free_rollers", "orthogonal")
@@ -70,7 +72,13 @@ def test_a_limit_of_the_rates_keeps_the_direction_of_motion():
 def test_wheels_that_give_one_degree_of_freedom_are_refused(layout, angle, lost):
     with pytest.raises(BadInput, match=f"The {lost} is lost"):
         controller(layout=layout, angle=angle)
-    controller(layout="orthogonal", angle=angle)
+    controller(layout="orthogonal")
+
+
+@pytest.mark.parametrize("component", [ServoController, FrictionWheels, FrictionDrive])
+def test_an_angle_is_no_parameter_of_orthogonal_wheels(component):
+    with pytest.raises(BadInput, match=r"angle = 0\.4 rad in the layout 'orthogonal'"):
+        component((), {"layout": "orthogonal", "angle": 0.4}).initialize(0.0)
 
 
 # -- samples -----------------------------------------------------------------------------------------------------------------

@@ -110,6 +110,14 @@ def test_tension_is_toe_linear_and_its_energy_is_its_integral(toe):
     assert energy[1:] == pytest.approx(simpson, abs=1e-10)
 
 
+@pytest.mark.parametrize("prestrain", [-0.2, 0.0, 0.05])
+def test_prestrain_is_the_strain_at_rest(prestrain):
+    made = bundle(prestrain=prestrain, toe=0.0)
+    assert [made[f"strain[{j}]"] for j in range(1, 6)] == pytest.approx([prestrain] * 5, abs=1e-15)
+    slack = made.settled[0].ligaments.slack
+    assert [made[f"tension[{j}]"] for j in range(1, 6)] == pytest.approx(5e4 * slack * max(prestrain, 0.0), abs=1e-9)
+
+
 def test_tension_grows_with_the_rate_and_never_pushes():
     made = bundle(damping=0.2, **TAUT)
     for rate in (2.0, -2.0, -2000.0):
