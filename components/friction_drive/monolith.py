@@ -61,6 +61,7 @@ class FrictionDrive(EventComponent):
     Equations and numbers are theirs, solved as one: the reference for the split. Slip is between states here, so that the
     contacts' part in the loads needs no step between. Two contacts that stick while friction holds the shafts, too, leave their
     tractions open if all is rigid; with `exact_slip` contacts are elastic, and the deflections say how the load is shared.
+    Of Frączak (2013), known to us by its abstract, is that friction wheels move a sleeve in two degrees of freedom.
     """
 
     title = "Friction-wheel drive, whole"

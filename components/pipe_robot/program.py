@@ -14,7 +14,8 @@ class ExciterProgram(Component):
     """Frequency, amplitude and voltage that change along a straight line from start to end, and may go back the same way.
 
     Which of them is connected is the scene's choice: a force takes frequency and amplitude, a motor its voltage. It is slow
-    where the robot settles within the time in which the frequency passes the width of the resonance. Numbers are ours.
+    where the robot settles within the time in which the frequency passes the width of the resonance. All of it is
+    ours; of Matuliauskas and Spruogis (2002), whose robot this is for, only the abstract is known to us.
     """
 
     title = "Program of frequency, amplitude and voltage over time"

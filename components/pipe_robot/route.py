@@ -19,6 +19,7 @@ class PipeRoute(Component):
 
     Between the places a cubic without overshoot (monotone where the table is), whose first derivative is continuous; before
     the first and behind the last place everything is constant. Several robots in one pipe have one route each, of equal numbers.
+    The pipe's course is ours; of Matuliauskas and Spruogis (2002), whose robot this is for, only the abstract is known to us.
     Source of the interpolation: Fritsch and Butland, SIAM Journal on Scientific and Statistical Computing 5 (1984) 300-304.
     """
 

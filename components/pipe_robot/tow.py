@@ -26,7 +26,8 @@ class TowCoupling(Component):
 
         e = x_front - x_rear - length,    F_rear = k e + c e',    F_front = -F_rear
 
-    Both ends give position and velocity and get a force, positive forwards: it goes to `tow.force` of a robot.
+    Both ends give position and velocity and get a force, positive forwards: it goes to `tow.force` of a robot. Robots in tow are
+    ours; of Matuliauskas and Spruogis (2002), whose robot this is for, only the abstract is known to us.
     """
 
     title = "Coupling for towing"
