@@ -183,8 +183,8 @@ def test_a_shaft_runs_out_under_dry_friction_in_the_exact_time_and_stays():
 
 # -- limits ------------------------------------------------------------------------------------------------------------------
 def test_the_current_limit_gives_a_constant_acceleration():
-    made = motor(("saturation",), {"voltage": 12.0}, damping=0.0)
-    assert made["current"] == pytest.approx(4.0, rel=1e-12)  # 12 V would drive 5.2 A
+    made = motor(("saturation",), {"voltage": 20.0}, damping=0.0)
+    assert made["current"] == pytest.approx(4.0, rel=1e-12)  # 12 V, what the amplifier has, would drive 5.2 A
     made.step(0.0, 1e-3)
     assert made["rate"] == pytest.approx(4.0 * K * N * 1e-3 / wheel_constants(made)[0], rel=1e-12)
     made.step(1e-3, 0.5)

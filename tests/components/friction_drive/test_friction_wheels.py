@@ -333,6 +333,14 @@ def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
     assert wheels.stable_step() == pytest.approx(2.61 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=5e-3)
 
 
+def test_the_margin_is_that_of_the_wheel_that_has_less():
+    """Orthogonal wheels: 1 N along of 6 N, and around 2 N of the half of 6 N that is left to the second."""
+    wheels = wheels_at(FULL, force=-1.0, torque=0.01, layout="orthogonal",
+                       **NEUTRAL | {"preload_loss.second": 0.5, "preload_loss.start": 0.0, "preload_loss.duration": 1e-3})
+    wheels.step(0.0, 0.5)
+    assert wheels["margin"] == pytest.approx(1.0 - 2.0 / 3.0, rel=1e-6)
+
+
 @pytest.mark.parametrize("effect", ["lugre_slip", "exact_slip"])
 def test_creep_is_no_parameter_of_laws_without_it(effect):
     wheels = FrictionWheels((effect,), {"creep": 100.0})

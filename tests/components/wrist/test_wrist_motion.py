@@ -18,6 +18,7 @@ QUIET = {"proximal_damping": 0.2, "distal_damping": 0.2, "substep": 4e-3}
 NO_LIGAMENTS = {f"constraint.stiffness[{j}]": 0.0 for j in range(1, 6)}
 ALL = ("morphology", "constraint", "interaction", "load")
 TIGHT = {"interaction.flexion_upper": 0.2, "interaction.deviation_upper": 0.1, "interaction.contact_lower": -0.1,
+         "interaction.contact_stiffness": 120.0,
          "constraint.damping": 0.05, "constraint.prestrain": 0.03, "load.gravity_y": 3.0, "load.gravity_z": -2.0}
 MASS, DISTANCE, TRANSVERSE, AXIAL, ROW = 0.45, 0.07, 1e-3, 4e-4, 1e-5
 
@@ -236,6 +237,8 @@ def test_rows_move_as_the_rule_says_under_torques():
         assert abs(made["roll"]) < math.radians(5.0)
     assert made["proximal_flexion"] == math.cos(PROXIMAL_TILT) * made["proximal_angle"]
     assert made["distal_flexion"] == math.cos(DISTAL_TILT) * made["distal_angle"]
+    half = wrist(("morphology",), {"coupling_model": "opensim_half", "start_proximal_angle": 0.4, "start_distal_angle": -0.3})
+    assert (half["proximal_flexion"], half["distal_flexion"]) == (0.2, 0.2)
 
 
 def test_a_force_of_a_tendon_is_a_torque_by_its_arms():
