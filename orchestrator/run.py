@@ -15,12 +15,13 @@ from typing import Any
 
 from components.core.errors import StepFailed
 
+from .advice.limits import remedy
 from .algorithms import Master, master_of
-from .algorithms.contact import ContactUnit
 from .algorithms.energy import EnergyAccount, metered
 from .algorithms.master import Runaway
 from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .coupling import Coupling, settle
+from .opening import opened
 from .results import Result, Snapshot
 from .scene import Scene
 from .stepping.faults import Faults, Mortal, edges
@@ -28,7 +29,7 @@ from .stepping.growth import Growth
 from .stepping.guided import Guided, clock_for, stepping_of
 from .stepping.loop import Observer
 from .stepping.observers import Interrupt, Misses, Progress, Recorder, reading
-from .units import Unit, open_unit
+from .units import Unit
 from .units.component import ComponentUnit
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
@@ -129,19 +130,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     )
 
 
-def opened(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
-    """The running units of a scene by name, and its contacts, which are units of the graph; `stack` closes them."""
-    units: dict[str, Unit] = {}
-    for name, unit in scene.units.items():
-        units[name] = open_unit(name, unit, in_process=in_process)
-        stack.callback(units[name].close)
-    return units | {contact.name: ContactUnit(contact, scene.master.extrapolation) for contact in scene.contacts}
-
-
 def _remedy(scene: Scene, master: Master) -> str:
     """What would help a run that became unstable."""
-    from .advice.limits import remedy  # advice starts scenes as a run does, so it is behind this module
-
     return master.told_late or remedy(scene)
 
 

@@ -20,6 +20,8 @@ from .component import Component
 from .errors import BadInput
 from .kernels import DONE, NOT_FINITE, hold_inputs
 
+RK4_REACH = 2.61  # |eigenvalue times step| that RK4 bears whatever its damping: 2.62 at 124 degrees, 2.79 and 2.83 on the axes
+
 
 def derivatives(t, x, u, dx, p, *effects):
     """Placeholder that `bind` replaces."""

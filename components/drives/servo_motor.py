@@ -9,12 +9,11 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import rk4
+from ..core.integrators import RK4_REACH, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from . import torque_motor
 
-LIMIT = 2.6  # of RK4: radius of the half disc of eigenvalues times step, real or complex, that it bears
 ANGLE, RATE, CURRENT = 0, 1, 2  # of the state; with stick the mode is its last element
 
 
@@ -121,7 +120,7 @@ class ServoMotor(EventComponent):
             L = inductance.inductance
             matrix = np.array([[-damping / inertia, torque / inertia], [-torque / L, -p.resistance / L]])
             fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
-        return LIMIT / fastest if fastest > 0.0 else math.inf
+        return RK4_REACH / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "shaft_friction" in self.on:

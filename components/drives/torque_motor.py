@@ -7,11 +7,9 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
-
-LIMIT = 2.78  # of RK4, largest eigenvalue times step
 
 
 class Inductance(Effect):
@@ -71,7 +69,7 @@ class TorqueMotor(OdeComponent):
     def stable_step(self) -> float:
         """RK4's limit for the time constant of the winding, s; infinite without inductance."""
         p, inductance, _ = self._settled()
-        return math.inf if inductance is None else LIMIT * inductance.inductance / p.resistance
+        return math.inf if inductance is None else RK4_REACH * inductance.inductance / p.resistance
 
     def internal_step(self) -> float:
         """That of `inductance`; without it nothing is integrated."""

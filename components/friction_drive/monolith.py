@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import rk4
+from ..core.integrators import RK4_REACH, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output
 from ..drives import servo_motor
@@ -18,7 +18,6 @@ from .sleeve import (
     FEED,
     FEED_RATE,
     GUARDS,
-    LIMIT,
     ROTATION,
     ROTATION_RATE,
     ExactSlip,
@@ -170,7 +169,7 @@ class FrictionDrive(EventComponent):
             A = np.block([[A, np.vstack([np.zeros((4, 2)), force * wheels / masses])],
                           [np.zeros((2, 4)), -force / L * wheels.T, -p.resistance / L * np.eye(2)]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return LIMIT / fastest if fastest > 0.0 else math.inf
+        return RK4_REACH / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if {"shaft_friction", "exact_slip", "trocar_friction"} & {*self.on}:

@@ -30,7 +30,6 @@ from .kinematics import SKEWED, directions
 FEED, ROTATION, FEED_RATE, ROTATION_RATE, DEFLECTIONS = range(5)
 MODES = DEFLECTIONS + 4  # with exact stick
 GUARDS = 3  # two contacts and the seal
-LIMIT = 2.6  # of RK4: radius of the half disc of eigenvalues times step, real or complex, that it bears
 
 
 class SmoothedSlip(Effect):

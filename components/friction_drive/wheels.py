@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import rk4
+from ..core.integrators import RK4_REACH, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .kinematics import ANGLE, layout_choice, refuse_idle_angle
@@ -17,7 +17,6 @@ from .sleeve import (
     FEED,
     FEED_RATE,
     GUARDS,
-    LIMIT,
     ROTATION,
     ROTATION_RATE,
     ExactSlip,
@@ -123,7 +122,7 @@ class FrictionWheels(EventComponent):
         masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:2, :2] / masses[:, None], -D[:2, :2] / masses[:, None]]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return LIMIT / fastest if fastest > 0.0 else math.inf
+        return RK4_REACH / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "exact_slip" in self.on or "trocar_friction" in self.on:

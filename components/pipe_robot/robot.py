@@ -175,7 +175,7 @@ class PipeRobot(EventComponent):
         return float(robot_energy(self.t, self.x, p, prescribed, unbalance, cubic, lugre))
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
         p, _, prescribed, unbalance, bristles, cubic, smoothed, lugre, _, route = self._settled()
         k, inner = p.stiffness, p.inner_mass
         if cubic is not None:

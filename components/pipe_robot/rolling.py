@@ -110,7 +110,7 @@ class RollingPipeRobot(EventComponent):
         return float(rolling_energy(self.t, self.x, self.u[0], self.settled[0]))
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| with the body free and stuck, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| with the body free and stuck, s."""
         p = self._settled()[0]
         return limit_of(fastest_eigenvalue(p.body_mass, p.inner_mass, (p.stiffness, p.damping), (0.0, 0.0)))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .statics import elasticity, stiffness_series
@@ -78,11 +78,11 @@ class LumpedCatenary(OdeComponent):
         return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
+        """RK4's limit, RK4_REACH / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
         p, _ = self._settled()
         spread = float(np.abs(p.harmonic).sum())
         ends = (p.mean_stiffness * (1.0 + spread), p.mean_stiffness * max(1.0 - spread, 0.0))
-        return float(2.78 / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
+        return float(RK4_REACH / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
 
 
 POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -187,7 +187,7 @@ class Pantograph(OdeComponent):
         return 0.5 * (motion + springs)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| with every spring engaged, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| with every spring engaged, s."""
         p, _, lower, _, stops, friction, *_ = self._settled()
         head = p.head_stiffness + (stops.stiffness if stops is not None else 0.0)
         k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
@@ -200,7 +200,7 @@ class Pantograph(OdeComponent):
         if friction is not None:
             C[1, 1] += friction.level / friction.width
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / np.c_[m], -C / np.c_[m]]])
-        return float(2.78 / np.abs(np.linalg.eigvals(A)).max())
+        return float(RK4_REACH / np.abs(np.linalg.eigvals(A)).max())
 
 
 WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
@@ -97,7 +97,7 @@ class JeffcottRotor(OdeComponent):
         return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue|, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue|, s."""
         p, _, internal, _, orthotropy, run_up = self._settled()
         ratio = orthotropy.ratio if orthotropy is not None else 1.0
         c, cross = p.damping, 0.0
@@ -107,7 +107,7 @@ class JeffcottRotor(OdeComponent):
         K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return 2.78 / largest if largest > 0.0 else math.inf
+        return RK4_REACH / largest if largest > 0.0 else math.inf
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.variables import input_, output, parameter
@@ -292,7 +292,7 @@ class RovHull(OdeComponent):
         return float(total)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
         p, _, _, linear, quadratic, restoring, *_ = self._settled()
         inverse = np.linalg.inv(sum(self.masses()))
         fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
@@ -302,7 +302,7 @@ class RovHull(OdeComponent):
         if restoring is not None:
             stiffness[3:] = math.hypot(*_righting(p, restoring))
         A = np.block([[np.zeros((6, 6)), np.eye(6)], [-inverse * stiffness, -inverse * drag]])
-        return float(2.78 / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
+        return float(RK4_REACH / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
 
 
 def _six(effect: Any) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import StepFailed
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, integer, output, parameter
 from .tether_statics import hanging_chain
@@ -128,14 +128,14 @@ class Tether(OdeComponent):
         return float(0.5 * mass * (x[1] ** 2).sum() + 0.5 * stiffness / length * (strain**2).sum() - weight * depth)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
         length, stiffness, mass, _ = self._constants
         p, damping, drag, _ = self._settled()
         c = 4.0 * damping.coefficient if damping is not None else 0.0
         if drag is not None:
             largest = max(drag.normal_coefficient, drag.tangential_coefficient)
             c += p.water_density * p.diameter * length * largest * FASTEST
-        return float(2.78 / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
+        return float(RK4_REACH / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_thrust
@@ -194,12 +194,12 @@ class Thruster(OdeComponent):
         return energy if inductance is None else energy + 0.5 * inductance.inductance * self.x[1] ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
         _, _, _, lag, motor_lag, propeller, inductance, _ = self._settled()
         if lag is not None:
-            return 2.78 * lag.time_constant
+            return RK4_REACH * lag.time_constant
         if motor_lag is not None:
-            return float(2.78 / np.abs(np.roots([1.0, motor_lag.a2, motor_lag.a1, motor_lag.b0])).max())
+            return float(RK4_REACH / np.abs(np.roots([1.0, motor_lag.a2, motor_lag.a1, motor_lag.b0])).max())
         if propeller is None:
             return math.inf
         fastest = propeller.supply_voltage / propeller.motor_constant
@@ -207,10 +207,10 @@ class Thruster(OdeComponent):
         water = propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
         k, r = propeller.motor_constant, propeller.resistance
         if inductance is None:
-            return 2.78 * propeller.inertia / (water + k * k / r)
+            return RK4_REACH * propeller.inertia / (water + k * k / r)
         A = np.array([[-water / propeller.inertia, k / propeller.inertia],
                       [-k / inductance.inductance, -r / inductance.inductance]])
-        return float(2.78 / np.abs(np.linalg.eigvals(A)).max())
+        return float(RK4_REACH / np.abs(np.linalg.eigvals(A)).max())
 
 
 (COMMAND,) = Thruster.input_indices("command")

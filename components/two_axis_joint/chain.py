@@ -10,7 +10,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode
-from ..core.integrators import rk4
+from ..core.integrators import RK4_REACH, rk4
 from ..core.kernels import bind
 from ..core.variables import input_, output, parameter
 from .chain_equations import (
@@ -221,7 +221,7 @@ class TwoLinkChain(EventComponent):
         return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
+        """RK4's limit, RK4_REACH / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
 
         Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
         """
@@ -247,7 +247,7 @@ class TwoLinkChain(EventComponent):
         inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse * c]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return 2.78 / largest if largest > 0.0 else math.inf
+        return RK4_REACH / largest if largest > 0.0 else math.inf
 
 
 TwoLinkChain.advance = bind(

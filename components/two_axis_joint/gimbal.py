@@ -10,7 +10,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode, stick_switch
-from ..core.integrators import rk4
+from ..core.integrators import RK4_REACH, rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .gimbal_equations import (
@@ -31,7 +31,6 @@ from .gimbal_equations import (
 )
 
 VANISHING = 1e-9  # least inertia about the outer axis over that about the inner one
-LIMIT = 2.78  # of RK4, largest eigenvalue times step
 
 
 class Gravity(Effect):
@@ -245,7 +244,7 @@ class GimbalBody(EventComponent):
         return gimbal_energy(self.x, self.u[0], p, gravity, lugre, stops, base)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
         p, gravity, rotor, viscous, smoothed, lugre, _, stops, *_ = self._settled()
         fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
         stiffness, damping = np.zeros(2), np.zeros(2)
@@ -266,7 +265,7 @@ class GimbalBody(EventComponent):
         inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
         largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
-        return LIMIT / largest if largest > 0.0 else math.inf
+        return RK4_REACH / largest if largest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "stick_friction" in self.on:

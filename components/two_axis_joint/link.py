@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -103,13 +103,13 @@ class PlanarLink(OdeComponent):
         return float(link_energy(self.x, p, pinned, gravity))
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
+        """RK4's limit, RK4_REACH / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
         p, pinned, gravity = self._settled()
         if pinned is None or gravity is None:
             return math.inf
         inertia = p.inertia + p.mass * p.centre**2
         moment = abs(p.mass * gravity.acceleration * p.centre)
-        return 2.78 * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
+        return RK4_REACH * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
 
 
 @kernel

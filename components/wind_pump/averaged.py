@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ..core.events import EventComponent, rk4_events
+from ..core.integrators import RK4_REACH
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
@@ -78,10 +79,10 @@ class AveragedConverter(EventComponent):
         return 0.5 * self.settled[0].driven_inertia * float(self.x[0]) ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / |eigenvalue| at the largest turbine speed, s."""
+        """RK4's limit, RK4_REACH / |eigenvalue| at the largest turbine speed, s."""
         p = self._settled()[0]
         slope = self.coefficients()[1] * p.gear_ratio * p.largest_turbine_speed
-        return 2.78 * p.driven_inertia / (slope + p.driven_damping)
+        return RK4_REACH * p.driven_inertia / (slope + p.driven_damping)
 
 
 TURBINE_SPEED, LOAD = AveragedConverter.input_indices("turbine_speed", "load_torque")

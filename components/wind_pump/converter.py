@@ -20,6 +20,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
+from ..core.integrators import RK4_REACH
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, speed_ratio, switched_shaft
@@ -153,7 +154,7 @@ class InertialConverter(EventComponent):
                            + p.slider_mass * velocity**2 + p.driven_inertia * speed**2)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
         p, _, clutches, _ = self._settled()
         k, c = p.shaft_stiffness / p.crank_inertia, p.shaft_damping / p.crank_inertia
         fastest = float(np.abs(np.roots([1.0, c, k])).max())
@@ -164,7 +165,7 @@ class InertialConverter(EventComponent):
                 p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
             slip = clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
             fastest += slip  # no less than the largest eigenvalue of both together
-        return 2.78 / fastest
+        return RK4_REACH / fastest
 
 
 TURBINE_SPEED, LOAD = InertialConverter.input_indices("turbine_speed", "load_torque")

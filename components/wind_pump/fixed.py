@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.events import EventComponent, rk4_events
+from ..core.integrators import RK4_REACH
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
@@ -64,10 +65,10 @@ class FixedTransmission(EventComponent):
         return 0.5 * float(p.driven_inertia * self.x[SPEED] ** 2 + p.stiffness * self.x[TWIST] ** 2)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| with the turbine's speed given, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| with the turbine's speed given, s."""
         p = self._settled()[0]
         damping = (p.shaft_damping + p.driven_damping) / p.driven_inertia
-        return 2.78 / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
+        return RK4_REACH / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
 
 
 TURBINE_SPEED, LOAD = FixedTransmission.input_indices("turbine_speed", "load_torque")

@@ -10,6 +10,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
+from ..core.integrators import RK4_REACH
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -98,13 +99,13 @@ class WaterPipe(EventComponent):
         return super()._initialize(t)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / w of the column on the air of the start, s; infinite without an air vessel."""
+        """RK4's limit, RK4_REACH / w of the column on the air of the start, s; infinite without an air vessel."""
         p, _, vessel, tank = self._settled()
         if vessel is None:
             return math.inf
         pressure = ATMOSPHERE + p.density * GRAVITY * (p.static_head + (tank.start_level if tank is not None else 0.0))
         area = 0.25 * math.pi * vessel.pipe_diameter**2
-        return 2.78 / math.sqrt(vessel.exponent * pressure * area / (p.density * vessel.pipe_length * vessel.gas_volume))
+        return RK4_REACH / math.sqrt(vessel.exponent * pressure * area / (p.density * vessel.pipe_length * vessel.gas_volume))
 
 
 FLOW = WaterPipe.input_indices("flow")[0]

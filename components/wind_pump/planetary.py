@@ -10,6 +10,7 @@ from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import RK4_REACH
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel, kernel_tuple
 from ..core.variables import choice, input_, output, parameter
 from .driven_shaft import (
@@ -129,14 +130,14 @@ class PlanetaryTransmission(EventComponent):
         return 0.5 * float(p.stiffness * twist**2 + p.driven_inertia * speed**2 + p.third_inertia * third**2)
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue| with the turbine's speed given, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue| with the turbine's speed given, s."""
         p, _, _, brake = self.settle()
         b3 = p.third_damping + (2.0 * brake.coefficient * brake.largest_speed if brake is not None else 0.0)
         ratios = np.array([p.torque_ratio, p.third_ratio])
         inertias = np.array([p.driven_inertia, p.third_inertia])
         speeds = -(p.shaft_damping * np.outer(ratios, ratios) + np.diag([p.driven_damping, b3])) / inertias[:, None]
         A = np.block([[np.zeros((1, 1)), -ratios[None, :]], [(p.stiffness * ratios / inertias)[:, None], speeds]])
-        return 2.78 / float(np.abs(np.linalg.eigvals(A)).max())
+        return RK4_REACH / float(np.abs(np.linalg.eigvals(A)).max())
 
 
 @kernel_tuple

@@ -11,6 +11,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import RK4_REACH
 from ..core.kernels import bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, torque_coefficient
@@ -117,13 +118,13 @@ class WindTurbine(EventComponent):
         return 0.5 * self.settled[0].inertia * float(self.x[0]) ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
+        """RK4's limit, RK4_REACH / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
         p = self._settled()[0]
         ratios = np.linspace(0.0, 20.0, 401)
         values = [torque_coefficient(p.curve, r, 0.0, p.standstill_coefficient, p.runaway_ratio) for r in ratios]
         slope = float(np.abs(np.diff(values)).max() / (ratios[1] - ratios[0]))
         steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
-        return 2.78 * p.inertia / (p.damping + steepest)
+        return RK4_REACH * p.inertia / (p.damping + steepest)
 
 
 WIND, TORQUE = WindTurbine.input_indices("wind", "torque")

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import DONE, NOT_FINITE, bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -142,7 +142,7 @@ class ForearmTendons(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit for the shorter time constant, s."""
-        return 2.78 * min(float(self.get("rise_time")), float(self.get("fall_time")))
+        return RK4_REACH * min(float(self.get("rise_time")), float(self.get("fall_time")))
 
 
 EXCITATION, FLEXION, DEVIATION, FLEXION_RATE, DEVIATION_RATE = ForearmTendons.input_indices(

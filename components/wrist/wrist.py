@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
-from ..core.integrators import OdeComponent, rk4
+from ..core.integrators import RK4_REACH, OdeComponent, rk4
 from ..core.kernels import NOT_FINITE, bind
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes, pose
@@ -17,8 +17,6 @@ from .ligament_springs import COUNT, Ligaments, make_ligaments
 from .ligaments import Constraint
 from .rigid_ligaments import rigid_ligaments
 from .wrist_equations import TENDONS, Hand, Held, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
-
-LIMIT = 2.78  # of RK4, largest eigenvalue times step
 
 
 class Morphology(Effect):
@@ -204,7 +202,7 @@ class Wrist(OdeComponent):
         return float(wrist_energy(wrist_pose(self.x, hand, morphology), self.x, hand, constraint, interaction, load))
 
     def stable_step(self) -> float:
-        """RK4's limit 2.78 / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
+        """RK4's limit, RK4_REACH / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
         hand, morphology, constraint, interaction, load = self.settle()
         K = np.array([[hand.flexion_stiffness, hand.coupling_stiffness], [hand.coupling_stiffness, hand.deviation_stiffness]])
         own = np.zeros(2)
@@ -229,7 +227,7 @@ class Wrist(OdeComponent):
             A = np.block([[np.zeros((2, 2)), np.eye(2)],
                           [-np.linalg.solve(M, J.T @ K @ J + np.diag(own)), -np.linalg.solve(M, D)]])
             largest = max(largest, float(np.abs(np.linalg.eigvals(A)).max()))
-        return LIMIT / largest if largest > 0.0 else math.inf
+        return RK4_REACH / largest if largest > 0.0 else math.inf
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:

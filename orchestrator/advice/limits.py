@@ -8,7 +8,7 @@ from components.core.errors import BadInput, StepFailed
 
 from ..algorithms import master_of
 from ..coupling import settle
-from ..run import opened
+from ..opening import opened
 from ..scene import Scene
 from .probing import contacts
 

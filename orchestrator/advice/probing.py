@@ -28,7 +28,7 @@ from ..algorithms import master_of
 from ..algorithms.master import Master
 from ..coupling import Coupling, settle
 from ..coupling.graph import Link
-from ..run import opened
+from ..opening import opened
 from ..scene import Scene
 from ..units import Unit
 from ..units.interface import Row

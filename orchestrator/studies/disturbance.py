@@ -24,7 +24,7 @@ from ..algorithms.energy import EnergyAccount, metered
 from ..algorithms.node import Node
 from ..coupling import Coupling, settle
 from ..coupling.demands import free
-from ..run import opened
+from ..opening import opened
 from ..scene import Scene
 from ..settings import IterationSettings
 from ..stepping.loop import Steppable

@@ -24,7 +24,7 @@ from components.core.errors import BadInput, StepFailed
 from ..algorithms import Master, master_of
 from ..algorithms.master import Saved
 from ..coupling import settle
-from ..run import opened
+from ..opening import opened
 from ..scene import Scene
 from ..units.component import ComponentUnit
 from .quantities import Quantity

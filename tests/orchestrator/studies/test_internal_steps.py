@@ -8,13 +8,12 @@ import pytest
 
 from components.catalogue import CATALOGUE, component_class
 from components.core.errors import BadInput
-from components.core.integrators import OdeComponent
+from components.core.integrators import RK4_REACH, OdeComponent
 from components.core.variables import Causality
 from orchestrator.cli import main
 from orchestrator.studies.internal_steps import internal_steps, needed
 
 IMAGINARY, REAL = 2.0 * math.sqrt(2.0), 2.785293563405282  # where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 on the two axes
-NEAREST = 2.6198  # and least, at 124 degrees: what is damped like that has less than 2.78 over its eigenvalue
 WITHIN = 0.02
 INTEGRATED = [name for name in CATALOGUE if issubclass(component_class(name), OdeComponent) and any(
     v.causality is Causality.INPUT and "." not in n for n, v in component_class(name).variables.items())]
@@ -29,8 +28,8 @@ def test_an_undamped_pendulum_has_the_limit_on_the_imaginary_axis():
     """A uniform rod of 1 m: ω² = 3 g / (2 L)."""
     found = one("PlanarLink", ("pinned", "gravity"))
     assert found.longest == pytest.approx(IMAGINARY / math.sqrt(1.5 * 9.81), rel=WITHIN)
-    assert found.own == pytest.approx(2.78 / math.sqrt(1.5 * 9.81), rel=1e-12)
-    assert found.margin == pytest.approx(IMAGINARY / 2.78, rel=WITHIN)
+    assert found.own == pytest.approx(RK4_REACH / math.sqrt(1.5 * 9.81), rel=1e-12)
+    assert found.margin == pytest.approx(IMAGINARY / RK4_REACH, rel=WITHIN)
 
 
 def test_strong_damping_has_the_limit_on_the_real_axis():
@@ -63,9 +62,20 @@ def test_a_free_body_has_no_limit():
 
 @pytest.mark.parametrize("name", INTEGRATED)
 def test_no_component_promises_more_than_was_measured(name):
-    """With its default effects, but for what RK4's limit depends on the damping."""
     found = one(name, steps=120)
-    assert math.isnan(found.margin) or found.margin >= (1.0 - WITHIN) * NEAREST / 2.78, found
+    assert math.isnan(found.margin) or found.margin >= 1.0 - WITHIN, found
+
+
+def test_rk4_bears_its_reach_in_every_direction_and_no_more():
+    """|1 + z + z²/2 + z³/6 + z⁴/24| over the left half of a circle."""
+    z = np.exp(1j * np.linspace(0.5, 1.0, 2001) * math.pi)
+
+    def grows(radius):
+        w = radius * z
+        return np.abs(1.0 + w + w**2 / 2.0 + w**3 / 6.0 + w**4 / 24.0).max() > 1.0 + 1e-12
+
+    assert not grows(RK4_REACH)
+    assert grows(1.004 * RK4_REACH)
 
 
 def test_each_effect_is_measured_with_what_it_needs():
