@@ -1,1 +1,0 @@
-"""Studies: what accuracy costs in time, what stays stable, which effects matter."""
