@@ -96,6 +96,8 @@ def summary(measured: Accuracy) -> dict[str, Any]:
 
 def print_front(measured: Accuracy) -> None:
     """The front over seconds, the setting as it is, and what the reference is worth."""
+    from ..studies.quantities import percent
+
     front, own = measured.front(), measured.own
     rows = [own, *(p for p in front if p is not own)]
     print_table(f"{measured.title}: what accuracy costs", ("setting", "size", "error", "seconds", "calls", "front"), [
@@ -109,15 +111,11 @@ def print_front(measured: Accuracy) -> None:
         print(f"{sum(p.outcome == outcome for p in bad)} settings {outcome}")
 
 
-def percent(share: float) -> str:
-    """A share as text."""
-    return f"{100.0 * share:.2g} %"
-
-
 def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
     """The scene at the quickest setting known to keep the tolerance, and what run.json says of it; measured first if need be."""
     from ..studies.accuracy import accuracy as measure
     from ..studies.fronts import choose, keep, known, why
+    from ..studies.quantities import percent
 
     found = known(scene)
     if found is None:
@@ -136,6 +134,7 @@ def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
 def verified(scene: Scene, tolerance: float) -> bool:
     """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
     from ..studies.fronts import verify
+    from ..studies.quantities import percent
 
     found = verify(scene)
     print_table("against half the macro step and half the internal steps", ("quantity", "difference"),

@@ -70,7 +70,8 @@ def effects(
 
 def remarks(found: Effects) -> list[str]:
     """What stands above a scene that is written."""
-    from ..studies.chosen import percent, reason
+    from ..studies.chosen import reason
+    from ..studies.quantities import percent
 
     lines = [f"Of the scene {found.scene.name}: the effects whose absence shows by more than {percent(found.tolerance)};",
              f"error of this scene {percent(found.least.error)} against all effects."]
@@ -96,7 +97,8 @@ def summary(found: Effects) -> dict[str, Any]:
 
 def print_found(found: Effects) -> None:
     """Every effect that was measured or is required, then what the models cost."""
-    from ..studies.chosen import percent, reason
+    from ..studies.chosen import reason
+    from ..studies.quantities import percent
 
     order = sorted((f for f in found.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
     print_table(f"{found.scene.title or found.scene.name}: effects within {percent(found.tolerance)}",
@@ -112,7 +114,8 @@ def print_found(found: Effects) -> None:
 
 def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
     """The scene with exactly the effects that it calls for, and why; measured first where nothing is kept."""
-    from ..studies.chosen import choose, percent
+    from ..studies.chosen import choose
+    from ..studies.quantities import percent
 
     with shown() as told:
         choice = choose(scene, tolerance, told)

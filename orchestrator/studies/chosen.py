@@ -17,6 +17,7 @@ from ..scene import Scene
 from .effects import Effects, Finding, effects
 from .fronts import components_digest
 from .full_model import effects_on, with_effects
+from .quantities import percent
 
 NUMBERS = ("predicted", "actual", "breaking")
 
@@ -93,8 +94,3 @@ def reason(finding: Finding, tolerance: float) -> str:
         return f"error without it {percent(finding.actual)}, without all that is left out within {percent(tolerance)}"
     return (f"error without it {percent(finding.breaking)}, more than {percent(tolerance)}" if isfinite(finding.breaking)
             else f"without it the run fails: {finding.reason}")
-
-
-def percent(share: float) -> str:
-    """A share as text."""
-    return f"{100.0 * share:.3g} %" if isfinite(share) else "–"

@@ -118,3 +118,9 @@ def errors(quantities: Sequence[Quantity], course: Course, reference: Course) ->
     """Error of each quantity by its name."""
     return {q.name: q.error(course, reference) for q in quantities}
 
+
+def percent(share: float) -> str:
+    """An error as a user reads it."""
+    if not isfinite(share):
+        return "–"
+    return f"{100.0 * share:.3g} %" if abs(share) < 10.0 else f"{100.0 * share:.0f} %" if abs(share) < 1e4 else "beyond 1e6 %"

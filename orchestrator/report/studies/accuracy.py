@@ -11,8 +11,9 @@ from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...studies.quantities import percent
 from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
-from ..style import CYCLE, INK, MUTED, RAW, VERMILION, axis, drawn, label, layout, rectangle
+from ..style import CYCLE, INK, MUTED, RAW, VERMILION, axis, drawn, label, layout, number, rectangle
 
 if TYPE_CHECKING:
     from ...studies.accuracy import Accuracy, Point
@@ -61,11 +62,6 @@ def _advice(measured: Accuracy) -> list[str]:
     said.append(f"As it is: {own.seconds:.3g} s, error {percent(own.held)}." if own.outcome == "done"
                 else f"As it is, it {own.outcome}: {own.reason}")
     return said
-
-
-def percent(share: float) -> str:
-    """A share as text."""
-    return f"{100.0 * share:.2g} %" if isfinite(share) else "–"
 
 
 def _name(point: Point) -> str:
@@ -207,12 +203,14 @@ def _front_table(measured: Accuracy) -> Cells:
 
 
 def _all_points(measured: Accuracy) -> Cells:
-    rows = [(p.line, f"{p.size:.3g}", p.outcome, percent(p.error), percent(p.held), f"{p.seconds:.3g}", f"{p.middle:.3g}",
+    rows = [(p.line, f"{p.size:.3g}", p.outcome, percent(p.error), percent(p.held), number(p.seconds), number(p.middle),
              *(str(p.work.get(n, "")) for n in ("macro_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")),
-             p.reason) for p in measured.points]
+             p.reason) for p in measured.points if p.outcome != "skipped"]
+    skipped = [p for p in measured.points if p.outcome == "skipped"]
+    caption = f"{len(skipped)} more were skipped: {skipped[0].reason}. accuracy.csv names them." if skipped else ""
     return Cells("Every setting", ("setting", "size", "outcome", "error", "with finer ones", "seconds, minimum", "median",
                                    "macro steps", "derivative calls", "iterations", "rollbacks", "events", "calls", "reason"),
-                 rows, "", frozenset(range(3, 13)))
+                 rows, caption, frozenset(range(3, 13)))
 
 
 def _reference(measured: Accuracy) -> list[tuple[str, str]]:

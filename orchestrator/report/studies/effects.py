@@ -7,7 +7,8 @@ from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...studies.chosen import percent, reason
+from ...studies.chosen import reason
+from ...studies.quantities import percent
 from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
 from ..style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, vertical
 
