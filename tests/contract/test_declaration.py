@@ -64,8 +64,9 @@ def test_effects_are_described_and_know_each_other(component):
 
 @pytest.mark.parametrize(("component", "preset"), [(c, p) for c in CATALOGUE for p in component_class(c).presets])
 def test_presets_start_from_rest(component, preset):
-    made = component_class(component)(preset=preset, parameters=SMALL[component])
-    for name, value in component_class(component).presets[preset].parameters.items():
+    published = component_class(component).presets[preset].parameters
+    made = component_class(component)(preset=preset, parameters={n: v for n, v in SMALL[component].items() if n not in published})
+    for name, value in published.items():
         assert made[name] == value
     made.initialize(0.0)
     before = made.y.copy()

@@ -38,7 +38,8 @@ def swing(variable):
 @pytest.mark.parametrize("name", in_plain_python(CATALOGUE))
 def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     effects = compatible(component_class(name)) if wanted else ()
-    chosen = {n: v for n, v in SMALL[name].items() if isinstance(v, str)}  # a variant that knows all effects
+    # a variant that knows all effects, with few elements
+    chosen = {n: v for n, v in SMALL[name].items() if isinstance(v, str) or n == "element"}
     component = component_class(name)(effects, chosen)
     unit = Driven(built(name))
     start = chosen | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
@@ -67,7 +68,8 @@ def test_what_is_off_reads_its_start_value_and_takes_writes(name):
     unit = Driven(built(name)).start({n: v for n, (v, _, _) in smooth(component, 0.0).items()})
 
     for n, variable in off.items():
-        assert unit[n] == variable.start
+        read = unit[n]
+        assert (read.decode() if isinstance(read, bytes) else read) == variable.start
         if variable.causality.value == "input":
             unit.set({n: 3.0})
             assert unit[n] == 3.0

@@ -23,6 +23,7 @@ FACTS: dict[str, Facts] = {
         form=frozenset({"unbalance.phase", "run_up.end_speed", "run_up.start_time"}),
     ),
     "BeamRotor": Facts(
+        small={"element": 0.75},
         moving=frozenset({"angle"}),
         plain=(("gyroscopic", "disks", "unbalance", "internal_damping", "gravity", "run_up", "linear_supports", "bearing_a",
                 "frame_rotation"), {"element": 0.75, "substep": 5e-4}, 3),
