@@ -38,9 +38,11 @@ class Setting:
 def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any]:
     """The changes to another algorithm and degree of the inputs; what belongs to the scene's own algorithm goes."""
     own = algorithm == scene.master.algorithm
-    return {"master.algorithm": algorithm, "master.extrapolation": degree, "master.control": None,
-            "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None,
-            "master.order": list(scene.master.order) if own else []}
+    changes: dict[str, Any] = {"master.algorithm": algorithm, "master.control": None,
+               "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None}
+    if settle(scene).links:  # without any, a degree or an order would have no effect, which a scene refuses
+        changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
+    return changes
 
 
 def substeps(scene: Scene) -> dict[str, float]:

@@ -189,3 +189,11 @@ def test_an_accuracy_without_results_has_no_front():
     empty = Accuracy("a", "a", (Point(OWN, "own", 1.0, {}, "failed", "why"),), "", "", {}, "", "")
     assert empty.front() == []
     assert empty.least == math.inf
+
+
+def test_a_scene_without_connections_is_measured():
+    """A degree of extrapolation would have no effect there, and a scene with one is refused."""
+    link = {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": 0.5}}
+    scene = read_scene({"stop_time": 0.1, "units": {"link": link}, "master": {"step": 1e-2}, "record": {"signals": ["link.angle"]}})
+    found = accuracy(scene, budget=PLENTY, repeats=1)
+    assert {p.outcome for p in found.points} == {"done"}
