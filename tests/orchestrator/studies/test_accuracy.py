@@ -194,6 +194,7 @@ def test_an_accuracy_without_results_has_no_front():
 def test_a_scene_without_connections_is_measured():
     """A degree of extrapolation would have no effect there, and a scene with one is refused."""
     link = {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": 0.5}}
-    scene = read_scene({"stop_time": 0.1, "units": {"link": link}, "master": {"step": 1e-2}, "record": {"signals": ["link.angle"]}})
+    record = {"signals": ["link.angle"]}
+    scene = read_scene({"stop_time": 0.1, "units": {"link": link}, "master": {"step": 1e-2}, "record": record})
     found = accuracy(scene, budget=PLENTY, repeats=1)
     assert {p.outcome for p in found.points} == {"done"}
