@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from ..core.component import Component
 from ..core.errors import BadInput
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import output, parameter
 
 FOREVER = 1e12  # s
 
 
-class ExciterProgram(Component):
+class ExciterProgram(StatelessComponent):
     """Frequency, amplitude and voltage that change along a straight line from start to end, and may go back the same way.
 
     Which of them is connected is the scene's choice: a force takes frequency and amplitude, a motor its voltage. It is slow
@@ -20,7 +20,6 @@ class ExciterProgram(Component):
 
     title = "Program of frequency, amplitude and voltage over time"
     system = "pipe_robot"
-    counters = ("steps",)
     default_stop = 60.0
 
     start_frequency = parameter(30.0, "rad/s", "angular frequency before the change", low=0.0)
@@ -43,11 +42,6 @@ class ExciterProgram(Component):
             raise BadInput(self.name, f"return_time = {self.get('return_time'):g} s", f"at least {end:g} s, when the change ends",
                            "Begin the way back later, or shorten duration.")
         self.settled = self._settled()
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:

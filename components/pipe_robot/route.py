@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from ..core.component import Component
 from ..core.errors import BadInput
-from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
 KNOTS = 8
 
 
-class PipeRoute(Component):
+class PipeRoute(StatelessComponent):
     """Slope, diameter and a factor on friction over the position along the pipe, from a table of 8 places.
 
     Between the places a cubic without overshoot (monotone where the table is), whose first derivative is continuous; before
@@ -25,7 +25,6 @@ class PipeRoute(Component):
 
     title = "Pipe along its way"
     system = "pipe_robot"
-    counters = ("steps",)
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
     slope_table = parameter(0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708,
@@ -48,12 +47,6 @@ class PipeRoute(Component):
             raise BadInput(self.name, came, "places in ascending order, no two equal")
         self._tables = np.array([p.slope_table, p.diameter_table, p.factor_table])
         self._rates = monotone_rates(p.place, self._tables)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        hold_inputs(self.u, h)
-        self.counts[0] += 1
-        self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:

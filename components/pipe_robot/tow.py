@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..core.component import Component, Effect
-from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.component import Effect
+from ..core.kernels import kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
 ENDS = ("rear_position", "front_position")
@@ -21,7 +22,7 @@ class Slack(Effect):
     onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
 
 
-class TowCoupling(Component):
+class TowCoupling(StatelessComponent):
     """Spring and damper along the pipe between a robot in front and one behind, which it keeps `length` apart.
 
         e = x_front - x_rear - length,    F_rear = k e + c e',    F_front = -F_rear
@@ -32,7 +33,6 @@ class TowCoupling(Component):
 
     title = "Coupling for towing"
     system = "pipe_robot"
-    counters = ("steps",)
 
     slack = Slack
 
@@ -54,16 +54,6 @@ class TowCoupling(Component):
         p, slack = self.settled
         stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
         return 0.5 * p.stiffness * (max(stretch, 0.0) if slack is not None else stretch) ** 2
-
-    def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        hold_inputs(self.u, h)
-        self.counts[0] += 1
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t: float) -> None:
         tow_forces(self.u[0], self.y, *self.settled)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.component import Component
-from ..core.kernels import DONE, hold_inputs
+from ..core.kernels import DONE
+from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
 
-class AddedMassForce(Component):
+class AddedMassForce(StatelessComponent):
     """Force of the water on an accelerated hull, f = -M_A nu', without a state of its own.
 
     A demonstrator. Added mass belongs into the hull's inertia, as `RovHull` has it. Exchanged as a force it closes a loop
@@ -20,7 +20,6 @@ class AddedMassForce(Component):
 
     title = "Added mass as a force beside the hull"
     system = "rov"
-    counters = ("steps",)
     default_step = 0.02
     default_stop = 10.0
 
@@ -48,12 +47,6 @@ class AddedMassForce(Component):
     def _initialize(self, t: float) -> int:
         self.settled = self._settled()
         self._masses = np.array(self.settled[0])
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:

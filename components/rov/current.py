@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from ..core.component import Component, Effect
-from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.component import Effect
+from ..core.kernels import kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import output, parameter
 
 TURN = 2.0 * math.pi
@@ -44,7 +43,7 @@ class Gust(Effect):
     direction = parameter(0.0, "rad", "where it sets, from north over east")
 
 
-class WaterCurrent(Component):
+class WaterCurrent(StatelessComponent):
     """Velocity and acceleration of the water in north, east and down; a function of time alone.
 
     A vehicle needs the acceleration, too, which pulls at its added mass. Without effects it is 0.
@@ -52,7 +51,6 @@ class WaterCurrent(Component):
 
     title = "Current of the water"
     system = "rov"
-    counters = ("steps",)
     default_step = 0.02
     default_stop = 60.0
 
@@ -70,17 +68,6 @@ class WaterCurrent(Component):
     acceleration_north = output("m/s2", "acceleration to the north", nominal=0.1)
     acceleration_east = output("m/s2", "acceleration to the east", nominal=0.1)
     acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1)
-
-    def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        self.x = np.zeros(0)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t: float) -> None:
         water(t, self.y, *self.settled)

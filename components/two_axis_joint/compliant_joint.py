@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.component import Component, Effect
-from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.component import Effect
+from ..core.kernels import kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
 RATES = ("rotation.first_rate", "rotation.second_rate")
@@ -31,7 +32,7 @@ class Clearance(Effect):
     radius = parameter(1e-4, "m", "radius of the play", low=0.0)
 
 
-class CompliantJoint(Component):
+class CompliantJoint(StatelessComponent):
     """Spring and damper that hold two ends together; ends that no one drives stand still at the origin, as the ground does.
 
         F_second = -k (r_second - r_first) - c (r_second' - r_first'),    F_first = -F_second
@@ -42,7 +43,6 @@ class CompliantJoint(Component):
 
     title = "Compliant joint"
     system = "two_axis_joint"
-    counters = ("steps",)
 
     rotation = Rotation
     clearance = Clearance
@@ -71,16 +71,6 @@ class CompliantJoint(Component):
         x1, y1, _, _, x2, y2, *_ = self.u[0]
         play = clearance.radius if clearance is not None else 0.0
         return 0.5 * p.stiffness * max(float(np.hypot(x2 - x1, y2 - y1)) - play, 0.0) ** 2
-
-    def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        hold_inputs(self.u, h)
-        self.counts[0] += 1
-        self._outputs(t + h)
-        return DONE
 
     def _outputs(self, t: float) -> None:
         joint_forces(self.u[0], self.y, *self.settled)

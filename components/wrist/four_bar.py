@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from ..core.component import Component, Effect
+from ..core.component import Effect
 from ..core.errors import BadInput, StepFailed
-from ..core.kernels import DONE, hold_inputs, kernel
+from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent
 from ..core.variables import choice, input_, output, parameter
 from .linkage import Linkage, change_points, check_lengths, position
 
@@ -44,7 +43,7 @@ class CouplerPoint(Effect):
     velocity_y = output("m/s", "velocity across the ground", nominal=0.1, feedthrough=MOTION)
 
 
-class FourBar(Component):
+class FourBar(StatelessComponent):
     """Crank, coupler and rocker on a ground, K1 cos psi - K2 cos phi + K3 = cos(phi - psi) (Freudenstein).
 
         K1 = d/a, K2 = d/c, K3 = (a² - b² + c² + d²) / (2 a c);    ratio = psi'/phi' = a sin(theta - phi) / (c sin(theta - psi))
@@ -62,7 +61,6 @@ class FourBar(Component):
 
     title = "Planar four-bar linkage"
     system = "wrist"
-    counters = ("steps",)
 
     pin_damping = PinDamping
     rocker_spring = RockerSpring
@@ -109,13 +107,6 @@ class FourBar(Component):
         near, far = ((1.0 if way == "through" else -1.0) if there else 0.0 for there in points)
         self._limit = math.cos(float(self.get("least_transmission_angle")))
         self.settled = (Linkage(a, b, c, d, sign, near, far), *self._settled()[1:])
-        self.x = np.zeros(0)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:

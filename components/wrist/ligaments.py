@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..core.component import Component, Effect
-from ..core.kernels import DONE, hold_inputs, kernel, kernel_tuple
+from ..core.component import Effect
+from ..core.kernels import DONE, kernel, kernel_tuple
+from ..core.stateless import StatelessComponent
 from ..core.variables import choice, input_, integer, output, parameter
 from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes
 from .ligament_springs import COUNT, LIGAMENTS, OFF_AXIS, STIFFNESS, Ligaments, bundle_pull, make_ligaments, write_bundle
@@ -48,7 +49,7 @@ class Bundle(NamedTuple):
     ligaments: Ligaments
 
 
-class LigamentBundle(Component):
+class LigamentBundle(StatelessComponent):
     """The five ligaments as a unit without mass: angles and rates of the rows in, torques on these angles out.
 
     Its torques are for the inputs `proximal_torque` and `distal_torque` of a `Wrist` without the effect `constraint`, with the
@@ -59,7 +60,6 @@ class LigamentBundle(Component):
 
     title = "Ligaments of the wrist"
     system = "wrist"
-    counters = ("steps",)
 
     coupling_model = choice("rules", COUPLING_MODELS, "how the rows of the wrist share the motion")
     proximal_tilt = parameter(PROXIMAL_TILT, "rad", "tilt of the proximal row's axis from that of flexion, towards deviation")
@@ -101,12 +101,6 @@ class LigamentBundle(Component):
         axes = Axes(p.coupling_model, p.proximal_tilt, p.distal_tilt, p.row_offset)
         check_axes(axes, self.name)
         self.settled = (Bundle(axes, make_ligaments(p)),)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        hold_inputs(self.u, h)
-        self.counts[0] += 1
-        self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:
