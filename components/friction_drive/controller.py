@@ -7,16 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.component import Component, Effect
+from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import bind, kernel, kernel_tuple
+from ..core.sampled import SampledComponent, integrated, sampled
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import ANGLE, layout_choice, refuse_idle_angle, refuse_singular, sleeve_rates, wheel_rates
 
 ROWS = 8
 WHEELS = 1
 # the state: number of the next sample, then pairs: voltages, integrals, errors, wanted way, integrals of the way, last encoders
-NEXT, VOLTAGES, INTEGRALS, ERRORS, WANTED, MOTION, LAST, STATES = 0, 1, 3, 5, 7, 9, 11, 13
+VOLTAGES, INTEGRALS, ERRORS, WANTED, MOTION, LAST, STATES = 1, 3, 5, 7, 9, 11, 13
 
 
 class Quantisation(Effect):
@@ -43,7 +44,7 @@ class Reference(Effect):
     rotation = parameter((0.0, 1.0, *[0.0] * 6), "rad", "rotation added to the set point", size=ROWS)
 
 
-class ServoController(Component):
+class ServoController(SampledComponent):
     """Cascade for feed and rotation of a sleeve on two wheels; sampled, its voltages held in between.
 
         wanted motion   v = set' + K_p e + M,    M' = K_m e + (v limited - v) / T       for feed and rotation; e: error
@@ -61,7 +62,6 @@ class ServoController(Component):
 
     title = "Controller of a friction-wheel drive"
     system = "friction_drive"
-    counters = ("steps", "samples")
     default_step = 1e-3
 
     quantisation = Quantisation
@@ -117,23 +117,14 @@ class ServoController(Component):
         rows = np.minimum(np.arange(ROWS), end)
         return Course(reference.time[rows], reference.feed[rows], reference.rotation[rows])
 
-    def _initialize(self, t: float) -> int:
-        self.settled = self.settle()
-        self.x = np.zeros(STATES)
-        self._now = np.zeros(self.u.shape[1])
+    def initial_state(self, t: float) -> np.ndarray:
+        """All zero, but for what the encoders have counted."""
+        x = np.zeros(STATES)
         p, quantisation, _ = self.settled
         if quantisation is not None:  # as if the wheels had turned at their rates before
             for i in range(2):
-                self.x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], quantisation.wheel_step)
-        self.x[NEXT] = math.floor(t / p.period * (1.0 + 1e-12)) + 1.0
-        control_sample(t, self.u[0], self.x, *self.settled)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        return control(t, h, self.u, self.x, self.y, self._now, self.counts, *self.settled)
-
-    def _outputs(self, t: float) -> None:
-        control_outputs(self.x, self.y)
+                x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], quantisation.wheel_step)
+        return x
 
 
 @kernel_tuple
@@ -172,12 +163,6 @@ def wanted(t, p, course):
 
 
 @kernel
-def integrated(integral, gain, error, back, period):
-    """An integral after a sample; `back`: what a limit takes from it per time. Without gain it stays: nothing would refill it."""
-    return integral + period * (gain * error + back) if gain > 0.0 else integral
-
-
-@kernel
 def wheel_sample(i, wanted_rate, rate, x, p):
     """One sample of one wheel: its voltage and integral in x."""
     error = wanted_rate - rate
@@ -188,7 +173,7 @@ def wheel_sample(i, wanted_rate, rate, x, p):
 
 
 @kernel
-def control_sample(t, u, x, p, quantisation, course):
+def control_sample(t, u, x, work, p, quantisation, course):
     """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in x."""
     first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
     if quantisation is not None:
@@ -219,20 +204,6 @@ def control_outputs(x, y):
     y[4], y[5] = x[WANTED], x[WANTED + 1]
 
 
-@kernel
-def control(t, h, u, x, y, now, counts, p, quantisation, course):
-    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
-    while x[NEXT] * p.period <= t + h + 1e-9 * p.period:
-        s = min(max(x[NEXT] * p.period - t, 0.0), h)
-        for j in range(u.shape[1]):
-            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        control_sample(x[NEXT] * p.period, now, x, p, quantisation, course)
-        x[NEXT] += 1.0
-        counts[1] += 1
-    counts[0] += 1
-    hold_inputs(u, h)
-    control_outputs(x, y)
-    for j in range(STATES):
-        if not math.isfinite(x[j]):
-            return NOT_FINITE
-    return DONE
+ServoController.sample_kernel = control_sample
+ServoController.output_kernel = control_outputs
+ServoController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)

@@ -7,10 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.component import Component, Effect
+from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import bind, kernel, kernel_tuple
 from ..core.rotation import quaternion_of_angles, to_body, to_world
+from ..core.sampled import SampledComponent, sampled
 from ..core.variables import input_, output, parameter
 from .allocation import THRUSTERS, allocate, allocations, chosen
 from .arrangement import columns, wrench_matrix, y_arrangement
@@ -20,7 +21,7 @@ POSES = 8
 WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")
 POSITIONS, DIRECTIONS = (columns(table) for table in y_arrangement())
 # the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale
-NEXT, COMMANDS, INTEGRALS, ERRORS, SCALE, STATES = 0, 1, 7, 13, 19, 20
+COMMANDS, INTEGRALS, ERRORS, SCALE, STATES = 1, 7, 13, 19, 20
 
 
 class InverseCurve(Effect):
@@ -53,7 +54,7 @@ class Manoeuvre(Effect):
     yaw = parameter(0.0, "rad", "yaw added to it", size=POSES)
 
 
-class RovController(Component):
+class RovController(SampledComponent):
     """PID controller of position and attitude with allocation to six thrusters, sampled, its commands held in between.
 
         force  = R' (I_p) + K_p R' (p_set - p) + K_v (R' p_set' - v),    I_p' = R K_i R' (p_set - p) + anti-windup
@@ -70,7 +71,7 @@ class RovController(Component):
 
     title = "Controller of an underwater vehicle"
     system = "rov"
-    counters = ("steps", "samples")
+    work_shape = (6, POSES)
     default_step = 0.02
     default_stop = 10.0
 
@@ -158,20 +159,9 @@ class RovController(Component):
         rows = np.minimum(np.arange(POSES), end)
         return Course(manoeuvre.time[rows], poses[rows])
 
-    def _initialize(self, t: float) -> int:
-        self.settled = self.settle()
-        self._work = np.zeros((6, max(self.u.shape[1], POSES)))
-        self.x = np.zeros(STATES)
-        first = math.ceil(t / self.settled[0].period * (1.0 - 1e-12))
-        self.x[NEXT] = first + 1 if math.isclose(first * self.settled[0].period, t, rel_tol=1e-12, abs_tol=1e-12) else first
-        control_sample(t, self.u[0], self.x, self._work, *self.settled)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        return control(t, h, self.u, self.x, self.y, self._work, self.counts, *self.settled)
-
-    def _outputs(self, t: float) -> None:
-        self.y[:] = self.x[COMMANDS:INTEGRALS].tolist() + self.x[ERRORS:].tolist()
+    def initial_state(self, t: float) -> np.ndarray:
+        """All zero."""
+        return np.zeros(STATES)
 
 
 @kernel_tuple
@@ -284,23 +274,14 @@ def control_sample(t, u, x, work, law, inverse, course):
 
 
 @kernel
-def control(t, h, u, x, y, work, counts, law, inverse, course):
-    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
-    now = work[0]
-    while x[NEXT] * law.period <= t + h + 1e-9 * law.period:
-        s = min(max(x[NEXT] * law.period - t, 0.0), h)
-        for j in range(u.shape[1]):
-            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        control_sample(x[NEXT] * law.period, now, x, work, law, inverse, course)
-        x[NEXT] += 1.0
-        counts[1] += 1
-    counts[0] += 1
-    hold_inputs(u, h)
+def control_outputs(x, y):
+    """Commands, errors and scale of the last sample."""
     for i in range(THRUSTERS):
         y[i] = x[COMMANDS + i]
     for j in range(7):
         y[THRUSTERS + j] = x[ERRORS + j]
-    for j in range(STATES):
-        if not math.isfinite(x[j]):
-            return NOT_FINITE
-    return DONE
+
+
+RovController.sample_kernel = control_sample
+RovController.output_kernel = control_outputs
+RovController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)

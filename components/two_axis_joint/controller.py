@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from ..core.component import Component, Effect
-from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel
+from ..core.component import Effect
+from ..core.kernels import bind, kernel
+from ..core.sampled import SampledComponent, integrated, sampled
 from ..core.variables import input_, output, parameter
 
 TURN = 2.0 * math.pi
-NEXT, VOLTAGES, INTEGRALS, ERRORS = 0, 1, 3, 5  # of the state: number of the next sample, then a pair of each
+VOLTAGES, INTEGRALS, ERRORS = 1, 3, 5  # of the state: behind the number of the next sample a pair of each
 STATES = 7
 
 
@@ -28,7 +29,7 @@ class Scan(Effect):
     inner_phase = parameter(0.0, "rad", "phase of the inner axis")
 
 
-class GimbalController(Component):
+class GimbalController(SampledComponent):
     """PID controller of the two angles of a gimbal, sampled, its voltages held in between.
 
         V = K_p (set - angle) + K_d (set' - rate) + I,    I' = K_i (set - angle) + (V limited - V) / T
@@ -40,7 +41,6 @@ class GimbalController(Component):
 
     title = "Controller of a gimbal"
     system = "two_axis_joint"
-    counters = ("steps", "samples")
     default_step = 2e-3
     default_stop = 5.0
 
@@ -68,19 +68,9 @@ class GimbalController(Component):
     outer_error = output("rad", "set point less angle of the outer axis at the last sample", nominal=0.1)
     inner_error = output("rad", "set point less angle of the inner axis at the last sample", nominal=0.1)
 
-    def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        self.x = np.zeros(STATES)
-        self._now = np.zeros(self.u.shape[1])
-        self.x[NEXT] = math.floor(t / self.settled[0].period * (1.0 + 1e-12)) + 1.0
-        control_sample(t, self.u[0], self.x, *self.settled)
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        return control(t, h, self.u, self.x, self.y, self._now, self.counts, *self.settled)
-
-    def _outputs(self, t: float) -> None:
-        control_outputs(self.x, self.y)
+    def initial_state(self, t: float) -> np.ndarray:
+        """All zero."""
+        return np.zeros(STATES)
 
 
 @kernel
@@ -90,11 +80,11 @@ def axis_sample(i, set_point, set_rate, u, x, gain, rate_gain, integral_gain, p)
     wanted = gain * error + rate_gain * (set_rate - u[2 + i]) + x[INTEGRALS + i]
     voltage = min(max(wanted, -p.voltage_limit), p.voltage_limit)
     x[VOLTAGES + i], x[ERRORS + i] = voltage, error
-    x[INTEGRALS + i] += p.period * (integral_gain * error + (voltage - wanted) / p.unwinding_time)
+    x[INTEGRALS + i] = integrated(x[INTEGRALS + i], integral_gain, error, (voltage - wanted) / p.unwinding_time, p.period)
 
 
 @kernel
-def control_sample(t, u, x, p, scan):
+def control_sample(t, u, x, work, p, scan):
     """One sample of both axes at time t with the inputs u."""
     outer, inner, outer_rate, inner_rate = p.set_outer_angle, p.set_inner_angle, 0.0, 0.0
     if scan is not None:
@@ -113,20 +103,6 @@ def control_outputs(x, y):
     y[0], y[1], y[2], y[3] = x[VOLTAGES], x[VOLTAGES + 1], x[ERRORS], x[ERRORS + 1]
 
 
-@kernel
-def control(t, h, u, x, y, now, counts, p, scan):
-    """All samples after t up to t + h, and the outputs; inputs at a sample's instant are those of their polynomials."""
-    while x[NEXT] * p.period <= t + h + 1e-9 * p.period:
-        s = min(max(x[NEXT] * p.period - t, 0.0), h)
-        for j in range(u.shape[1]):
-            now[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-        control_sample(x[NEXT] * p.period, now, x, p, scan)
-        x[NEXT] += 1.0
-        counts[1] += 1
-    counts[0] += 1
-    hold_inputs(u, h)
-    control_outputs(x, y)
-    for j in range(STATES):
-        if not math.isfinite(x[j]):
-            return NOT_FINITE
-    return DONE
+GimbalController.sample_kernel = control_sample
+GimbalController.output_kernel = control_outputs
+GimbalController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)

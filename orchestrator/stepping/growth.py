@@ -23,7 +23,7 @@ SHORT = 160  # looks that even a short run has
 BLOCKS = 5  # in a row, each with a larger miss than the one before
 RISE = 1.5  # by so much at least
 MISSED = 0.1  # of the largest value in the last one: the extrapolation does not follow
-BEYOND = 10.0  # times the interface's scale: the nominal value, or what was reached before these blocks
+BEYOND = 300.0  # times the interface's scale: the nominal value, or what was reached before these blocks; a resonance gives 50
 
 
 class Growth(Patient):
