@@ -8,7 +8,10 @@ A kernel allocates nothing and raises nothing. It gets state, inputs, outputs, p
 from __future__ import annotations
 
 import types
+from contextlib import suppress
+from glob import escape
 from pathlib import Path
+from uuid import uuid4
 from zlib import crc32
 
 try:
@@ -35,6 +38,7 @@ def _sources_stamp() -> tuple[tuple[str, int, int], ...]:
 
 
 _STAMP = _sources_stamp()
+_PROCESS = uuid4().hex[:8]
 
 
 def kernel(function):
@@ -50,7 +54,28 @@ def kernel(function):
     if cache_file is not None:
         # As part of the version it is looked at before anything else is read, which may name classes that are gone.
         cache_file._version = (cache_file._version, _STAMP)
+        _own_names(cache_file)
     return dispatcher
+
+
+def _own_names(cache_file) -> None:
+    """Machine code that this process writes gets names of its own.
+
+    Numba counts the files of a kernel. Processes that compile it for different arguments at once arrive at the same number, and
+    the index of one then leads to the code of the other. Files that no index names any more go with the first new one.
+    """
+    stem, save_index = cache_file._index_name.removesuffix(".nbi"), cache_file._save_index
+    cache_file._data_name_pattern = f"{stem}.{{number:d}}-{_PROCESS}.nbc"
+
+    def save(overloads):
+        save_index(overloads)
+        if len(overloads) == 1:
+            for path in Path(cache_file._cache_path).glob(f"{escape(stem)}.*.nbc"):
+                if path.name not in overloads.values():
+                    with suppress(OSError):
+                        path.unlink()
+
+    cache_file._save_index = save
 
 
 def bind(template, module: str, **names):

@@ -51,9 +51,9 @@ for name in CATALOGUE:
         RUNS[f"{name}, {way}"] = (name, list(effects), {**parameters, **way}, steps)
 
 
-def python(source: str, **environment: str) -> str:
+def python(source: str, *arguments: str, **environment: str) -> str:
     """What a new process prints."""
-    done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, cwd=ROOT, timeout=300,
+    done = subprocess.run([sys.executable, "-c", source, *arguments], capture_output=True, text=True, cwd=ROOT, timeout=300,
                           env={**os.environ, "PYTHONPATH": str(ROOT), **environment})
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -80,6 +80,40 @@ def test_a_cache_of_other_sources_is_not_read(tmp_path):
     for index in indices:
         index.write_bytes(pickle.dumps(numba.__version__) + b"no pickle")
     python(one, NUMBA_CACHE_DIR=str(tmp_path))
+
+
+TWICE = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from doubled import doubled
+print(repr(doubled(1.0) if sys.argv[2] == "real" else doubled(1)), doubled.stats.cache_misses.total())
+"""
+AT_ONCE = """
+import subprocess, sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from doubled import doubled
+file = doubled._cache._cache_file
+write = file._save_data
+def slowly(name, data):  # another process finds no index, compiles for other arguments, and is done before
+    Path(file._index_path).unlink()
+    subprocess.run([sys.executable, *sys.argv[2:], sys.argv[1], "real"], check=True)
+    write(name, data)
+file._save_data = slowly
+doubled(1)
+"""
+
+
+@pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
+def test_processes_that_compile_one_kernel_at_once_do_not_get_each_others_code(tmp_path):
+    (tmp_path / "doubled.py").write_text(
+        "from components.core.kernels import kernel\n\n\n@kernel\ndef doubled(x):\n    return x + x\n")
+    other = tmp_path / "other.py"
+    other.write_text(TWICE)
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    python(AT_ONCE, str(tmp_path), str(other), **cache)
+    assert python(TWICE, str(tmp_path), "real", **cache).split() == ["2.0", "0"]  # found, and its own
+    assert python(TWICE, str(tmp_path), "whole", **cache).split() == ["2", "1"]  # lost from the index, and compiled anew
 
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compare with")
