@@ -22,7 +22,6 @@ FILES = (
     "tests/contract/test_effect_strength.py",
     "tests/contract/test_effects_free.py",
     "tests/hard_cases/test_catalogue.py",
-    "tests/fmus/test_fmu_build.py::test_every_check_passes",
     "tests/fmus/test_fmu_run.py",
     "tests/orchestrator/test_run.py",
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import orchestrator.coupling.settling
-import orchestrator.run
+import orchestrator.opening
 from components.core.component import Component
 from components.core.errors import BadInput
 from components.core.kernels import DONE
@@ -192,14 +192,14 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
         return replace(interface, inputs={**interface.inputs, "hears": Signal("hears", "", "nothing yet", **text)},
                        outputs={**interface.outputs, "says": Signal("says", "", "", **text)})
 
-    open_unit = orchestrator.run.open_unit
+    open_unit = orchestrator.opening.open_unit
 
     def speaking(name, settings, **how):
         opened[name] = Speaker(name, open_unit(name, settings, **how).component)
         return opened[name]
 
     monkeypatch.setattr(orchestrator.coupling.settling, "describe", describe)
-    monkeypatch.setattr(orchestrator.run, "open_unit", speaking)
+    monkeypatch.setattr(orchestrator.opening, "open_unit", speaking)
     talk = {**scene("jacobi", 1), "stop_time": 0.3, "record": {"signals": ["b.now"]}}
     talk["connections"] = [*talk["connections"], "c.says -> b.hears", "b.says -> c.hears"]
     settled = read_scene(talk)

@@ -360,8 +360,10 @@ def test_a_file_that_cannot_be_unpacked_is_bad_input_and_leaves_no_folder(tmp_pa
     with pytest.raises(BadInput, match=r"units\.f: .* cannot be unpacked: Bad CRC-32"):
         run(before)
     monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1000))
+    fresh = tmp_path / "fresh.fmu"  # one that no other test has unpacked
+    fresh.write_bytes(Path(native_fmu("dahlquist", 2)).read_bytes())
     with pytest.raises(BadInput, match=r"cannot be unpacked: .*it unpacks to \d+ bytes"):
-        open_unit("f", UnitSettings(fmu=native_fmu("dahlquist", 2)), in_process=False)
+        open_unit("f", UnitSettings(fmu=str(fresh)), in_process=False)
     assert list(folder.iterdir()) == []
 
 
