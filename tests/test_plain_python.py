@@ -24,6 +24,8 @@ FILES = (
     "tests/hard_cases/test_catalogue.py",
     "tests/fmus/test_fmu_run.py",
     "tests/orchestrator/test_run.py",
+    "tests/orchestrator/studies/test_effects.py",
+    "tests/orchestrator/studies/test_selection.py",
 )
 
 

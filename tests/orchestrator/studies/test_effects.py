@@ -6,11 +6,14 @@ import math
 import pytest
 
 from components.core.errors import BadInput
+from components.core.kernels import COMPILED
 from orchestrator.run import run
 from orchestrator.scene import load_scene, read_scene
 from orchestrator.studies.effects import effects
 from orchestrator.studies.full_model import effects_on, full_model, with_effects
 from orchestrator.studies.quantities import Course, errors, quantities_of
+
+pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/test_plain_python.py runs them")
 
 WHOLE = 1.0 + 0.5 + 0.02 + 0.008 + 0.007  # slope of the model with all that goes together
 

@@ -5,7 +5,10 @@ from itertools import chain, combinations
 
 import pytest
 
+from components.core.kernels import COMPILED
 from orchestrator.studies.selection import select
+
+pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/test_plain_python.py runs them")
 
 
 def alone(names):
