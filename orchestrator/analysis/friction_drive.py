@@ -16,7 +16,7 @@ import numpy as np
 
 from ..coupling import settle
 from .machines import component_of, recorded
-from .wind_pump import accumulated
+from .signals import accumulated
 
 if TYPE_CHECKING:
     from ..results import Result

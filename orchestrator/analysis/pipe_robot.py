@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .machines import component_of, recorded
-from .wind_pump import accumulated
+from .signals import accumulated
 
 if TYPE_CHECKING:
     from ..results import Result

@@ -137,3 +137,8 @@ def amplitude_at(x: np.ndarray, rate: float, frequency: float) -> float:
     weights = dsp.windows.hann(x.size, sym=False)
     turning = np.exp(-2j * np.pi * frequency / rate * np.arange(x.size))
     return float(2.0 * abs(((x - x.mean()) * weights) @ turning) / weights.sum())
+
+
+def accumulated(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Integral of values (n,) over time (n,) from its start on, (n,): trapezoids."""
+    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))

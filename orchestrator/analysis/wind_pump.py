@@ -18,6 +18,7 @@ import numpy as np
 
 from ..coupling import settle
 from .machines import recorded
+from .signals import accumulated
 
 if TYPE_CHECKING:
     from ..results import Result
@@ -110,11 +111,6 @@ def _integral_at(time: np.ndarray, values: np.ndarray, integral: np.ndarray, at:
     s = at - time[k]
     slope = (values[k + 1] - values[k]) / (time[k + 1] - time[k])
     return integral[k] + s * (values[k] + 0.5 * slope * s)
-
-
-def accumulated(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Integral of values (n,) over time (n,) from its start on, (n,): trapezoids."""
-    return np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))))
 
 
 def runnings(chain: Chain, standstill: float = STANDSTILL, pause: float = PAUSE) -> list[Running]:

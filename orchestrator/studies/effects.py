@@ -173,7 +173,7 @@ class _Bench:
                            "one that comes to its end")
         for unit, effect in added:
             self._told(f"with {unit}.{effect}")
-            trying = on | {unit: on[unit] | with_required(classes(self.scene)[unit], effect)}
+            trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}
             found = self._trial(with_effects(self.scene, _ordered(whole, trying)))
             if found.done:
                 on, best = trying, found

@@ -98,7 +98,7 @@ def full_model(scene: Scene, more: Iterable[str] = ()) -> Model:
         for effect in sorted(cls.effects, key=lambda e: (unit, e) not in asked):  # what is asked for comes first; else stable
             if effect in have:
                 continue
-            group = with_required(cls, effect) - have
+            group = set(with_required(cls, effect)) - have
             clash = _clash(cls, group, have)
             alone = sorted(e for e in group if (unit, e) not in asked)
             if clash:
@@ -126,14 +126,14 @@ def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
     return found
 
 
-def with_required(cls: type[Component], effect: str) -> set[str]:
-    """An effect and everything it needs."""
+def with_required(cls: type[Component], effect: str) -> tuple[str, ...]:
+    """An effect and everything it needs, in the order of declaration."""
     needed: set[str] = set()
     pending = [effect]
     while pending:
         needed.add(name := pending.pop())
         pending += set(cls.effects[name].requires) - needed
-    return needed
+    return tuple(n for n in cls.effects if n in needed)
 
 
 def _clash(cls: type[Component], group: Iterable[str], have: Iterable[str]) -> str:

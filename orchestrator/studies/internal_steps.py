@@ -22,6 +22,7 @@ from components.core.integrators import OdeComponent
 from ..results import write_table
 from ..sweep import tracked
 from .disturbance import Growth, Own, growth_of, sizes
+from .full_model import with_required
 from .search import longest_stable
 
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
@@ -78,20 +79,11 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     if not (issubclass(cls, OdeComponent) or "substep" in cls.variables):
         raise BadInput(f"component:{name}", "no internal steps", "a component that integrates with steps of its own")
     on = set(cls.presets[preset].effects) if preset in cls.presets else set()
-    sets = [tuple(effects)] if effects is not None else [(), *(needed(cls, effect) for effect in cls.effects if effect not in on)]
+    each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
+    sets = [tuple(effects)] if effects is not None else [*each]
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
     found = [_measured(cls, one, parameters or {}, preset, steps) for one in chosen]
     return InternalSteps(name, cls.title, tuple(found))
-
-
-def needed(cls: type[Component], effect: str) -> tuple[str, ...]:
-    """An effect with everything it requires, in the order of declaration."""
-    on: set[str] = set()
-    pending = [effect]
-    while pending:
-        on.add(name := pending.pop())
-        pending += set(cls.effects[name].requires) - on
-    return tuple(n for n in cls.effects if n in on)
 
 
 def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int

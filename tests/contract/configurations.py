@@ -11,6 +11,7 @@ import numpy as np
 from components.catalogue import CATALOGUE, component_class
 from components.core.component import Component
 from components.core.kernels import COMPILED
+from orchestrator.studies.full_model import with_required
 
 from .families import Facts, all_facts
 
@@ -34,15 +35,6 @@ class Configuration(NamedTuple):
     def make(self) -> Component:
         """A new instance with its parameters; not initialized."""
         return component_class(self.component)(self.effects, self.parameters)
-
-
-def with_required(cls: type[Component], effect: str) -> tuple[str, ...]:
-    """An effect and everything it requires, in the order of declaration."""
-    needed, pending = set(), [effect]
-    while pending:
-        needed.add(name := pending.pop())
-        pending += set(cls.effects[name].requires) - needed
-    return tuple(n for n in cls.effects if n in needed)
 
 
 def compatible(cls: type[Component]) -> tuple[str, ...]:

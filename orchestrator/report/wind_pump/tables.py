@@ -9,7 +9,8 @@ import numpy as np
 
 from components.catalogue import component_class
 
-from ...analysis.wind_pump import Chain, accumulated, efficiencies
+from ...analysis.signals import accumulated
+from ...analysis.wind_pump import Chain, efficiencies
 from ..page import Cells
 from ..style import number
 from .shown import Shown, scale

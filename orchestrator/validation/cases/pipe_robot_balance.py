@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...analysis.wind_pump import accumulated
+from ...analysis.signals import accumulated
 from ...report.chart import Chart, Panel, Series
 from ...results import Result
 from ...run import run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...analysis.wind_pump import accumulated
+from ...analysis.signals import accumulated
 from ...report.chart import Chart, Panel, Series
 from ...results import Result
 from ...run import run

@@ -7,7 +7,8 @@ import pytest
 
 from components.core.errors import BadInput
 from orchestrator import report
-from orchestrator.analysis.wind_pump import accumulated, branches, chains, efficiencies, moving_mean, runnings
+from orchestrator.analysis.signals import accumulated
+from orchestrator.analysis.wind_pump import branches, chains, efficiencies, moving_mean, runnings
 from orchestrator.scene import Scene, read_scene
 from tests.orchestrator.report.figures import assert_valid_with_units, figures, numbers, tables
 from tests.orchestrator.report.wind_pumps import (

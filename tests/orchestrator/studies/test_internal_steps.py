@@ -11,7 +11,8 @@ from components.core.errors import BadInput
 from components.core.integrators import RK4_REACH, OdeComponent
 from components.core.variables import Causality
 from orchestrator.cli import main
-from orchestrator.studies.internal_steps import internal_steps, needed
+from orchestrator.studies.full_model import with_required
+from orchestrator.studies.internal_steps import internal_steps
 
 IMAGINARY, REAL = 2.0 * math.sqrt(2.0), 2.785293563405282  # where |1 + z + z²/2 + z³/6 + z⁴/24| = 1 on the two axes
 WITHIN = 0.02
@@ -82,7 +83,7 @@ def test_each_effect_is_measured_with_what_it_needs():
     found = internal_steps("PlanarLink", steps=100)
     assert [s.effects for s in found.steps] == [(), ("pinned",), ("gravity",)]
     cls = component_class("BeamRotor")
-    assert needed(cls, "unbalance") == ("disks", "unbalance")
+    assert with_required(cls, "unbalance") == ("disks", "unbalance")
 
 
 def test_what_cannot_be_measured_is_said():
