@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from .component import Component
+from .errors import BadInput
 from .kernels import DONE, NOT_FINITE, hold_inputs, kernel
 
 NEXT = 0  # of the state
@@ -94,3 +95,16 @@ class SampledComponent(Component):
 
     def _outputs(self, t: float) -> None:
         type(self).output_kernel(self.x, self.y)
+
+
+def rows_in_use(where: str, time: np.ndarray, *columns: np.ndarray) -> np.ndarray:
+    """Indices of the rows of a table over time, (n,), the last one in use repeated to the end.
+
+    Rows behind the first fall of the time are unused, and zero; `BadInput` where one of them is not.
+    """
+    falls = np.flatnonzero(np.diff(time) < 0.0)
+    end = int(falls[0]) if falls.size else time.size - 1
+    if any(column[end + 1 :].any() for column in (time, *columns)):
+        came = f"time[{end + 1}] = {time[end]:g} s, then {time[end + 1]:g} s"
+        raise BadInput(where, came, "times that do not decrease, and zeros behind the last row")
+    return np.minimum(np.arange(time.size), end)

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.component import Effect
-from ..core.errors import BadInput
 from ..core.kernels import bind, kernel, kernel_tuple
-from ..core.sampled import SampledComponent, integrated, sampled
+from ..core.sampled import SampledComponent, integrated, rows_in_use, sampled
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import ANGLE, layout_choice, refuse_idle_angle, refuse_singular, sleeve_rates, wheel_rates
 
@@ -109,12 +108,7 @@ class ServoController(SampledComponent):
 
     def _course(self, reference: Any) -> Course:
         """The rows of the reference, the last one repeated to the end; an earlier time that is not 0 is refused."""
-        falls = np.flatnonzero(np.diff(reference.time) < 0.0)
-        end = int(falls[0]) if falls.size else ROWS - 1
-        if any(column[end + 1 :].any() for column in (reference.time, reference.feed, reference.rotation)):
-            came = f"time[{end + 1}] = {reference.time[end]:g} s, then {reference.time[end + 1]:g} s"
-            raise BadInput(f"{self.name}: reference", came, "times that do not decrease, and zeros behind the last row")
-        rows = np.minimum(np.arange(ROWS), end)
+        rows = rows_in_use(f"{self.name}: reference", reference.time, reference.feed, reference.rotation)
         return Course(reference.time[rows], reference.feed[rows], reference.rotation[rows])
 
     def initial_state(self, t: float) -> np.ndarray:

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..core.component import Effect
-from ..core.errors import BadInput
 from ..core.kernels import bind, kernel, kernel_tuple
 from ..core.rotation import quaternion_of_angles, to_body, to_world
-from ..core.sampled import SampledComponent, sampled
+from ..core.sampled import SampledComponent, rows_in_use, sampled
 from ..core.variables import input_, output, parameter
 from .allocation import THRUSTERS, allocate, allocations, chosen
 from .arrangement import columns, wrench_matrix, y_arrangement
@@ -151,12 +150,7 @@ class RovController(SampledComponent):
     def _course(self, manoeuvre: Any) -> Course:
         """Times and poses of the manoeuvre, its last row repeated to the end; an earlier time that is not 0 is refused."""
         poses = np.stack([getattr(manoeuvre, way) for way in WAYS], axis=1)
-        falls = np.flatnonzero(np.diff(manoeuvre.time) < 0.0)
-        end = int(falls[0]) if falls.size else POSES - 1
-        if manoeuvre.time[end + 1 :].any() or poses[end + 1 :].any():
-            came = f"time[{end + 1}] = {manoeuvre.time[end]:g} s, then {manoeuvre.time[end + 1]:g} s"
-            raise BadInput(f"{self.name}: manoeuvre", came, "times that do not decrease, and zeros behind the last row")
-        rows = np.minimum(np.arange(POSES), end)
+        rows = rows_in_use(f"{self.name}: manoeuvre", manoeuvre.time, poses)
         return Course(manoeuvre.time[rows], poses[rows])
 
     def initial_state(self, t: float) -> np.ndarray:
