@@ -10,10 +10,9 @@ from importlib.metadata import distribution
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-import components
-from components.catalogue import CATALOGUE, component_class
-from components.core.errors import BadInput
-
+from .. import components
+from ..components.catalogue import CATALOGUE, component_class
+from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description
 

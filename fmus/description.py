@@ -12,8 +12,7 @@ from importlib.metadata import version
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from components.core.measure import BASES, parse
-
+from ..components.core.measure import BASES, parse
 from .interface import Scalar, interface
 
 LOG_CATEGORIES = {

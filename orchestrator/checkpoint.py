@@ -24,14 +24,13 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from components.core.errors import BadInput
-
-from .algorithms.energy import SavedAccount
-from .algorithms.master import Master, Saved
-from .algorithms.rates import Slow
-from .scene import Scene
-from .stepping.loop import Stepping
-from .stepping.observers import Patient
+from ..components.core.errors import BadInput
+from .engine.algorithms.energy import SavedAccount
+from .engine.algorithms.master import Master, Saved
+from .engine.algorithms.rates import Slow
+from .engine.stepping.loop import Stepping
+from .engine.stepping.observers import Patient
+from .scene.scene import Scene
 from .units import Interface, Unit
 
 FORMAT = "cosimo checkpoint 1"

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from components.core.errors import BadInput, nearest
+from ..components.core.errors import BadInput, nearest
 
 if TYPE_CHECKING:
-    from .scene import Scene
+    from .scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -13,22 +13,21 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from components.core.errors import StepFailed
-
+from ..components.core.errors import StepFailed
 from .advice.limits import remedy
-from .algorithms import Master, master_of
-from .algorithms.energy import EnergyAccount, metered
-from .algorithms.master import Runaway
 from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
-from .coupling import Coupling, settle
-from .opening import opened
+from .engine.algorithms import Master, master_of
+from .engine.algorithms.energy import EnergyAccount, metered
+from .engine.algorithms.master import Runaway
+from .engine.coupling import Coupling, settle
+from .engine.stepping.faults import Faults, Mortal, edges
+from .engine.stepping.growth import Growth
+from .engine.stepping.guided import Guided, clock_for, stepping_of
+from .engine.stepping.loop import Observer
+from .engine.stepping.observers import Interrupt, Misses, Progress, Recorder, reading
+from .open_all import opened
 from .results import Result, Snapshot
-from .scene import Scene
-from .stepping.faults import Faults, Mortal, edges
-from .stepping.growth import Growth
-from .stepping.guided import Guided, clock_for, stepping_of
-from .stepping.loop import Observer
-from .stepping.observers import Interrupt, Misses, Progress, Recorder, reading
+from .scene.scene import Scene
 from .units import Unit
 from .units.component import ComponentUnit
 

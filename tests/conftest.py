@@ -1,4 +1,7 @@
-"""What holds for all tests."""
+"""What holds for all tests, and the fixtures that several folders share."""
+
+from cosimo.tests.systems.railway.made_up import run  # noqa: F401
+from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
 
 LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whole: begun last, they would be waited for
 

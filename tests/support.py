@@ -12,12 +12,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from cosimo.components.bearings.ball_bearing import BallBearing
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import DONE, NOT_FINITE, hold_inputs
+from cosimo.components.core.variables import input_, output, parameter
 from scipy.linalg import expm
-
-from components.bearings.ball_bearing import BallBearing
-from components.core.component import Component
-from components.core.kernels import DONE, NOT_FINITE, hold_inputs
-from components.core.variables import input_, output, parameter
 
 
 class OfTime(Component):
@@ -169,8 +168,8 @@ def two_masses(algorithm: str = "jacobi", step: float = 1e-2, degree: int = 0, f
         "stop_time": 1.0,
         "connections": ["b.force -> a.force", "a.x_out -> b.position", "a.v_out -> b.velocity"],
         "units": {
-            "a": {"component": "tests.support:Mass", "parameters": {"k": 10.0, "c": 0.01, "v0": 100.0}},
-            "b": {"component": "tests.support:Oscillator"},
+            "a": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 10.0, "c": 0.01, "v0": 100.0}},
+            "b": {"component": "cosimo.tests.support:Oscillator"},
         },
         "master": {"algorithm": algorithm, "step": step, "extrapolation": degree, "feedthrough": feedthrough},
     }

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from math import inf, isinf
 from typing import Any
 
-from ..coupling import Coupling
-from ..coupling.graph import Loop
-from ..scene import Scene
+from ..engine.coupling import Coupling
+from ..engine.coupling.graph import Loop
+from ..scene.scene import Scene
 from .probing import Advice, Contact
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]

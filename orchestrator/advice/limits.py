@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 
-from components.core.errors import BadInput, StepFailed
-
-from ..algorithms import master_of
-from ..coupling import settle
-from ..opening import opened
-from ..scene import Scene
+from ...components.core.errors import BadInput, StepFailed
+from ..engine.algorithms import master_of
+from ..engine.coupling import settle
+from ..open_all import opened
+from ..scene.scene import Scene
 from .probing import contacts
 
 

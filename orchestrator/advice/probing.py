@@ -21,15 +21,14 @@ from time import perf_counter
 
 import numpy as np
 
-from components.core.errors import BadInput
-from components.core.measure import parse
-
-from ..algorithms import master_of
-from ..algorithms.master import Master
-from ..coupling import Coupling, settle
-from ..coupling.graph import Link
-from ..opening import opened
-from ..scene import Scene
+from ...components.core.errors import BadInput
+from ...components.core.measure import parse
+from ..engine.algorithms import master_of
+from ..engine.algorithms.master import Master
+from ..engine.coupling import Coupling, settle
+from ..engine.coupling.graph import Link
+from ..open_all import opened
+from ..scene.scene import Scene
 from ..units import Unit
 from ..units.interface import Row
 from .stability import longest_step, radius

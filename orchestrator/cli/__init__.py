@@ -9,8 +9,7 @@ import logging
 import sys
 from collections.abc import Sequence
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from . import accuracy, catalogue, effects, many, packing, run, stability, validate  # noqa: F401 - each adds its commands
 from .common import BAD_INPUT, app
 

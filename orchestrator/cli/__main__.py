@@ -1,4 +1,4 @@
-"""`python -m orchestrator.cli`."""
+"""`python -m cosimo.orchestrator.cli`."""
 
 from . import main
 

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table, shown
 
 if TYPE_CHECKING:
-    from ..scene import Scene
-    from ..studies.accuracy import Accuracy
+    from ..harness.studies.accuracy import Accuracy
+    from ..scene.scene import Scene
 
 
 @app.command()
@@ -35,7 +34,7 @@ def accuracy(
 
     What is found is kept for cosimo run --accuracy.
     """
-    from ..report.studies.accuracy import for_accuracy
+    from ..harness.report.studies.accuracy import for_accuracy
     from ..results import made
 
     if budget is not None and not budget > 0.0:
@@ -59,7 +58,7 @@ def accuracy(
 
 def _alone(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
            told: Callable[[str], None]) -> Accuracy:
-    from ..studies.alone import BUDGET, alone
+    from ..harness.studies.alone import BUDGET, alone
 
     on = tuple(listed("--effects", effects)) if effects else ()
     return alone(name, on, parameters_of(values or []), stop=stop, budget=budget or BUDGET, told=told)
@@ -67,10 +66,10 @@ def _alone(name: str, budget: float | None, stop: float | None, effects: list[st
 
 def _of_scene(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
               told: Callable[[str], None]) -> tuple[Accuracy, Path]:
-    from ..scene import load_scene
-    from ..studies.accuracy import BUDGET
-    from ..studies.accuracy import accuracy as measure
-    from ..studies.fronts import keep, marked
+    from ..harness.studies.accuracy import BUDGET
+    from ..harness.studies.accuracy import accuracy as measure
+    from ..harness.studies.fronts import keep, marked
+    from ..scene.scene import load_scene
 
     if effects:
         raise BadInput("--effects", repr(",".join(effects)), "none for a scene, which names its own", "Remove it.")
@@ -96,7 +95,7 @@ def summary(measured: Accuracy) -> dict[str, Any]:
 
 def print_front(measured: Accuracy) -> None:
     """The front over seconds, the setting as it is, and what the reference is worth."""
-    from ..studies.quantities import percent
+    from ..harness.studies.quantities import percent
 
     front, own = measured.front(), measured.own
     rows = [own, *(p for p in front if p is not own)]
@@ -113,9 +112,9 @@ def print_front(measured: Accuracy) -> None:
 
 def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
     """The scene at the quickest setting known to keep the tolerance, and what run.json says of it; measured first if need be."""
-    from ..studies.accuracy import accuracy as measure
-    from ..studies.fronts import choose, keep, known, why
-    from ..studies.quantities import percent
+    from ..harness.studies.accuracy import accuracy as measure
+    from ..harness.studies.fronts import choose, keep, known, why
+    from ..harness.studies.quantities import percent
 
     found = known(scene)
     if found is None:
@@ -133,8 +132,8 @@ def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
 
 def verified(scene: Scene, tolerance: float) -> bool:
     """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
-    from ..studies.fronts import verify
-    from ..studies.quantities import percent
+    from ..harness.studies.fronts import verify
+    from ..harness.studies.quantities import percent
 
     found = verify(scene)
     print_table("against half the macro step and half the internal steps", ("quantity", "difference"),

@@ -8,8 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput, nearest
-
+from ...components.core.errors import BadInput, nearest
 from .common import FAILED_CHECK, AsJson, app, print_table
 
 
@@ -21,7 +20,7 @@ def list_(
 ) -> None:
     """What there is. Example: cosimo list components"""
     if schema:
-        from ..scene import Scene
+        from ..scene.scene import Scene
 
         print(json.dumps(Scene.model_json_schema(), indent=2))
         return
@@ -37,7 +36,7 @@ def list_(
 
 
 def _components() -> list[dict[str, Any]]:
-    from components.catalogue import CATALOGUE, component_class
+    from ...components.catalogue import CATALOGUE, component_class
 
     classes = {name: component_class(name) for name in CATALOGUE}
     return [{
@@ -48,19 +47,19 @@ def _components() -> list[dict[str, Any]]:
 
 
 def _fmus() -> list[dict[str, Any]]:
-    from components.catalogue import CATALOGUE, component_class
+    from ...components.catalogue import CATALOGUE, component_class
 
     return [{"name": name, "title": component_class(name).title} for name in CATALOGUE]
 
 
 def _scenes() -> list[dict[str, Any]]:
-    from ..scene import read_toml, scene_files
+    from ..scene.scene import read_toml, scene_files
 
     return [{"name": name, "title": read_toml(path).get("title", "")} for name, path in scene_files().items()]
 
 
 def _cases() -> list[dict[str, Any]]:
-    from ..validation.cases import CASES
+    from ..systems import CASES
 
     return [{"name": name, "title": case.title} for name, case in CASES.items()]
 
@@ -71,8 +70,8 @@ def build(
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
 ) -> None:
     """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
-    from components.catalogue import CATALOGUE
-    from fmus.build import build as build_fmu
+    from ...components.catalogue import CATALOGUE
+    from ...fmus.build import build as build_fmu
 
     for name in names or CATALOGUE:
         print(build_fmu(name, output))
@@ -81,7 +80,7 @@ def build(
 @app.command()
 def check(fmu: Annotated[Path, typer.Argument(help="an FMU file")], as_json: AsJson = False) -> None:
     """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
-    from fmus.check import check as check_fmu
+    from ...fmus.check import check as check_fmu
 
     if not fmu.is_file():
         raise BadInput("check", repr(str(fmu)), "an FMU file")

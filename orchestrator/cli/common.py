@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest
 
 if TYPE_CHECKING:
-    from ..scene import Scene
+    from ..scene.scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
 COMPONENT = "component:"  # before the name of a component that is studied alone
@@ -69,7 +69,7 @@ def listed(option: str, texts: Sequence[str]) -> list[str]:
 
 def switched_on(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
     """Changes of a scene that switch on effects, each given as "unit.effect"."""
-    from ..coupling import settle
+    from ..engine.coupling import settle
 
     changes: dict[str, Any] = {}
     for text in listed("--effects", texts) if texts else []:

@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .common import AsJson, Changes, app, change, listed, print_table, share, shown, warn
 
 if TYPE_CHECKING:
+    from ..harness.studies.chosen import Choice
+    from ..harness.studies.effects import Effects
     from ..results import Result
-    from ..scene import Scene
-    from ..studies.chosen import Choice
-    from ..studies.effects import Effects
+    from ..scene.scene import Scene
 
 AUTO = "auto"
 TOLERANCE = "1%"
@@ -40,12 +39,12 @@ def effects(
     as_json: AsJson = False,
 ) -> None:
     """Find the effects a scene calls for. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
-    from ..report.studies.effects import for_effects
+    from ..harness.report.studies.effects import for_effects
+    from ..harness.studies.chosen import keep
+    from ..harness.studies.effects import effects as find
     from ..results import made
-    from ..scene import load_scene
-    from ..scene_text import write_scene
-    from ..studies.chosen import keep
-    from ..studies.effects import effects as find
+    from ..scene.scene import load_scene
+    from ..scene.text import write_scene
 
     allowed = share("--tolerance", tolerance)
     if write is not None and write.suffix != ".toml":
@@ -70,8 +69,8 @@ def effects(
 
 def remarks(found: Effects) -> list[str]:
     """What stands above a scene that is written."""
-    from ..studies.chosen import reason
-    from ..studies.quantities import percent
+    from ..harness.studies.chosen import reason
+    from ..harness.studies.quantities import percent
 
     lines = [f"Of the scene {found.scene.name}: the effects whose absence shows by more than {percent(found.tolerance)};",
              f"error of this scene {percent(found.least.error)} against all effects."]
@@ -83,7 +82,7 @@ def summary(found: Effects) -> dict[str, Any]:
     """What was found as plain data."""
     from dataclasses import asdict
 
-    from ..studies.chosen import reason
+    from ..harness.studies.chosen import reason
 
     def plain(data: dict[str, Any]) -> dict[str, Any]:
         return {k: v if not isinstance(v, float) or isfinite(v) else None for k, v in data.items()}
@@ -97,8 +96,8 @@ def summary(found: Effects) -> dict[str, Any]:
 
 def print_found(found: Effects) -> None:
     """Every effect that was measured or is required, then what the models cost."""
-    from ..studies.chosen import reason
-    from ..studies.quantities import percent
+    from ..harness.studies.chosen import reason
+    from ..harness.studies.quantities import percent
 
     order = sorted((f for f in found.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
     print_table(f"{found.scene.title or found.scene.name}: effects within {percent(found.tolerance)}",
@@ -114,8 +113,8 @@ def print_found(found: Effects) -> None:
 
 def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
     """The scene with exactly the effects that it calls for, and why; measured first where nothing is kept."""
-    from ..studies.chosen import choose
-    from ..studies.quantities import percent
+    from ..harness.studies.chosen import choose
+    from ..harness.studies.quantities import percent
 
     with shown() as told:
         choice = choose(scene, tolerance, told)

@@ -20,10 +20,10 @@ def sweep(
     values: Changes = None,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
-    from .. import report
+    from ..harness import report
+    from ..harness.sweep import sweep as run_sweep
     from ..results import made
-    from ..scene import load_scene
-    from ..sweep import sweep as run_sweep
+    from ..scene.scene import load_scene
 
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])

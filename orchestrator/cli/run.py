@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .accuracy import chosen, verified
 from .common import (
     FAILED_CHECK,
@@ -29,7 +28,7 @@ from .common import (
 from .effects import called_for, said, tolerance_of
 
 if TYPE_CHECKING:
-    from ..scene import Scene
+    from ..scene.scene import Scene
 
 CHECKPOINT = "checkpoint"  # file in the output directory
 
@@ -67,7 +66,7 @@ def run(
     """
     from ..results import made
     from ..run import run as run_scene
-    from ..scene import load_scene
+    from ..scene.scene import load_scene
 
     loaded = load_scene(scene)
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
@@ -103,7 +102,7 @@ def run(
     if choice is not None and within is not None:
         result = said(result, choice, within)
     if output is not None:
-        from .. import report
+        from ..harness import report
 
         result.save(output)
         written = ["result.csv", "run.json"]
@@ -137,11 +136,10 @@ def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm
 
 
 def _dry_run(scene: Scene, in_process: bool) -> None:
-    from components.core.errors import StepFailed
-
+    from ...components.core.errors import StepFailed
     from ..advice import advise
     from ..advice.dry_run import lines, tables
-    from ..coupling import settle
+    from ..engine.coupling import settle
 
     try:
         advice = advise(scene, in_process=in_process)

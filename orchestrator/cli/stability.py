@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from components.core.errors import BadInput, nearest
-
+from ...components.core.errors import BadInput, nearest
 from .common import COMPONENT, FAILED_CHECK, Changes, app, change, listed, parameters_of, print_table, range_of
 
 if TYPE_CHECKING:
-    from ..scene import Scene
-    from ..studies.stability import Scheme
+    from ..harness.studies.stability import Scheme
+    from ..scene.scene import Scene
 
 ALGORITHMS = ("jacobi", "gauss-seidel", "iterative", "interface-model")
 
@@ -75,10 +74,10 @@ def stability(
 
 def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, algorithm: list[str] | None,
                  extrapolation: list[int] | None, steps: int | None, output: Path) -> None:
-    from ..report.studies.stability import for_stability
-    from ..scene import load_scene
-    from ..studies.stability import STEPS
-    from ..studies.stability import stability as measure
+    from ..harness.report.studies.stability import for_stability
+    from ..harness.studies.stability import STEPS
+    from ..harness.studies.stability import stability as measure
+    from ..scene.scene import load_scene
 
     scene = load_scene(what)
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
@@ -98,7 +97,7 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, al
 
 
 def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int] | None) -> list[Scheme]:
-    from ..studies.stability import schemes_of
+    from ..harness.studies.stability import schemes_of
 
     names = listed("--algorithm", algorithm) if algorithm else []
     for name in names:
@@ -109,8 +108,8 @@ def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int]
 
 def _internal_steps(name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path
                     ) -> None:
-    from ..report.studies.stability import for_internal_steps
-    from ..studies.internal_steps import STEPS, internal_steps
+    from ..harness.report.studies.stability import for_internal_steps
+    from ..harness.studies.internal_steps import STEPS, internal_steps
 
     chosen = listed("--effects", effects) if effects else None
     found = internal_steps(name, effects=chosen, parameters=parameters_of(values or []), preset=preset, steps=steps or STEPS,
@@ -126,8 +125,8 @@ def _internal_steps(name: str, effects: list[str] | None, values: list[str] | No
 def _hard_cases(names: list[str], output: Path) -> None:
     if "numba" not in sys.modules:
         os.environ["NUMBA_DISABLE_JIT"] = "1"
-    from ..report.studies.hard_cases import for_hard_cases, margin_text
-    from ..studies.hard_cases import hard_cases
+    from ..harness.report.studies.hard_cases import for_hard_cases, margin_text
+    from ..harness.studies.hard_cases import hard_cases
 
     found = hard_cases(names, progress=True)
     written = [found.save(output), for_hard_cases(found, output)]

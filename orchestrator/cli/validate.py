@@ -18,9 +18,9 @@ def validate(
     as_json: AsJson = False,
 ) -> None:
     """Run cases and hold them against their tables. Example: cosimo validate en50318-2018-ac-simple -o out"""
-    from ..report.style import number
-    from ..validation import validate as validate_cases
-    from ..validation.case import to_json
+    from ..harness.charts.style import number
+    from ..harness.validation import validate as validate_cases
+    from ..harness.validation.case import to_json
 
     results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json)
     if as_json:
@@ -41,7 +41,7 @@ def validate(
 
 def _range(low: float | None, high: float | None) -> str:
     """A range of a table, with the digits that its width asks for; an open end is left out."""
-    from ..report.style import number
+    from ..harness.charts.style import number
 
     if low is None or high is None:
         return f"up to {high:.6g}" if low is None else f"from {low:.6g}"

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .model import Model, Number, Seconds
 
 

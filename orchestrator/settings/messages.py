@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from components.core.errors import BadInput, nearest
+from ...components.core.errors import BadInput, nearest
 
 EXPECTED = {
     "float_type": "a number", "string_type": "a text", "finite_number": "a finite number", "bool_type": "true or false",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from components.core.errors import BadInput
+from ...components.core.errors import BadInput
 
 RANGE = ("from", "to", "points")
 MOST_POINTS = 1_000_000  # of one range; each is a run

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, field_validator, model_validator
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings

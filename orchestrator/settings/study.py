@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 
 from pydantic import Field, field_validator
 
-from components.core.errors import BadInput, nearest
-
+from ...components.core.errors import BadInput, nearest
 from .model import Model, Sweep
 from .ranges import ranged
 

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from components.core.errors import BadInput
-
+from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive
 
 

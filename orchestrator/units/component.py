@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from components.catalogue import component_class
-from components.core.component import Component
-from components.core.errors import BadInput, StepFailed, nearest
-
+from ...components.catalogue import component_class
+from ...components.core.component import Component
+from ...components.core.errors import BadInput, StepFailed, nearest
 from ..settings import UnitSettings
 from .interface import WIDE, Interface, Row, Signal
 

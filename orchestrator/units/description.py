@@ -19,8 +19,7 @@ from fmpy import read_model_description
 from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange, ModelVariable
 from lxml import etree
 
-from components.core.errors import BadInput, nearest
-
+from ...components.core.errors import BadInput, nearest
 from .interface import Kind
 from .solvers import METHODS
 

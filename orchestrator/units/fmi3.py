@@ -15,8 +15,7 @@ from typing import Any, cast
 import numpy as np
 from fmpy.fmi3 import FMU3Slave
 
-from components.core.errors import StepFailed
-
+from ...components.core.errors import StepFailed
 from .fmu_unit import FmuUnit
 from .inputs import WARNING, Others, Reals, Requested
 

@@ -24,8 +24,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
 
             return Fmi2ModelExchange(name, found, given, settings.tolerance, settings.solver or "CVode")
         return _class(found)(name, found, given, settings.tolerance)
-    from fmus.build import built
-
+    from ...fmus.build import built
     from .component import make
 
     component = make(name, settings)

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from components.core.errors import BadInput, nearest
-from components.core.measure import BASES, parse
-from components.core.measure import Unit as Measure
-
+from ...components.core.errors import BadInput, nearest
+from ...components.core.measure import BASES, parse
+from ...components.core.measure import Unit as Measure
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
 from .interface import Interface, Signal
 from .values import settled

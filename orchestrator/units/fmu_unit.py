@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from components.core.errors import BadInput, StepFailed
-
+from ...components.core.errors import BadInput, StepFailed
 from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
@@ -28,7 +27,7 @@ from .states import State, States
 from .values import Block, blocks, decoded, signature
 
 if TYPE_CHECKING:
-    from components.core.component import Component
+    from ...components.core.component import Component
 
 LOG = logging.getLogger("cosimo.units")  # a worker process keeps it for the message about its end
 FATAL = 4

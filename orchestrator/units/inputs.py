@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from components.core.errors import StepFailed
-
+from ...components.core.errors import StepFailed
 from .description import Scalar, has_companions
 from .interface import WIDE, Row
 from .values import Block, blocks, signature

@@ -8,7 +8,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from components.core.measure import Unit as Measure
+from ...components.core.measure import Unit as Measure
 
 Row = Any  # list[float], or an ndarray of more than WIDE numbers
 Kind = Literal["real", "integer", "boolean", "enumeration", "string"]

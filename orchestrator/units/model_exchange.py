@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from fmpy.fmi2 import FMU2Model, fmi2EventInfo
 
-from components.core.errors import StepFailed
-
+from ...components.core.errors import StepFailed
 from .description import Description
 from .fmi2 import DISCARD, Fmi2Unit
 from .inputs import WARNING

@@ -24,24 +24,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from components.core.errors import BadInput, StepFailed
-
-from .channel import (
-    CALL,
-    EVENT,
-    FAILED,
-    GET,
-    INDEX,
-    READ,
-    STEP,
-    TIMES,
-    UPDATE,
-    VALUES,
-    WARNED,
-    Channel,
-    packer,
-    unpacker,
-)
+from ...components.core.errors import BadInput, StepFailed
+from .channel import CALL, EVENT, FAILED, GET, INDEX, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
 from .interface import Row
 
 if TYPE_CHECKING:

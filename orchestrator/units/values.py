@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from math import inf, isfinite
 from typing import Any
 
-from components.core.errors import BadInput, nearest
-
+from ...components.core.errors import BadInput, nearest
 from .description import Description, Scalar, is_companion
 
 EXACT = 2**53  # whole numbers up to it travel as floats without loss

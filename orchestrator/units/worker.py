@@ -18,25 +18,9 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from components.core.errors import BadInput, StepFailed
-
+from ...components.core.errors import BadInput, StepFailed
 from . import Unit, open_unit
-from .channel import (
-    CALL,
-    EVENT,
-    FAILED,
-    INDEX,
-    OBJECT,
-    READ,
-    STEP,
-    TIMES,
-    UPDATE,
-    VALUES,
-    WARNED,
-    Channel,
-    packer,
-    unpacker,
-)
+from .channel import CALL, EVENT, FAILED, INDEX, OBJECT, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
 from .interface import Row
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF

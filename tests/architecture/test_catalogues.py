@@ -6,23 +6,22 @@ import importlib
 import inspect
 import pkgutil
 
+import cosimo.orchestrator.systems as systems_package
 import pytest
+from cosimo import components
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.component import Component
+from cosimo.orchestrator.engine.algorithms import ALGORITHMS
+from cosimo.orchestrator.engine.algorithms.master import Master
+from cosimo.orchestrator.harness import report
+from cosimo.orchestrator.harness.keys import KEYS
+from cosimo.orchestrator.harness.validation.case import Case
+from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
+from cosimo.orchestrator.scene.scene import SHIPPED, load_scene, read_scene, scene_files
+from cosimo.orchestrator.systems import CASES
+from cosimo.tests.support import two_masses
 
-import components
-import orchestrator.validation.cases as cases_package
-from components.catalogue import CATALOGUE, component_class
-from components.core.component import Component
-from orchestrator import report
-from orchestrator.algorithms import ALGORITHMS
-from orchestrator.algorithms.master import Master
-from orchestrator.analysis.keys import KEYS
-from orchestrator.scene import SHIPPED, load_scene, read_scene, scene_files
-from orchestrator.validation.case import Case
-from orchestrator.validation.cases import CASES
-from orchestrator.validation.reference import STANDINGS, load_table
-from tests.support import two_masses
-
-TABLES = sorted(p.stem for p in (SHIPPED.parent / "validation" / "tables").glob("*.toml"))
+TABLES = sorted(table_files())
 
 
 def all_modules(package):
@@ -33,8 +32,8 @@ def all_modules(package):
 def test_every_component_is_in_the_catalogue():
     """A concrete component has a title; bases of families have none."""
     written = {
-        (name, module.__name__.removeprefix("components."))
-        for module in all_modules(components) if not module.__name__.startswith("components.core.")
+        (name, module.__name__.removeprefix("cosimo.components."))
+        for module in all_modules(components) if not module.__name__.startswith("cosimo.components.core.")
         for name, cls in vars(module).items()
         if inspect.isclass(cls) and issubclass(cls, Component) and cls.__module__ == module.__name__ and cls.title
     }
@@ -50,7 +49,7 @@ def test_catalogue_entries_load_under_their_own_name(name):
 
 
 def test_every_case_module_is_listed():
-    written = {value.name for module in all_modules(cases_package) for value in vars(module).values() if isinstance(value, Case)}
+    written = {value.name for module in all_modules(systems_package) for value in vars(module).values() if isinstance(value, Case)}
     assert written == set(CASES)
 
 
@@ -68,7 +67,7 @@ def test_every_shipped_scene_loads(name):
 
 
 def test_every_algorithm_is_reachable_from_a_scene():
-    written = {cls for module in all_modules(importlib.import_module("orchestrator.algorithms"))
+    written = {cls for module in all_modules(importlib.import_module("cosimo.orchestrator.engine.algorithms"))
                for cls in vars(module).values() if inspect.isclass(cls) and issubclass(cls, Master) and cls is not Master}
     assert written == set(ALGORITHMS.values())
     for name in ALGORITHMS.keys() - {"interface-model"}:  # which needs a contact, as the scene with its name has

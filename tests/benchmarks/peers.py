@@ -15,8 +15,8 @@ STEP = 1e-3  # s
 
 
 def cosimo(msd, ctrl, steps, record=None):
-    from orchestrator.run import run
-    from orchestrator.scene import read_scene
+    from cosimo.orchestrator.run import run
+    from cosimo.orchestrator.scene.scene import read_scene
 
     scene = read_scene({
         "stop_time": steps * STEP, "connections": [f"{a}.{x} -> {b}.{u}" for a, x, b, u in WIRES],

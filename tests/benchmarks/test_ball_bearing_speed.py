@@ -10,11 +10,10 @@ import time
 
 import numpy as np
 import pytest
+from cosimo.components.bearings.ball_bearing import BallBearing
+from cosimo.components.bearings.dimensionless import scales
 from numba import njit
 from scipy.integrate import solve_ivp
-
-from components.bearings.ball_bearing import BallBearing
-from components.bearings.dimensionless import scales
 
 pytestmark = pytest.mark.benchmark
 

@@ -6,9 +6,8 @@ import time
 from statistics import median
 
 import pytest
-
-from components.catalogue import component_class
-from tests.never_written import never_written
+from cosimo.components.catalogue import component_class
+from cosimo.tests.contract.never_written import never_written
 
 pytestmark = pytest.mark.benchmark
 

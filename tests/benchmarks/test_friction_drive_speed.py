@@ -7,9 +7,8 @@ energy account, as for a long run; the first, short runs compile.
 import time
 
 import pytest
-
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
 
 pytestmark = pytest.mark.benchmark
 

@@ -5,11 +5,10 @@ Run with `pytest -m benchmark -n 0 -s`. Nothing here is a statement about anothe
 
 import numpy as np
 import pytest
-
-from orchestrator.analysis.railway import passages
-from orchestrator.analysis.signals import Filter, uniform
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems.railway.records import passages
 
 pytestmark = pytest.mark.benchmark
 

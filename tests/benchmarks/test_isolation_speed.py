@@ -7,12 +7,11 @@ import os
 
 import numpy as np
 import pytest
-
-from components.core.component import Component
-from components.core.kernels import DONE
-from components.core.variables import input_, integer, output
-from orchestrator.run import run
-from orchestrator.scene import read_scene
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import DONE
+from cosimo.components.core.variables import input_, integer, output
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
 
 pytestmark = pytest.mark.benchmark
 
@@ -44,7 +43,7 @@ class Busy(Component):
 
 def seconds(work: int, isolation: str, steps: int = STEPS) -> float:
     """Of a run of two units under Jacobi, the best of three."""
-    unit = {"component": "tests.benchmarks.test_isolation_speed:Busy", "isolation": isolation,
+    unit = {"component": "cosimo.tests.benchmarks.test_isolation_speed:Busy", "isolation": isolation,
             "parameters": {"work_per_step": work}}
     scene = read_scene({"stop_time": 1.0, "units": {"a": unit, "b": unit}, "connections": ["a.result -> b.u", "b.result -> a.u"],
                         "master": {"algorithm": "jacobi", "step": 1.0 / steps}})

@@ -7,10 +7,9 @@ import time
 
 import numpy as np
 import pytest
+from cosimo.components.two_axis_joint.chain import TwoLinkChain
+from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from scipy.integrate import solve_ivp
-
-from components.two_axis_joint.chain import TwoLinkChain
-from components.two_axis_joint.gimbal import GimbalBody
 
 pytestmark = pytest.mark.benchmark
 

@@ -10,12 +10,11 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from components.core.component import Component
-from components.core.kernels import DONE
-from components.core.variables import input_, output
-from orchestrator.run import run
-from orchestrator.scene import read_scene
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import DONE
+from cosimo.components.core.variables import input_, output
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
 
 pytestmark = pytest.mark.benchmark
 HERE = Path(__file__).parent
@@ -94,7 +93,7 @@ class Gain(Component):
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_half_a_million_steps_of_trivial_units_a_second(algorithm, degree, record):
-    gain = {"component": "tests.benchmarks.test_master_speed:Gain"}
+    gain = {"component": "cosimo.tests.benchmarks.test_master_speed:Gain"}
     scene = read_scene({"stop_time": 20.0, "connections": ["a.y_out -> b.u_in", "b.y_out -> a.u_in"],
                         "units": {"a": gain, "b": gain}, "record": record,
                         "master": {"algorithm": algorithm, "step": 1e-3, "extrapolation": degree}})

@@ -7,10 +7,9 @@ import time
 
 import numpy as np
 import pytest
-
-from components.pipe_robot.robot import PipeRobot
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.components.pipe_robot.robot import PipeRobot
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
 
 pytestmark = pytest.mark.benchmark
 

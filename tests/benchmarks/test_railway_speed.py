@@ -9,13 +9,12 @@ import time
 
 import numpy as np
 import pytest
-
-from components.railway.catenary import Catenary
-from components.railway.pantograph import Pantograph
-from orchestrator.analysis.railway import passages
-from orchestrator.analysis.signals import Filter, uniform
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.pantograph import Pantograph
+from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems.railway.records import passages
 
 pytestmark = pytest.mark.benchmark
 
@@ -117,12 +116,12 @@ def test_second_process_start_compiles_nothing():
     program = """
 import time
 start = time.perf_counter()
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene import load_scene
 run(load_scene("en50318-2002").with_changes({"stop_time": 0.05}), in_process=True)
 ready = time.perf_counter() - start
-from components.core.kernels import compiled_from_cache
-from components.railway import catenary, pantograph
+from cosimo.components.core.kernels import compiled_from_cache
+from cosimo.components.railway import catenary, pantograph
 print(*compiled_from_cache(catenary.advance_explicit, catenary.refresh_outputs, pantograph.Pantograph.advance), ready)
 """
     subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
@@ -169,10 +168,9 @@ def fmu_step(cls, effects):
     """Shortest mean time of fmi2DoStep through FMPy's ctypes binding, s."""
     import shutil
 
+    from cosimo.fmus.build import built
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
-
-    from fmus.build import built
 
     path = built(cls.__name__)
     description, folder = read_model_description(path), extract(str(path))

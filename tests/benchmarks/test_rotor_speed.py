@@ -13,10 +13,9 @@ import time
 from pathlib import Path
 
 import pytest
-
-from components.rotor.beam import BeamRotor
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.components.rotor.beam import BeamRotor
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
 
 pytestmark = pytest.mark.benchmark
 

@@ -6,9 +6,8 @@ Run with `pytest -m benchmark -n 0 -s`. Recording is once a second, as for an ho
 import time
 
 import pytest
-
-from orchestrator.run import run
-from orchestrator.scene import load_scene
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene
 
 pytestmark = pytest.mark.benchmark
 

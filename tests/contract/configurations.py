@@ -7,13 +7,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.component import Component
-from components.core.kernels import COMPILED
-from orchestrator.studies.full_model import with_required
-
-from .families import Facts, all_facts
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.harness.studies.full_model import with_required
+from cosimo.tests.contract.families import Facts, all_facts
 
 FACTS = defaultdict(Facts, all_facts())
 SMALL = {name: dict(FACTS[name].small) for name in CATALOGUE}

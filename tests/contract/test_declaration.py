@@ -7,13 +7,11 @@ import re
 
 import numpy as np
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.errors import BadInput
-from components.core.measure import parse
-from components.core.variables import Causality, Kind
-
-from .configurations import FACTS, SMALL, compatible
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.measure import parse
+from cosimo.components.core.variables import Causality, Kind
+from cosimo.tests.contract.configurations import FACTS, SMALL, compatible
 
 VARIABLES = [(c, v) for c in CATALOGUE for v in component_class(c).variables]
 

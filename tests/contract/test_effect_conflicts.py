@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.errors import BadInput
-from components.core.variables import Causality
-from orchestrator.scene import read_scene
-
-from .configurations import with_required
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import Causality
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.tests.contract.configurations import with_required
 
 NEEDS = [(c, e, other) for c in CATALOGUE for e, effect in component_class(c).effects.items() for other in effect.requires]
 CONFLICTS = [(c, e, other) for c in CATALOGUE for e, effect in component_class(c).effects.items() for other in effect.excludes]

@@ -6,18 +6,17 @@ import math
 
 import numpy as np
 import pytest
-
-from components.drives.servo_motor import ServoMotor
-from components.friction_drive.monolith import FrictionDrive
-from components.railway.catenary import Catenary
-from components.railway.pantograph import Pantograph, pantograph_derivatives
-from components.railway.statics import elasticity
-from components.rotor.jeffcott import JeffcottRotor
-from components.rov.hull import RovHull
-from components.rov.thruster import Thruster
-from components.wind_pump.planetary import PlanetaryTransmission, gear_derivatives
-from components.wind_pump.turbine import WindTurbine
-from components.wrist.wrist import Wrist
+from cosimo.components.drives.servo_motor import ServoMotor
+from cosimo.components.friction_drive.monolith import FrictionDrive
+from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.pantograph import Pantograph, pantograph_derivatives
+from cosimo.components.railway.statics import elasticity
+from cosimo.components.rotor.jeffcott import JeffcottRotor
+from cosimo.components.rov.hull import RovHull
+from cosimo.components.rov.thruster import Thruster
+from cosimo.components.wind_pump.planetary import PlanetaryTransmission, gear_derivatives
+from cosimo.components.wind_pump.turbine import WindTurbine
+from cosimo.components.wrist.wrist import Wrist
 
 
 def pushed_up(effects, wire: float, parameters=None) -> Pantograph:

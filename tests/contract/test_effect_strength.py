@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.variables import Causality
-
-from .configurations import FACTS, SMALL, in_plain_python, with_required
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.variables import Causality
+from cosimo.tests.contract.configurations import FACTS, SMALL, in_plain_python, with_required
 
 STEPS = 100
 CASES = [(c, s) for c in CATALOGUE for s in FACTS[c].strengths]

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.component import Effect
-
-from .configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.component import Effect
+from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
 
 SINGLE = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
 

@@ -7,16 +7,14 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-
-import components
-from components.catalogue import CATALOGUE, component_class
-from components.core.integrators import OdeComponent, rk4
-from components.core.kernels import COMPILED
-
-from ..never_written import never_written, python, stripped
-from .configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
-from .test_effects_absent import SINGLE
-from .test_effects_absent import stripped as undeclared
+from cosimo import components
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.integrators import OdeComponent, rk4
+from cosimo.components.core.kernels import COMPILED
+from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
+from cosimo.tests.contract.never_written import never_written, python, stripped
+from cosimo.tests.contract.test_effects_absent import SINGLE
+from cosimo.tests.contract.test_effects_absent import stripped as undeclared
 
 ROOT = str(Path(components.__file__).parent)
 CLASSIC = [c for c in CATALOGUE if issubclass(cls := component_class(c), OdeComponent) and cls.effects

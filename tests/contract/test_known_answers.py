@@ -7,10 +7,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-
-from .known_answers import KNOWN
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.tests.contract.known_answers import KNOWN
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMED = [(component, effect, test) for component, tests in KNOWN.items() for effect, test in tests.items()]

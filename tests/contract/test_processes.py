@@ -11,19 +11,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.kernels import COMPILED
-
-from .configurations import FACTS, SMALL
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.kernels import COMPILED
+from cosimo.tests.contract.configurations import FACTS, SMALL
 
 ROOT = Path(__file__).resolve().parents[2]
 
 SHORT_RUNS = """
 import json, sys
 import numpy as np
-from components.catalogue import CATALOGUE, component_class
-from components.core.kernels import compiled_from_cache
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.kernels import compiled_from_cache
 
 def run(component, effects, parameters, steps):
     made = component_class(component)(effects, parameters)
@@ -38,7 +36,7 @@ ONE_A_SYSTEM = {component_class(name).system: name for name in CATALOGUE}.values
 SECOND_PROCESS = SHORT_RUNS + f"\nSMALL = { {name: SMALL[name] for name in ONE_A_SYSTEM}!r}" + """
 for name in SMALL:
     run(name, (), SMALL[name], 1)
-kernels = {id(k): k for m in list(sys.modules.values()) if m.__name__.startswith("components.")
+kernels = {id(k): k for m in list(sys.modules.values()) if m.__name__.startswith("cosimo.components.")
            for space in (vars(m), *(vars(c) for c in vars(m).values() if isinstance(c, type)))
            for k in space.values() if hasattr(k, "stats")}
 print(json.dumps(compiled_from_cache(*kernels.values())))

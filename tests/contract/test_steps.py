@@ -6,13 +6,11 @@ import math
 
 import numpy as np
 import pytest
-
-from components.core.component import Component
-from components.core.errors import BadInput
-from components.core.integrators import OdeComponent
-from components.core.kernels import COMPILED
-
-from .configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
+from cosimo.components.core.component import Component
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.integrators import OdeComponent
+from cosimo.components.core.kernels import COMPILED
+from cosimo.tests.contract.configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
 
 EPSILON = np.finfo(float).eps
 configurations = pytest.mark.parametrize("configuration", COMPILED_TOO if COMPILED else CONFIGURATIONS, ids=lambda c: c.label)

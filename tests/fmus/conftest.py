@@ -2,14 +2,13 @@ import sys
 from importlib.util import module_from_spec, spec_from_file_location
 
 import pytest
-from driver import HERE, Driven
+from cosimo.fmus import build as builder
+from cosimo.tests.fmus.driver import HERE, Driven
 from fmpy import extract
-
-from fmus import build as builder
 
 
 def probe_class():
-    spec = spec_from_file_location("components.testing.probe", HERE / "probe_component.py")
+    spec = spec_from_file_location("cosimo.components.testing.probe", HERE / "probe_component.py")
     sys.modules[spec.name] = module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module.Probe

@@ -6,13 +6,12 @@ import xml.etree.ElementTree as ET
 import zipfile
 
 import pytest
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.errors import BadInput
+from cosimo.fmus.build import build, built, sources
+from cosimo.fmus.check import check
+from cosimo.fmus.loader import same_sources, stable_copy
 from fmpy.validation import validate_fmu
-
-from components.catalogue import CATALOGUE, component_class
-from components.core.errors import BadInput
-from fmus.build import build, built, sources
-from fmus.check import check
-from fmus.loader import same_sources, stable_copy
 
 
 def description(path):

@@ -4,8 +4,7 @@ import subprocess
 import sys
 
 import pytest
-
-from fmus.check import check
+from cosimo.fmus.check import check
 
 STOCK = """
 import os

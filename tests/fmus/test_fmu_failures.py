@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from driver import DISCARD, OK, run_script
+from cosimo.tests.fmus.driver import DISCARD, OK, run_script
 
 WARNING, ERROR = 1, 3
 
@@ -133,7 +133,7 @@ def test_failures_do_not_hurt_the_process(probe):
     """Every failure, often, then reset or not, and free: the exit code tells."""
     run_script("""
 import sys
-from driver import Driven
+from cosimo.tests.fmus.driver import Driven
 for n in range(200):
     unit = Driven(*sys.argv[1:])
     unit.start({"gain": -1.0} if n % 2 else {"effects.needy": True})

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driver import HERE, extract, run_script
-
-from fmus.build import built
+from cosimo.fmus.build import built
+from cosimo.tests.fmus.driver import HERE, extract, run_script
 
 RUN = """
 import math, sys
-from driver import Driven
+from cosimo.tests.fmus.driver import Driven
 
 def answers(path, folder=None, steps=50):
     unit = Driven(path, folder).start({"effects.contact_loss": True})
@@ -66,7 +65,7 @@ def test_two_bundles_of_one_name_keep_their_code(pantograph, tmp_path):
     run_script(RUN + """
 import os
 from pathlib import Path
-from fmus.check_worker import changed_copy
+from cosimo.fmus.check_worker import changed_copy
 path, directory = sys.argv[1:]
 own = answers(path)
 os.environ["COSIMO_CACHE"] = directory
@@ -78,7 +77,7 @@ assert answers(path) == own != [1.0] * len(own)
 def test_a_hosts_own_checkout_is_not_used(pantograph):
     run_script(RUN + """
 path = sys.argv[1]
-from components.railway import pantograph
+from cosimo.components.railway import pantograph
 class Broken:
     def __getattr__(self, name): raise AssertionError("the host's checkout was used")
 for name in ("Pantograph", "pantograph_outputs", "pantograph_derivatives"):
@@ -114,7 +113,7 @@ def test_the_only_imports_of_an_fmu_are_numpy_and_the_standard_library(pantograp
     run_script(RUN + """
 class Refused:
     def find_spec(self, name, path=None, target=None):
-        if name.split(".")[0] in {"components", "fmus", "orchestrator", "scipy", "pydantic", "numba"}:
+        if name.split(".")[0] in {"cosimo", "scipy", "pydantic", "numba"}:
             raise ImportError(name)
 sys.meta_path.insert(0, Refused())
 answers(sys.argv[1], steps=3)

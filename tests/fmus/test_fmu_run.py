@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from driver import OK, Driven
-
-from components.catalogue import CATALOGUE, component_class
-from fmus.build import built
-from tests.contract.configurations import SMALL, compatible, in_plain_python
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.fmus.build import built
+from cosimo.tests.contract.configurations import SMALL, compatible, in_plain_python
+from cosimo.tests.fmus.driver import OK, Driven
 
 STEP = 1e-3  # s
 STEPS = 60

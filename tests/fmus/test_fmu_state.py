@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from driver import DISCARD, OK, Driven
-
-from fmus.build import built
+from cosimo.fmus.build import built
+from cosimo.tests.fmus.driver import DISCARD, OK, Driven
 
 OUTPUTS = ("contact_force", "contact_position", "head_height", "head_velocity", "frame_height")
 EFFECTS = {"effects.lower_frame": True, "effects.contact_loss": True, "effects.frame_friction": True}

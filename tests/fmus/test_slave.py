@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from components.rotor.beam import BeamRotor
-from fmus.slave import KEPT, WIDE, ComponentSlave
+from cosimo.components.rotor.beam import BeamRotor
+from cosimo.fmus.slave import KEPT, WIDE, ComponentSlave
 
 
 class Rotor(ComponentSlave):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import Facts
+from cosimo.tests.contract.families import Facts
 
 FACTS: dict[str, Facts] = {
     "ExciterProgram": Facts(

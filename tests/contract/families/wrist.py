@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import Facts
+from cosimo.tests.contract.families import Facts
 
 WEIGHTLESS = {"load.gravity_x": 0.0}
 TAUT = {"constraint.prestrain": 0.05}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import Facts
+from cosimo.tests.contract.families import Facts
 
 CHANGE_POINT = {"crank": 0.02, "coupler": 0.05, "rocker": 0.02, "ground": 0.05, "change_point": "through"}
 

@@ -1,0 +1,146 @@
+"""Units that step one after the other towards the ends of their inputs, and where a circle of them is cut."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import permutations
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from ...units.interface import Interface, Row
+from ..coupling import Endpoint, Link
+from .master import Node
+from .rates import Slow
+
+TRIED = 6  # units of a circle all orders of which are tried; of a larger one every rotation is
+
+
+def best_cut(names: Sequence[str], links: Iterable[Link]) -> tuple[str, ...]:
+    """The units of a circle in the order, nearest to the given one, that leaves the fewest signals to be guessed."""
+    inner = [link for link in links if {link.source[0], link.target[0]} <= set(names)]
+    turned = [(*names[k:], *names[:k]) for k in range(len(names))]
+    orders = permutations(names) if len(names) <= TRIED else turned
+
+    def guessed(order: tuple[str, ...]) -> int:
+        return len({link.source for link in inner if order.index(link.source[0]) > order.index(link.target[0])})
+
+    return min(orders, key=guessed)
+
+
+class Chain:
+    """Units in an order such that most are fed by earlier ones; `cut`: places of the signals that feed backwards.
+
+    Signals that only jump between steps are held inside one, and need no guess. Units on one level feed none of each other,
+    and step at the same time where they run in processes of their own.
+    """
+
+    def __init__(self, nodes: Sequence[Node], signals: Row, positions: Mapping[Endpoint, int],
+                 interfaces: Mapping[str, Interface]):
+        self.nodes = list(nodes)
+        self._signals = signals
+        self._ends = list(positions)
+        owner = {k: i for i, node in enumerate(nodes) for k in range(node.place.start, node.place.stop)}
+        depths: list[int] = []
+        for i, node in enumerate(nodes):
+            depths.append(max((depths[owner[k]] + 1 for k in node.sources if owner.get(k, i) < i), default=0))
+        self._levels = [[n for n, d in zip(nodes, depths, strict=True) if d == depth] for depth in sorted(set(depths))]
+        guessed: dict[int, tuple[Node, int] | None] = {}
+        for node, depth in zip(nodes, depths, strict=True):
+            for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
+                if k in owner and depths[owner[k]] >= depth and j not in node.held and guessed.get(k) is None:
+                    guessed[k] = (node, j) if link.factor else None
+        self.cut = list(guessed)
+        self._readers = list(guessed.values())
+        self._least = np.array([interfaces[u].outputs[n].nominal for u, n in (self._ends[k] for k in self.cut)])
+        direct = [node for node in nodes if _answers_at_once(node, interfaces[node.unit.name])]
+        # units that answer with what they held over the step; what they hand on belongs to its end
+        self._behind = [node for node in direct if not node.follows]
+        self._direct = direct if all(interfaces[node.unit.name].gives_jacobian for node in direct) else []
+        self._states: list[Any] = [None] * len(nodes)
+
+    def save(self) -> None:
+        """Keep the units' states, over those of the last time."""
+        self._states = [node.unit.save(state) for node, state in zip(self.nodes, self._states, strict=True)]
+
+    def restore(self) -> None:
+        """Take back the states of `save`."""
+        for node, state in zip(self.nodes, self._states, strict=True):
+            node.unit.restore(state)
+
+    def predicted(self, h: float) -> np.ndarray:
+        """Where the signals at the cut will be h later, from what their readers have got so far."""
+        guess = []
+        for k, reader in zip(self.cut, self._readers, strict=True):
+            value = self._signals[k]
+            if reader is not None:
+                node, j = reader
+                link = node.links[j]
+                value = (node.rows.end(*node.history.ahead(), h)[j] - link.offset) / link.factor
+            guess.append(value)
+        return np.array(guess)
+
+    def missed(self, guess: np.ndarray, response: np.ndarray) -> tuple[float, Endpoint]:
+        """Largest miss of a signal at the cut relative to its size, and that signal; infinite where it is no number."""
+        misses = np.abs(response - guess) / self.sizes(response)
+        worst = int(np.argmax(misses))  # of a row with NaN it is the NaN
+        return (float(misses[worst]) if np.isfinite(misses[worst]) else inf), self._ends[self.cut[worst]]
+
+    def sizes(self, values: np.ndarray) -> np.ndarray:
+        """Sizes that misses of the signals at the cut are compared with, (n,): their values or nominal values."""
+        return np.maximum(np.abs(values), self._least)
+
+    def respond(self, guess: np.ndarray, t: float, h: float) -> np.ndarray:
+        """Step from t to t + h with these values at the cut at the end, (n,), and give the values that come back."""
+        signals = self._signals
+        for k, value in zip(self.cut, guess.tolist(), strict=True):
+            signals[k] = value
+        self.sweep(t, h)
+        return np.array([signals[k] for k in self.cut])
+
+    def derivatives(self) -> np.ndarray | None:
+        """Of the response within the instant, (n, n), from the units' own; None where not all that answer at once give theirs.
+
+        What the states add in the course of a step is not in them: it falls with the step.
+        """
+        if not self._direct or any(node.alter is not None for node in self.nodes):
+            return None
+        n = len(self.cut)
+        rows = dict(zip(self.cut, np.eye(n), strict=True))  # of signals, by their places
+        for level in self._levels:
+            answers: dict[int, np.ndarray] = {}
+            for node in level:
+                answer = np.zeros((node.place.stop - node.place.start, n))
+                if node in self._direct and not isinstance(node.unit, Slow):
+                    own = node.unit.jacobian()
+                    for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
+                        if k in rows:
+                            answer += np.outer(own[:, j], link.factor * rows[k])
+                answers |= zip(range(node.place.start, node.place.stop), answer, strict=True)
+            rows |= answers
+        return np.array([rows[k] for k in self.cut])
+
+    def sweep(self, t: float, h: float) -> None:
+        """Step every unit once, towards what the table of signals says that its inputs will be."""
+        signals = self._signals
+        for level in self._levels:
+            for node in level:
+                if node.sources:
+                    values = node.inputs()
+                    if node.follows:
+                        node.lead(values, h)
+                    else:
+                        node.drive(node.history.towards(values, h), h)
+                node.unit.step(t, h)
+            for node in level:
+                signals[node.place] = node.unit.get()
+                if node in self._behind:
+                    node.unit.update(node.inputs())
+                    signals[node.place] = node.unit.get()
+
+
+def _answers_at_once(node: Node, interface: Interface) -> bool:
+    """Whether an output depends directly on an input that is driven."""
+    driven = {link.target[1] for link in node.links}
+    return any(driven & set(output.feedthrough or ()) for output in interface.outputs.values())

@@ -1,0 +1,264 @@
+"""A contact as a unit: the law as an output, and for the interface model the force over a whole macro step.
+
+The law is at home here, so that all algorithms can step a scene with contacts. What the interface model asks for besides:
+`predict` integrates the reduced bodies over the coming step with the other forces on them extrapolated, `correct` does so again
+with what the leader has told by its answer. The other forces are learnt from what the bodies did with the known impulses.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....components.core.reduced import LAWS, force_in_series, reduced_step
+from ...settings import ContactSettings
+from ...settings.contacts import SideSettings
+from ...units.interface import Row
+from ..coupling.contacts import PARTS, SIDES
+from .polynomial import History
+
+AGAIN = 3  # times the end of a step is corrected for a compliance, which moves the force by a fraction each time
+
+
+class Line(NamedTuple):
+    """A force over a macro step: value + slope * s, N."""
+
+    value: float
+    slope: float
+
+
+def line(impulse: float, moment: float, h: float) -> Line:
+    """The line with the same integral and the same first moment ∫s F ds, so that impulse and distance moved are preserved."""
+    slope = 12.0 / h**3 * (moment - 0.5 * h * impulse)
+    return Line(impulse / h - 0.5 * h * slope, slope)
+
+
+class Side:
+    """One body: its reduced model, what is known of the other forces on it, and the force it gets."""
+
+    def __init__(self, settings: SideSettings, sign: float, degree: int):
+        self.settings, self.sign = settings, sign
+        self.looseness = 1.0 / settings.inertia if settings.inertia else 0.0
+        self.yielding = 1.0 / settings.impedance if settings.impedance else 0.0
+        self.weight: float = settings.inertia or settings.impedance or 0.0
+        self.by_acceleration = settings.acceleration is not None
+        self.others = History(degree if settings.degree is None else settings.degree)  # forces: at instants, or means of steps
+        self.parts = [0.0, 0.0, 0.0, 0.0]  # position, velocity, acceleration, compliance
+        self.before = 0.0  # position (impedance) or velocity (inertia) when the step began
+        self.impulse = 0.0  # N s, that the body has got over the step, of F
+        self.line = Line(0.0, 0.0)
+        self.ahead = 0.0  # m and m/s, where the body will be once it has got what is owed to it
+        self.ahead_rate = 0.0
+
+    def take(self, values: Row, picks: Sequence[int]) -> None:
+        """What the body gives now; picks: where among the contact's inputs, -1 for a part that it does not give."""
+        self.parts = [values[k] if k >= 0 else 0.0 for k in picks]
+
+    def momentum(self, force: float) -> float:
+        """What the balance of a step goes by: velocity of a body with inertia, else position, with the compliance pressed in."""
+        return self.parts[1] if self.looseness else self.parts[0] + self.sign * self.parts[3] * force
+
+    def mean(self, force: float, h: float) -> float:
+        """Mean of the other forces over the step that the body has made, N."""
+        return (self.weight * (self.momentum(force) - self.before) - self.sign * self.impulse) / h
+
+    def at_rest(self, force: float) -> float:
+        """The other forces at an instant, as far as they are known without a step."""
+        acceleration = self.parts[2] if self.by_acceleration else 0.0
+        velocity = self.parts[1] if self.yielding else 0.0
+        return self.weight * (acceleration + velocity) - self.sign * force
+
+    def polynomial(self, force: float, h: float) -> tuple[float, float, float]:
+        """The other forces over the coming step; h: length of the last one, 0 before the first."""
+        if not self.others.count:
+            return self.at_rest(force), 0.0, 0.0
+        (a,), slopes, halves = self.others.ahead()
+        b, c = slopes[0] if slopes else 0.0, halves[0] if halves else 0.0
+        back = 0.0 if self.by_acceleration else 0.5 * h  # a mean stands for the middle of its step
+        return a + back * (b + back * c), b + 2.0 * back * c, c
+
+    def answered(self, force: float, h: float, last: float) -> tuple[float, float, float]:
+        """The other forces over the step that the body has just made; h, last: its length and that of the step before."""
+        if self.by_acceleration:
+            present = self.others.present[0]
+            fed = self.line.value + h * self.line.slope
+            return present, (self.weight * self.parts[2] - self.sign * fed - present) / h, 0.0
+        mean = self.mean(force, h)
+        slope = (mean - self.others.present[0]) / (0.5 * (h + last)) if self.others.count else 0.0
+        return mean - 0.5 * h * slope, slope, 0.0
+
+    def save(self) -> list[Any]:
+        """Everything a repeated step depends on, as plain numbers."""
+        past = self.others
+        return [[past.count, past.present, past.before, past.earlier, past.h1, past.h2], self.parts, self.before, self.impulse,
+                list(self.line), self.ahead, self.ahead_rate]
+
+    def restore(self, state: list[Any]) -> None:
+        """Take back what `save` gave."""
+        past = self.others
+        numbers, self.parts, self.before, self.impulse, force, self.ahead, self.ahead_rate = state
+        past.count, past.present, past.before, past.earlier, past.h1, past.h2 = numbers
+        self.line = Line(*force)
+
+
+class ContactUnit:
+    """A contact as a unit; see the module."""
+
+    kind = "contact"
+    event: float | None = None
+
+    def __init__(self, contact: ContactSettings, degree: int):
+        """degree: of the polynomials of the other forces, where a side has no degree of its own."""
+        self.name, self.settings = contact.name, contact
+        self.sides = (Side(contact.first, -1.0, degree), Side(contact.second, 1.0, degree))
+        self.leader = None if contact.leader is None else SIDES.index(contact.leader)
+        self._law = (LAWS.index(contact.law), contact.stiffness, contact.damping)
+        self._outputs: tuple[str, ...] = ()
+        self._picks: list[list[int]] = []
+        self.force = self.indentation = 0.0
+        self.last = self.before_last = 0.0  # s, lengths of the last two steps
+        self.owed = 0.0  # N s, what the leader has missed in the last step
+        self.steps = 0
+
+    def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        names = list(inputs)
+        self._picks = [[names.index(n) if (n := f"{label}_{part}") in names else -1 for part in PARTS] for label in SIDES]
+        self._outputs = tuple(outputs)
+
+    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+        raise NotImplementedError  # a contact has no texts
+
+    def set_texts(self, values: Sequence[str]) -> None:
+        raise NotImplementedError
+
+    def get_texts(self) -> list[str]:
+        raise NotImplementedError
+
+    def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
+        return lambda: [getattr(self, n) for n in names]
+
+    def get(self) -> Row:
+        return [getattr(self, n) for n in self._outputs]
+
+    def initialize(self, t: float, values: Row) -> None:
+        self.last = self.owed = 0.0
+        self.steps = 0
+        for side in self.sides:
+            side.others.count, side.ahead, side.ahead_rate = 0, 0.0, 0.0
+        self.update(values)
+
+    def start(self) -> None:
+        """Nothing to do."""
+
+    def restart(self) -> None:
+        """After a jump the past of the other forces tells nothing any more."""
+        self.last = 0.0
+        for side in self.sides:
+            side.others.count = 0
+
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        ends = [v + h * ((slopes[k] if slopes is not None else 0.0) + h * (halves[k] if halves is not None else 0.0))
+                for k, v in enumerate(values)]
+        self._take(ends)
+
+    def step(self, t: float, h: float) -> None:
+        """The force at the end of the step; only the interface model has more to ask."""
+        self._press()
+        self.steps += 1
+
+    def update(self, values: Row) -> None:
+        self._take(values)
+        self._press()
+
+    def _take(self, values: Row) -> None:
+        for side, picks in zip(self.sides, self._picks, strict=True):
+            side.take(values, picks)
+
+    def _press(self) -> None:
+        first, second = self.sides
+        gap = first.parts[0] + first.ahead - second.parts[0] - second.ahead - self.settings.clearance
+        rate = first.parts[1] + first.ahead_rate - second.parts[1] - second.ahead_rate
+        self.indentation = gap
+        self.force = force_in_series(*self._law, gap, rate, first.parts[3] + second.parts[3])
+
+    def predict(self, values: Row, h: float) -> None:
+        """Lines of force for both bodies over the coming step of length h; `values`: inputs at its beginning.
+
+        Accelerations among them have followed the force since it was computed.
+        """
+        self._take(values)
+        last, force = self.last, self.force
+        for side in self.sides:
+            if side.by_acceleration:
+                side.others.push([side.at_rest(force)], last)
+            elif last:
+                side.others.push([side.mean(force, last)], 0.5 * (last + self.before_last))
+        self._start = [(side.parts[0] + side.ahead + side.sign * side.parts[3] * force, side.parts[1] + side.ahead_rate)
+                       for side in self.sides]
+        self._others = [side.polynomial(force, last) for side in self.sides]
+        impulse, moment, self._end = self._reduced(h)
+        self._expected = impulse, moment
+        for k, side in enumerate(self.sides):
+            owed = self.owed if k == self.leader else 0.0
+            side.before, side.impulse = side.momentum(force), impulse + owed
+            side.line = line(impulse + owed, moment + 0.5 * h * owed, h)
+            side.ahead = side.ahead_rate = 0.0
+        self.before_last, self.last, self.owed = last, h, 0.0
+        self.steps += 1
+
+    def correct(self, values: Row) -> None:
+        """A new line for the follower, from what the leader has reached at the end of the step; `values`: of all inputs.
+
+        What the leader has got too little goes into the next step; till then it counts as if it had moved by it.
+        """
+        assert self.leader is not None
+        h, leader, follower = self.last, self.sides[self.leader], self.sides[1 - self.leader]
+        leader.take(values, self._picks[self.leader])
+        force = self._end
+        for _ in range(AGAIN if leader.parts[3] else 1):
+            self._others[self.leader] = leader.answered(force, h, self.before_last)
+            impulse, moment, force = self._reduced(h)
+        follower.line, follower.impulse = line(impulse, moment, h), impulse
+        self.owed = missed = impulse - self._expected[0]
+        late = h * missed - (moment - self._expected[1])
+        leader.ahead = leader.sign * (missed * leader.yielding + late * leader.looseness)
+        leader.ahead_rate = leader.sign * missed * leader.looseness
+
+    def _reduced(self, h: float) -> tuple[float, float, float]:
+        first, second = self.sides
+        return reduced_step(h, *self._law, self.settings.clearance, *self._start[0], *self._start[1], first.looseness,
+                            first.yielding, second.looseness, second.yielding, *self._others[0], *self._others[1])
+
+    def save(self, reuse: Any = None) -> list[Any]:
+        return [self.force, self.indentation, self.last, self.before_last, self.owed, self.steps, *(s.save() for s in self.sides)]
+
+    def restore(self, state: list[Any]) -> None:
+        self.force, self.indentation, self.last, self.before_last, self.owed, self.steps, *sides = state
+        for side, saved in zip(self.sides, sides, strict=True):
+            side.restore(saved)
+
+    def release(self, state: list[Any]) -> None:
+        """Nothing to do: Python frees it."""
+
+    def pack(self, state: list[Any]) -> bytes:
+        return json.dumps(state).encode()  # numbers keep every bit
+
+    def unpack(self, packed: bytes) -> list[Any]:
+        return json.loads(packed)
+
+    def jacobian(self) -> np.ndarray:
+        raise NotImplementedError  # `Interface.gives_jacobian` says so
+
+    def parameters(self) -> dict[str, Any]:
+        given = self.settings.model_dump(exclude_none=True)
+        sides = {f"{label}.{key}": value for label in SIDES for key, value in given.pop(label).items()}
+        return given | sides
+
+    def work(self) -> dict[str, int]:
+        return {"steps": self.steps}
+
+    def close(self) -> None:
+        """Nothing is held outside this object."""

@@ -1,0 +1,92 @@
+"""Inputs over a macro step: the polynomial through the last samples, of degree 0 (held), 1 (linear) or 2 (quadratic).
+
+Samples may be unevenly spaced. With fewer samples than the degree needs, the degree is lower: after a start from rest
+that costs nothing; otherwise the held first step leaves an error of second order in the macro step, whatever the degree.
+
+What changes at instants only is held at its present value (`PartlyHeld`). Inputs from units with a rate of their own: rates.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...units.interface import Row
+from .rows import Lists, Rows
+
+Terms = tuple[Row, Row | None, Row | None]  # value, slope, half of the second derivative at the start of the step
+
+
+class History:
+    """The last samples of some inputs."""
+
+    def __init__(self, degree: int, rows: Rows = Lists):
+        self.degree, self.rows = degree, rows
+        self.count = 0  # samples kept, up to degree + 1
+        self.present: Row = None
+        self.before: Row = None
+        self.earlier: Row = None
+        self.h1 = self.h2 = 0.0  # s, from `present` back to `before`, from there back to `earlier`
+
+    def push(self, values: Row, h: float) -> None:
+        """Add a sample that lies h behind the newest one."""
+        self.earlier, self.before, self.present = self.before, self.present, values
+        self.h1, self.h2 = h, self.h1
+        if self.count <= self.degree:
+            self.count += 1
+
+    def restart(self, values: Row) -> None:
+        """Forget everything but these present values."""
+        self.present, self.before, self.earlier, self.count = values, None, None, 1
+
+    def take(self, other: History) -> None:
+        """Become a copy of another history of the same inputs; the rows themselves are never changed."""
+        self.__dict__.update(other.__dict__)
+
+    def ahead(self) -> Terms:
+        """Extrapolation from the present sample."""
+        present, h1 = self.present, self.h1
+        if self.count == 1:
+            return present, None, None
+        slopes = self.rows.chord(present, self.before, h1)
+        if self.count == 2:
+            return present, slopes, None
+        return present, *self._bent(slopes, h1, self.rows.chord(self.before, self.earlier, self.h2), self.h2, h1)
+
+    def towards(self, fresh: Row, h: float) -> Terms:
+        """Interpolation from the present sample to values that are known at the end of the step, h ahead."""
+        if self.degree == 0:
+            return fresh, None, None
+        present = self.present
+        slopes = self.rows.chord(fresh, present, h)
+        if self.degree == 1 or self.count <= 1:  # none: forgotten behind the present sample, see `Slow.restart`
+            return present, slopes, None
+        return present, *self._bent(slopes, h, self.rows.chord(present, self.before, self.h1), self.h1, -h)
+
+    def _bent(self, slopes: Row, h: float, older: Row, older_h: float, behind: float) -> tuple[Row, Row]:
+        """(slope, half of the second derivative) of the parabola through three samples, at one end of the newer chord.
+
+        `slopes` over the newer chord of length h, `older` over the one before; `behind`: h at its end, -h at its start.
+        """
+        halves = self.rows.chord(slopes, older, h + older_h)
+        return self.rows.shifted(slopes, halves, behind), halves
+
+
+class PartlyHeld(History):
+    """A history of inputs some of which change at instants only: they keep their present value over the whole step."""
+
+    def __init__(self, degree: int, rows: Rows, held: Sequence[int], n: int):
+        """`held`: positions of those inputs among all n."""
+        super().__init__(degree if len(held) < n else 0, rows)
+        self.held, self._zeros = tuple(held), [0.0] * len(held)
+
+    def ahead(self) -> Terms:
+        return self._hold(*super().ahead())
+
+    def towards(self, fresh: Row, h: float) -> Terms:
+        return self._hold(*super().towards(fresh, h))
+
+    def _hold(self, values: Row, slopes: Row | None, halves: Row | None) -> Terms:
+        rows, held = self.rows, self.held
+        return (rows.put(values, held, rows.picked(self.present, held)),
+                slopes if slopes is None else rows.put(slopes, held, self._zeros),
+                halves if halves is None else rows.put(halves, held, self._zeros))

@@ -1,0 +1,305 @@
+"""From a scene to its settled graph: who feeds whom, in what units of measure, and what follows within an instant.
+
+An output's direct dependence on inputs is what its unit declares. An FMU that declares none is taken to have none:
+assuming all, as FMI permits, would call every loop of such FMUs an algebraic one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ....components.core.errors import BadInput, nearest
+from ....components.core.measure import conversion
+from ...settings import ConnectionSettings, SceneSettings
+from ...units import Interface, describe
+from ...units.interface import Signal
+from .bonds import Bond, bond
+from .contacts import check_contacts, connections, describe_contact
+from .demands import check_stepping
+from .fault_targets import targets
+from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """The checked graph of a scene."""
+
+    interfaces: Mapping[str, Interface]
+    links: tuple[Link, ...]  # of numbers
+    texts: tuple[Link, ...]  # of texts, which are handed over at the start of every macro step
+    undriven: tuple[str, ...]  # "unit.input" that keeps its start value
+    signals: tuple[Endpoint, ...]  # recorded outputs
+    snapshots: Mapping[Endpoint, tuple[str, ...]]  # (unit, array) -> its elements
+    passes: tuple[str | Loop, ...]  # units to update and loops to solve, in this order, until every output follows its inputs
+    groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
+    rates: Mapping[str, int]  # units that step with every n-th macro step only -> n
+    faults: tuple[tuple[Endpoint, ...], ...]  # inputs that each fault of the scene changes
+    events: tuple[Endpoint, ...]  # outputs whose changes of sign are located
+    bonds: tuple[Bond, ...]  # pairs of connections that carry power
+
+    def order(self, wished: tuple[str, ...] = ()) -> tuple[str, ...]:
+        """The units as Gauss-Seidel steps them: as the scene wishes, or else each group behind those that feed it."""
+        return wished or tuple(name for group in self.groups for name in group)
+
+
+def settle(scene: SceneSettings) -> Coupling:
+    """Describe all units and check every connection and record; raises one `BadInput` that starts with the scene's name."""
+    try:
+        interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
+        check_contacts(scene, interfaces)
+        interfaces |= {contact.name: describe_contact(contact) for contact in scene.contacts}
+        found = _links(scene, interfaces)
+        texts = tuple(link for link in found if interfaces[link.target[0]].inputs[link.target[1]].is_text)
+        links = tuple(link for link in found if link not in texts)
+        coupling = Coupling(
+            interfaces, links, texts,
+            undriven=_undriven(interfaces, found),
+            signals=_signals(scene, interfaces),
+            snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
+            passes=passes(interfaces, links),
+            groups=groups(interfaces, found),
+            rates={name: unit.every for name, unit in scene.units.items() if unit.every > 1},
+            faults=tuple(_faults(scene, interfaces, found)),
+            events=tuple(_output(text, "master.events", interfaces) for text in scene.master.events),
+            bonds=tuple(_bond(text, interfaces, links) for text in scene.master.bonds),
+        )
+        _check_master(scene, coupling)
+        return coupling
+    except BadInput as error:
+        raise BadInput(f"{scene.name}: {error.where}", error.came, error.expected, error.remedy) from None
+
+
+def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
+    """Unit and variable of "unit.variable"; names of units may hold dots themselves, the longest that fits is meant."""
+    parts = text.split(".")
+    for k in range(len(parts) - 1, 0, -1):
+        if (unit := ".".join(parts[:k])) in interfaces:
+            return unit, ".".join(parts[k:])
+    if len(parts) == 1:
+        raise BadInput(where, repr(text), '"unit.variable"')
+    raise BadInput(where, f"unit {parts[0]!r}", "a unit of the scene", nearest(parts[0], interfaces))
+
+
+def _links(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Link, ...]:
+    links: dict[Endpoint, Link] = {}
+    named = [(f"connection {c if isinstance(c, str) else c.text!r}", c) for c in scene.connections]
+    named += [item for contact in scene.contacts for item in connections(contact).items()]
+    for where, connection in named:
+        text = connection if isinstance(connection, str) else connection.text
+        for source, target in _pairs(text, where, interfaces):
+            outputs, inputs = interfaces[source[0]].outputs, interfaces[target[0]].inputs
+            if source[1] not in outputs:
+                raise _no_variable(where, source, "output", interfaces)
+            if target[1] not in inputs:
+                raise _no_variable(where, target, "input", interfaces)
+            if target in links:
+                raise BadInput(where, f"input {'.'.join(target)} driven a second time",
+                               f"one source; {'.'.join(links[target].source)} drives it already")
+            if target[1] in interfaces[target[0]].set_inputs:
+                raise BadInput(f"units.{target[0]}.parameters", f"a value of input {target[1]!r}",
+                               "none; the connection drives it and the value would have no effect", "Remove one of them.")
+            links[target] = Link(source, target, *_transformation(connection, outputs[source[1]], inputs[target[1]], where))
+    return tuple(links.values())
+
+
+def _transformation(connection: str | ConnectionSettings, source: Signal, target: Signal, where: str) -> tuple[float, float]:
+    """(factor, offset) from the output's number to the input's; raises `BadInput` for kinds or units that do not fit."""
+    own = connection if isinstance(connection, ConnectionSettings) else None
+    if source.kind != target.kind and (source.kind, target.kind) not in WIDENING:
+        raise BadInput(where, f"a {source.kind} output for {_article(target.kind)} input", "the same kind at both ends",
+                       "Only whole numbers become real ones by themselves.")
+    if own is not None and (own.factor, own.offset) != (1.0, 0.0) and target.kind not in ("real", "integer"):
+        raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
+    factor, offset = 1.0, 0.0
+    if source.unit and target.unit and (own is None or own.convert_units):
+        factor, offset = conversion(source.unit, target.unit, where, (source.measure, target.measure))
+    if target.kind != "real" and (factor, offset) != (1.0, 0.0):
+        raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
+    return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)
+
+
+WIDENING = {("integer", "real"), ("boolean", "integer"), ("enumeration", "integer"), ("integer", "enumeration")}
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[tuple[Endpoint, Endpoint]]:
+    """(source, target) of one connection, or with * at both ends of all that agree in what stands for it."""
+    ends = [end.strip() for end in text.split("->")]
+    stars = [end.count("*") for end in ends]
+    if len(ends) != 2 or not all("." in e and " " not in e for e in ends) or stars not in ([0, 0], [1, 1]) \
+            or (stars[0] and not all(e.endswith("*") for e in ends)):
+        raise BadInput("connections", repr(text), '"unit.output -> unit.input", or "unit.* -> unit.*" for all of the same name')
+    source, target = (_endpoint(end, where, interfaces) for end in ends)
+    if source[0] == target[0]:
+        raise BadInput(where, f"unit {source[0]!r} connected with itself", "two units", "Close such a loop inside the unit.")
+    if not stars[0]:
+        return [(source, target)]
+    before, after = source[1][:-1], target[1][:-1]
+    rests = [n.removeprefix(before) for n in interfaces[source[0]].outputs if n.startswith(before)]
+    found = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
+    if not found:
+        inputs = [n for n in interfaces[target[0]].inputs if n.startswith(after)]
+        raise BadInput(where, f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
+                       "at least one name on both sides", "Switch on the effect that has them, or name the variables.")
+    return found
+
+
+def _no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str, Interface]) -> BadInput:
+    unit, name = end
+    interface = interfaces[unit]
+    here, there = (interface.outputs, interface.inputs) if wished == "output" else (interface.inputs, interface.outputs)
+    effect = name.partition(".")[0]
+    if name in interface.refused:
+        return BadInput(where, f"{'.'.join(end)}, {_article(interface.refused[name])}", "a number, a truth value or a text")
+    if name in there:
+        remedy = "A connection goes from an output to an input."
+    elif effect in interface.effects and not interface.effects[effect]:
+        remedy = f"Switch on the effect {effect!r} if it belongs to it."
+    else:
+        remedy = nearest(name, here)
+    return BadInput(where, f"{'.'.join(end)}", f"an {wished} of {unit}", remedy)
+
+
+def _undriven(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str, ...]:
+    driven = {link.target for link in links}
+    return tuple(f"{u}.{n}" for u, i in interfaces.items() for n in i.inputs if (u, n) not in driven and n not in i.set_inputs)
+
+
+def _array(text: str, interfaces: Mapping[str, Interface]) -> tuple[str, ...]:
+    unit, variable = _endpoint(text, "record.snapshots", interfaces)
+    elements = _elements(variable, interfaces[unit])
+    if not elements:
+        raise _no_variable("record.snapshots", (unit, variable), "output", interfaces)
+    return elements
+
+
+def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
+    return tuple(n for n in interface.outputs if n.startswith(variable + "[") and n.removeprefix(variable)[1:-1].isdigit())
+
+
+def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+    if scene.record.signals is None:
+        return tuple((u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if "[" not in n and not s.is_text)
+    found: dict[Endpoint, None] = {}
+    for text in scene.record.signals:
+        unit, variable = _endpoint(text, "record.signals", interfaces)
+        names = (variable,) if variable in interfaces[unit].outputs else _elements(variable, interfaces[unit])
+        if not names:
+            raise _no_variable("record.signals", (unit, variable), "output", interfaces)
+        if interfaces[unit].outputs[names[0]].is_text:
+            raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers")
+        found |= dict.fromkeys((unit, n) for n in names)
+    return tuple(found)
+
+
+def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:
+    for i, fault in enumerate(scene.faults, 1):
+        end = _endpoint(fault.signal, f"faults[{i}].signal", interfaces) if fault.signal else None
+        yield targets(fault, f"faults[{i}]", end, scene, interfaces, links)
+
+
+def _output(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:
+    unit, name = end = _endpoint(text, where, interfaces)
+    if name not in interfaces[unit].outputs:
+        raise _no_variable(where, end, "output", interfaces)
+    if interfaces[unit].outputs[name].is_text:
+        raise BadInput(where, f"{text!r}, a text", "a number")
+    return end
+
+
+def _bond(text: str, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Bond:
+    where, parts = "master.bonds", [part.strip() for part in text.split("*")]
+    if len(parts) != 2:
+        raise BadInput(where, repr(text), '"unit.output * unit.output"')
+    return bond(text, (_output(parts[0], where, interfaces), _output(parts[1], where, interfaces)), interfaces, links)
+
+
+def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
+    master, given = scene.master, scene.master.model_fields_set
+    if master.order and sorted(master.order) != sorted(coupling.interfaces):
+        raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(coupling.interfaces)}")
+    needless = given & {"extrapolation", "smoothing", "feedthrough", "order"}
+    if not coupling.links and needless:
+        option = min(needless)
+        raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
+    if master.feedthrough == "stale" and not coupling.passes:
+        raise BadInput("master.feedthrough", "'stale'", "none; no driven output depends on an input directly", "Remove it.")
+    if master.feedthrough == "fresh":
+        for loop in (step for step in coupling.passes if isinstance(step, Loop)):
+            _check_loop(loop, coupling)
+    if master.smoothing:
+        _check_smoothing(scene, coupling)
+    if master.algorithm == "iterative":
+        _check_iterative(scene, coupling)
+    for name in coupling.rates:
+        _check_rate(name, scene)
+    check_stepping(scene.master, coupling.interfaces, coupling.links, coupling.bonds, coupling.rates)
+    for name, interface in coupling.interfaces.items():
+        _check_fixed_step(name, interface.fixed_step, scene)
+        whole = (scene.stop_time / (master.step * coupling.rates.get(name, 1))) % 1.0
+        if min(whole, 1.0 - whole) > 1e-9 and not interface.variable_step:
+            raise BadInput("master.step", f"{master.step * coupling.rates.get(name, 1):g} s in a run of {scene.stop_time:g} s",
+                           f"a step that divides the run; {name} cannot make the last one shorter")
+
+
+def _check_fixed_step(name: str, fixed: float, scene: SceneSettings) -> None:
+    """All steps of a unit with internal steps of one length are multiples of it, the last, shorter one, too."""
+    step = scene.master.step * (scene.units[name].every if fixed else 1)
+    for length in (step, scene.stop_time) if fixed else ():
+        if abs(length / fixed - round(length / fixed)) > 1e-9 * max(length / fixed, 1.0):
+            where = "master.step" if length == step else "stop_time"
+            raise BadInput(where, f"{length:.9g} s", f"a multiple of {fixed:.9g} s, the fixed internal step of {name}")
+
+
+def _check_loop(loop: Loop, coupling: Coupling) -> None:
+    """Algebraic loops are solved at each communication point: their signals must be smooth, and all units must be there."""
+    where, remedy = "connections", "Give one of the units a state, or put the loop inside one unit."
+    for unit, name in loop.outputs:
+        if jumps(coupling.interfaces[unit].outputs[name]):
+            raise BadInput(where, f"an algebraic loop of {loop.text}, where {unit}.{name} only jumps",
+                           "a loop of continuous numbers, or one that a state breaks", remedy)
+        if unit in coupling.rates:
+            raise BadInput(f"units.{unit}.every", f"{coupling.rates[unit]} in an algebraic loop of {loop.text}",
+                           "1, for all units of such a loop", remedy)
+
+
+def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
+    """Only circles of units with values that change inside a step are iterated, and their units must be able to repeat one."""
+    interfaces, where = coupling.interfaces, "master.algorithm"
+    circles = [group for group in groups(interfaces, smooth(interfaces, coupling.links)) if len(group) > 1]
+    if not circles:
+        raise BadInput(where, "'iterative'", "units that feed one another in a circle; here nothing has to be repeated",
+                       'Take "gauss-seidel", which gives the same in one pass.')
+    for name in (name for group in circles for name in group):
+        if not interfaces[name].saves_state:
+            raise BadInput(where, "'iterative'", f"units that save their state, so that a step can be repeated; {name} cannot",
+                           'Take "jacobi" or "gauss-seidel".')
+    if scene.master.feedthrough == "stale":
+        raise BadInput("master.feedthrough", "'stale'", "'fresh' with iterative, where outputs fit the inputs of their instant")
+
+
+def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
+    master, where = scene.master, "master.smoothing"
+    if master.algorithm == "iterative":
+        raise BadInput(where, "true", "none; iterative interpolates, and its inputs do not jump", "Remove it.")
+    if master.extrapolation == 0:
+        raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")
+    ranks = {name: k for k, name in enumerate(coupling.order(master.order))}
+    if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.algorithm == "gauss-seidel":
+        raise BadInput(where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before",
+                       "Remove it.")
+
+
+def _check_rate(name: str, scene: SceneSettings) -> None:
+    master, where, came = scene.master, f"units.{name}.every", str(scene.units[name].every)
+    if master.algorithm not in ("jacobi", "gauss-seidel"):
+        raise BadInput(where, came, f"1 with {master.algorithm}; jacobi and gauss-seidel can step units at rates of their own")
+    for option in ("control", "events"):
+        if getattr(master, option):
+            raise BadInput(where, came, f"1 with master.{option}; a step that changes has no n-th one")
+    if master.step * scene.units[name].every > scene.stop_time * (1.0 + 1e-9):
+        raise BadInput(where, came, f"at most the steps of the run, {scene.stop_time / master.step:.0f}")

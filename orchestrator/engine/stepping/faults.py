@@ -1,0 +1,143 @@
+"""Faults on purpose: signals that are changed on their way to the inputs, and units that take no more steps.
+
+A fault begins and ends at an instant that a macro step ends at. Outputs that depend on a changed input directly follow at once,
+and inputs that jump forget their past. What is recorded at such an instant is what it is from then on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+from typing import Any
+
+from ...settings import FaultSettings
+from ...units import Unit
+from ...units.interface import Row
+from ..algorithms import Master
+from ..algorithms.rates import Slow
+from ..coupling import Coupling
+from .clock import Clock
+from .loop import Action
+
+
+class Mortal:
+    """A unit that can be lost: from then on it takes no steps and no inputs, and its outputs stay as they are."""
+
+    def __init__(self, unit: Unit):
+        self._unit, self.lost = unit, False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._unit, name)
+
+    @property
+    def event(self) -> float | None:
+        """The first event inside the last step, none in one that was not taken."""
+        return None if self.lost else self._unit.event
+
+    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+        """As of the unit."""
+        if not self.lost:
+            self._unit.drive(values, slopes, halves, h)
+
+    def step(self, t: float, h: float) -> None:
+        """As of the unit."""
+        if not self.lost:
+            self._unit.step(t, h)
+
+    def update(self, values: Row) -> None:
+        """As of the unit."""
+        if not self.lost:
+            self._unit.update(values)
+
+
+def edges(faults: Iterable[FaultSettings]) -> list[float]:
+    """Times at which faults begin or end, s, but 0."""
+    return [t for fault in faults for t in (fault.begin, fault.end) if t]
+
+
+class Faults:
+    """The faults of a scene on the way to the inputs of a master's units; `mortals`: the units that will be lost, by name."""
+
+    def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, mortals: Mapping[str, Mortal],
+                 clock: Clock):
+        self.faults, self._master, self._mortals, self._clock = faults, master, mortals, clock
+        inputs = {link.target: (node, k) for node in master.nodes for k, link in enumerate(node.links)}
+        self._places = [[inputs[end] for end in ends] for ends in coupling.faults]
+        self._starts = [[float(coupling.interfaces[u].inputs[n].start) for u, n in ends] for ends in coupling.faults]
+        self._values: dict[int, list[float | None]] = {}  # faults that act -> what takes the place of each input; None: an offset
+        self._from_start = [i for i, f in enumerate(faults) if not f.begin and f.kind in ("override", "offset", "drop")]
+
+    def before_start(self) -> None:
+        """Units find their initial states with the faults that change inputs from time 0."""
+        for i in self._from_start:
+            self._begin(i)
+        self._alter()
+
+    def stops(self) -> dict[int, list[Action]]:
+        """Ticks where faults begin or end, each with one action for all of them."""
+        found: dict[int, tuple[list[int], list[int]]] = {}
+        for i, fault in enumerate(self.faults):
+            if i not in self._from_start:
+                found.setdefault(self._clock.ticks(fault.begin), ([], []))[0].append(i)
+            if fault.end is not None:
+                found.setdefault(self._clock.ticks(fault.end), ([], []))[1].append(i)
+        return {tick: [partial(self._edge, self._clock.seconds(tick), *edge)] for tick, edge in found.items()}
+
+    def state(self) -> dict[str, Any]:
+        """What acts now, as plain data for a checkpoint."""
+        return {"values": [[i, values] for i, values in self._values.items()],
+                "lost": [name for name, unit in self._mortals.items() if unit.lost]}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`; the units and the master's histories come from elsewhere."""
+        self._values = {i: list(values) for i, values in state["values"]}
+        for name in state["lost"]:
+            self._mortals[name].lost = True
+        self._alter()
+
+    def _begin(self, i: int) -> None:
+        fault = self.faults[i]
+        if fault.kind == "lost":
+            self._mortals[fault.unit].lost = True
+            unit = next(node.unit for node in self._master.nodes if node.unit.name == fault.unit)
+            if isinstance(unit, Slow):
+                unit.hold()
+        elif fault.kind == "freeze":
+            self._values[i] = [float(node.inputs()[k]) for node, k in self._places[i]]
+        elif fault.kind == "drop":
+            self._values[i] = list(self._starts[i])
+        else:
+            self._values[i] = [fault.value if fault.kind == "override" else None] * len(self._places[i])
+
+    def _edge(self, t: float, begins: list[int], ends: list[int]) -> None:
+        """Some faults end and others begin, and what follows within the instant follows."""
+        fed = [node for node in self._master.nodes if node.sources]
+        before = [list(node.inputs()) for node in fed]
+        for i in ends:
+            del self._values[i]
+        for i in begins:
+            self._begin(i)
+        self._alter()
+        self._master.follow(t)
+        lost = {self.faults[i].unit for i in begins}
+        changed = {id(node) for i in (*begins, *ends) for node, _ in self._places[i]}
+        changed |= {id(node) for node in fed for link in node.links if link.source[0] in lost}
+        for node, values in zip(fed, before, strict=True):
+            if id(node) in changed or list(node.inputs()) != values:
+                node.restart()
+                node.reached = node.fresh = None  # where its inputs were led to is no guess of where they have jumped
+
+    def _alter(self) -> None:
+        """Put what acts now between the signals and the units, in the order of the scene."""
+        changes: dict[int, list[tuple[int, float | None, float]]] = {}
+        for i in sorted(self._values):
+            for (node, k), value in zip(self._places[i], self._values[i], strict=True):
+                changes.setdefault(id(node), []).append((k, value, self.faults[i].value or 0.0))
+        for node in self._master.nodes:
+            node.alter = partial(_changed, changes[id(node)]) if id(node) in changes else None
+
+
+def _changed(changes: list[tuple[int, float | None, float]], values: Row) -> Row:
+    for k, value, offset in changes:
+        values[k] = values[k] + offset if value is None else value
+    return values

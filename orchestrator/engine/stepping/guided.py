@@ -1,0 +1,229 @@
+"""Steps that follow what happens in them: step control, events, and steps that are repeated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import StepFailed
+from ...settings import ControlSettings, SceneSettings
+from ...units import Unit
+from ..algorithms import Master
+from ..algorithms.energy import EnergyAccount
+from ..algorithms.rates import Slow
+from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
+from ..coupling import Coupling
+from .clock import Clock
+from .events import Crossings
+from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
+from .stretched import Stretched, stretch_of
+
+RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
+SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none
+
+
+class Guided(Stepping):
+    """Steps that follow what happens in them: their error, events, and failures.
+
+    With `control`, each step is as long as the controller wishes, its error is what `estimate` says, and `stride` is the first
+    one; without, steps are as in `Stepping`. Where all units can go back (`rollback`), a step whose error is above 1, or which
+    a unit could not complete, is repeated, shorter; else the next one is shorter, and a failure ends the run. An event ends its
+    step: one of `crossings` where its signal has just changed its sign, to `resolution` ticks; one of the units `early`, which
+    tell their own, at the next tick. Without `rollback` a step with an event of a unit is left as it is. Behind an event
+    inputs are extrapolated from what they are then.
+    """
+
+    def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
+                 restarts: Sequence[Action] = (), control: Controller | None = None, estimate: Estimate | None = None,
+                 crossings: Crossings | None = None, early: Sequence[Unit | Slow] = (), resolution: int = 1,
+                 rollback: bool = True):
+        super().__init__(master, clock, stride, end, stops)
+        self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
+        self._restarts, self._resolution, self._rollback = restarts, resolution, rollback
+        self._saved: Any = None
+        self.counts = dict.fromkeys(("accepted", "rejected", "failed", "inaccurate", "events", "restores"), 0)
+        self.shortest, self.longest = end, 0  # ticks of the steps that were kept, but for those that a stop or an event has cut
+
+    def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
+        while self.tick < stop:
+            self._advance(stop)
+            if self.tick < stop:
+                t = self.clock.seconds(self.tick)
+                for observe in observers:
+                    observe(self.tick, t)
+        self._arrive(observers)
+
+    def _advance(self, stop: int) -> None:
+        """One step that is kept."""
+        control = self.control
+        if self._rollback:
+            self._saved = self.master.save(self._saved)
+        if self._crossings is not None:
+            self._crossings.settle()
+        while True:
+            length = self._length(stop)
+            try:
+                reached, event, error, order = self._attempt(self.tick + length)
+            except StepFailed as failure:
+                if control is None or not self._rollback:
+                    raise
+                if length <= control.unit:
+                    raise StepFailed(failure.unit, failure.time, f"{failure.reason}; so did shorter steps, down to "
+                                     f"{self.clock.seconds(length):g} s", failure.remedy) from failure
+                self.counts["failed"] += 1
+                control.fail(length)
+            else:
+                taken = reached - self.tick
+                if control is None or error <= 1.0 or not self._rollback or taken <= control.unit:
+                    break
+                self.counts["rejected"] += 1
+                control.reject(taken, error, order)
+            self._back()
+        self.tick = reached
+        self.counts["accepted"] += 1
+        if control is not None:
+            self.counts["inaccurate"] += error > 1.0
+            if taken == control.length:
+                self.shortest, self.longest = min(self.shortest, taken), max(self.longest, taken)
+            if order:
+                control.accept(taken, error, order)
+        if event:
+            self.counts["events"] += 1
+            for restart in self._restarts:
+                restart()
+
+    def _length(self, stop: int) -> int:
+        """Ticks of the next step, if nothing happens in it."""
+        distance = stop - self.tick
+        if self.control is None:
+            return next(lengths(self.tick, stop, self.stride, stop == self.end))[0]
+        length, unit = self.control.length, self.control.unit
+        if distance <= length:
+            return distance
+        return max(distance // 2 // unit, 1) * unit if distance < 2 * length else length
+
+    def _attempt(self, ahead: int) -> tuple[int, bool, float, int]:
+        """A step to a tick, or to the first event before it: (tick reached, whether by an event, error, its order).
+
+        The order is 0 where no error was measured: nothing follows for the next step.
+        """
+        self._step(ahead)
+        event, before, crossings = False, ahead, self._crossings
+        while (times := [unit.event for unit in self._early if unit.event is not None]):
+            event, first = True, max(self.clock.not_before(min(times)), self.tick + 1)
+            before = first - 1
+            if first >= ahead or not self._rollback:
+                break
+            ahead, event = first, False
+            self._again(ahead)
+        if crossings is not None and crossings.changed():
+            (before, ahead), event = crossings.first(self.tick, ahead, self._resolution, self._again), True
+        error, order = 0.0, 0
+        if self._estimate is not None and not event:
+            error, order = self._estimate.measure(lambda: self._halves(ahead))
+            if crossings is not None and crossings.changed():  # in the halves only
+                (_, ahead), event = crossings.first(self.tick, ahead, self._resolution, self._again), True
+        elif self._estimate is not None and self._rollback and before > self.tick:
+            self._again(before)  # what jumps at the event is no error
+            error, order = self._estimate.measure(lambda: self._halves(before))
+            self._again(ahead)
+        return ahead, event, error, order
+
+    def _step(self, ahead: int) -> None:
+        h = self.clock.seconds(ahead - self.tick)
+        if self._estimate is not None:
+            self._estimate.prepare(h)
+        self.master.step(self.clock.seconds(self.tick), h)
+
+    def _back(self) -> None:
+        self.counts["restores"] += 1
+        self.master.restore(self._saved)
+
+    def _again(self, ahead: int) -> None:
+        """The step from where it started, to another end."""
+        self._back()
+        self._step(ahead)
+
+    def _halves(self, ahead: int) -> None:
+        """The step from where it started, in two halves; a single tick stays whole."""
+        tick, seconds = self.tick, self.clock.seconds
+        middle = tick + (ahead - tick) // 2
+        self._back()
+        if middle > tick:
+            self.master.step(seconds(tick), seconds(middle - tick))
+        self.master.step(seconds(middle), seconds(ahead - middle))
+
+    def report(self) -> dict[str, Any]:
+        """Counters of the steps, for run.json."""
+        seconds = self.clock.seconds
+        return self.counts | ({"shortest": seconds(self.shortest), "longest": seconds(self.longest)} if self.longest else {})
+
+    def state(self) -> dict[str, Any]:
+        control, crossings = self.control, self._crossings
+        return {"counts": self.counts, "range": [self.shortest, self.longest], "signs": crossings.signs if crossings else [],
+                "control": control.state() if control else {}}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
+        if self._crossings is not None:
+            self._crossings.signs = list(state["signs"])
+        if self.control is not None:
+            self.control.take(state["control"])
+
+    def warnings(self) -> list[str]:
+        """What a user should know of the steps made so far."""
+        beyond, control = self.counts["inaccurate"], self.control
+        if control is None or not beyond:
+            return []
+        smallest = f"with the smallest step, {self.clock.seconds(control.unit):g} s, too" if self._rollback else \
+            "and were not repeated, because not all units save their state"
+        return [f"{beyond} of {self.counts['accepted']} steps had errors above what master.control allows, {smallest}"]
+
+
+def clock_for(scene: SceneSettings, coupling: Coupling, *durations: float) -> Clock:
+    """The clock of a scene: its ticks divide the durations (s), and are as small as step control and events need them."""
+    control, step = scene.master.control, scene.master.step
+    smallest = [control.min_step] if control is not None and control.min_step is not None else []
+    clock = Clock.dividing(step, scene.stop_time, *durations, *smallest)
+    if scene.master.events or any(i.may_return_early for i in coupling.interfaces.values()):
+        clock = clock.finer(-(-RESOLUTION // clock.ticks(step)))
+    if control is not None:
+        clock = clock.finer(2 if smallest else 2 * SMALLEST)
+    return clock
+
+
+def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, account: EnergyAccount | None, clock: Clock,
+                stops: Stops) -> Stepping:
+    """The stepping that a scene asks for: equal steps, in stretches if possible, where nothing in them has to be watched."""
+    given, steppable = scene.master, account or master
+    if account is not None:  # what happens at a stop makes outputs jump
+        stops = {tick: [*acts, account.restart] for tick, acts in stops.items()}
+    stride, end = clock.ticks(given.step), clock.ticks(scene.stop_time)
+    # as the master has them: a unit with a rate of its own tells an event once only, behind its own step
+    early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
+    if given.control is None and not given.events and not early:
+        halt = np.zeros(1, dtype=np.uint8)
+        stretch = stretch_of(master, halt) if account is None else None
+        return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
+            Stretched(master, clock, stride, end, stops, stretch, halt)
+    restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
+    control = estimate = None
+    if given.control is not None:
+        smallest, longest = given.control.min_step, given.control.max_step
+        control = Controller(stride, clock.ticks(smallest) if smallest else stride // SMALLEST,
+                             end if longest is None else clock.ticks(longest))
+        estimate = _estimate(given.control, coupling, master, account)
+    crossings = Crossings(master, coupling.events, coupling) if coupling.events else None
+    rollback = all(interface.saves_state for interface in coupling.interfaces.values())
+    return Guided(steppable, clock, stride, end, stops, restarts=restarts, control=control, estimate=estimate,
+                  crossings=crossings, early=early, resolution=max(stride // RESOLUTION, 1), rollback=rollback)
+
+
+def _estimate(settings: ControlSettings, coupling: Coupling, master: Master, account: EnergyAccount | None) -> Estimate:
+    if settings.method == "doubling":
+        return Doubling(master, coupling, settings)
+    if settings.method == "energy" and account is not None:
+        return Residual(account, settings)
+    return Milne(master, coupling, settings)

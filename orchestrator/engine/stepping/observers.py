@@ -1,0 +1,227 @@
+"""What watches a run without taking part in it: recording, missed inputs, progress, Ctrl-C.
+
+Each is called with the tick and the time.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from array import array
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ...units import Unit
+from ..algorithms.master import Node
+from ..coupling import Endpoint
+
+Sample = Callable[[], list[float]]
+
+
+FOREVER = 1_000_000  # steps
+
+
+class Patient:
+    """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
+
+    def idle(self, tick: int, length: int) -> int:
+        """How many of the coming steps of `length` ticks it need not see."""
+        return FOREVER
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """Steps it was not called at: the ticks and times (s) they have reached, and the master's sample there, (n, signals)."""
+
+
+class Recorder(Patient):
+    """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
+
+    def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False):
+        """`of_master`: the sample is the master's own."""
+        self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
+        self._due = 0
+        self._times, self._values = array("d"), array("d")
+
+    def __call__(self, tick: int, t: float) -> None:
+        if tick >= self._due or tick == self._end:
+            self._due = tick - tick % self._interval + self._interval
+            self._times.append(t)
+            self._values.fromlist(self._sample())
+
+    def idle(self, tick: int, length: int) -> int:
+        """As in `Patient`."""
+        return FOREVER if self._of_master else max(-(-(self._due - tick) // length) - 1, 0)
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `Patient`."""
+        if self._of_master and self._interval <= ticks.step:  # every step is due
+            self._due = ticks[-1] - ticks[-1] % self._interval + self._interval
+            self._times.extend(times)
+            self._values.frombytes(rows.tobytes())
+        elif self._of_master:
+            for tick, t, row in zip(ticks, times, rows, strict=True):
+                if tick >= self._due:
+                    self._due = tick - tick % self._interval + self._interval
+                    self._times.append(t)
+                    self._values.fromlist(row.tolist())
+
+    def state(self) -> dict[str, Any]:
+        """What was recorded so far, for a checkpoint."""
+        return {"due": self._due, "times": self.time, "values": self.values}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._due = state["due"]
+        self._times, self._values = array("d", state["times"].tolist()), array("d", state["values"].ravel().tolist())
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the rows, (n,) s."""
+        return np.array(self._times)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The rows, (n, width)."""
+        n = len(self._times)  # an interrupt may leave a time without its row, or a row that is not complete
+        values = np.array(self._values)[: n * self._width]
+        return values.reshape(n, self._width)
+
+
+def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
+    """A function that asks the units for the present values of some outputs, in the order of `ends`."""
+    by_unit = {u: [n for v, n in ends if v == u] for u, _ in ends}
+    readers = [units[u].reader(names) for u, names in by_unit.items()]
+    flat = [(u, n) for u, names in by_unit.items() for n in names]
+    order = [flat.index(end) for end in ends]
+
+    def sample() -> list[float]:
+        values = [v for read in readers for v in read()]
+        return [values[k] for k in order]
+
+    return sample
+
+
+class Misses(Patient):
+    """How far the inputs that units were led to missed those that the other units then gave.
+
+    rms of the miss over the standard deviation of the input, sampled now and then. It counts every ripple, also such as a
+    unit's own inertia smooths out: no measure of the results' error. But at 1 and beyond, the extrapolation foretells
+    nothing, and where the coupled system limits itself (a contact that opens) nothing else would tell that.
+    """
+
+    EVERY = 29  # macro steps from one sample to the next; a prime, so as not to keep step with the system
+
+    def __init__(self, nodes: Sequence[Node]):
+        self._nodes = [n for n in nodes if n.links]
+        self._calls = self._samples = 0
+        self._sums = [np.zeros((3, len(n.links))) for n in self._nodes]  # of missed², value, value²
+
+    def __call__(self, tick: int, t: float) -> None:
+        self._calls += 1
+        if self._calls % self.EVERY:
+            return
+        self._samples += 1
+        for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
+            if node.reached is not None:
+                values = np.array(node.history.present)
+                missed2 += (values - node.reached) ** 2
+                total += values
+                total2 += values**2
+
+    def idle(self, tick: int, length: int) -> int:
+        """As in `Patient`."""
+        return self.EVERY - 1 - self._calls % self.EVERY
+
+    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `Patient`."""
+        self._calls += len(ticks)
+
+    def state(self) -> dict[str, Any]:
+        """The sums so far, for a checkpoint."""
+        return {"calls": self._calls, "samples": self._samples, "sums": self._sums}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
+        self._calls, self._samples, self._sums = state["calls"], state["samples"], state["sums"]
+
+    @property
+    def relative(self) -> dict[str, float]:
+        """Relative miss by "unit.input", for the inputs that vary at all."""
+        result = {}
+        for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
+            n = max(self._samples, 1)
+            variance = np.maximum(total2 / n - (total / n) ** 2, 0.0)
+            for k, (link, m, v, square) in enumerate(zip(node.links, missed2 / n, variance, total2 / n, strict=True)):
+                if v > 1e-20 * square and k not in node.held:  # below it the variance is rounding; what is held is not led
+                    result[".".join(link.target)] = float(np.sqrt(m / v))
+        return result
+
+
+class Interrupt(Patient):
+    """Lets Ctrl-C take effect between two macro steps: inside one it would hit an FMU's own Python and look like its failure.
+
+    A second Ctrl-C takes effect at once.
+    """
+
+    taken = False  # whether it has ended the run between two steps
+
+    def __init__(self, halt: Callable[[], None]):
+        """`halt`: makes the stepping call its observers at the next step."""
+        self._halt, self._wanted = halt, False
+
+    def __enter__(self) -> Interrupt:
+        self._main = threading.current_thread() is threading.main_thread()  # only there handlers can be set
+        if self._main:
+            self._previous = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._main:
+            signal.signal(signal.SIGINT, self._previous)
+
+    def _note(self, *_: object) -> None:
+        self._wanted = True
+        self._halt()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._wanted:
+            self.taken = True
+            raise KeyboardInterrupt
+
+
+class Progress(Patient):
+    """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
+
+    REFRESH = 0.1  # s
+
+    def __init__(self, title: str, stop: float, start: float = 0.0):
+        """`start`: s, where a run that is resumed goes on."""
+        self._title, self._stop, self._start, self._next = title, stop, start, 0.0
+        self._bar: Any = None
+
+    def __enter__(self) -> Progress:
+        self._begin = perf_counter()
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(TextColumn("{task.description}"), BarColumn(),
+                            TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
+                            TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._bar is not None and (now := perf_counter()) >= self._next:
+            self._next = now + self.REFRESH
+            self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))

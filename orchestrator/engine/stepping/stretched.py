@@ -1,0 +1,90 @@
+"""Stepping in stretches: many macro steps at once, where nobody needs to look at each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ...units.component import ComponentUnit
+from ..algorithms import Master
+from ..algorithms.gauss_seidel import GaussSeidel
+from ..algorithms.jacobi import Jacobi
+from ..algorithms.node import Node
+from ..algorithms.polynomial import History
+from ..algorithms.straight import StraightStretch
+from .clock import Clock
+from .loop import Observer, Stepping, Stops, lengths
+
+PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar have to wait
+
+
+class Stretched(Stepping):
+    """Equal steps in stretches of a master, see `algorithms.straight` and `algorithms.stretch`; all observers are `Patient`.
+
+    The observers see what they would have seen step by step.
+    """
+
+    def __init__(self, master: Master, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
+                 halt: np.ndarray):
+        """`halt`: what ends a stretch early, see `stretch_of`."""
+        super().__init__(master, clock, stride, end, stops)
+        self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
+
+    def halt(self) -> None:
+        """As in `Stepping`."""
+        self._halt[0] = 1
+
+    def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
+        for length, count in lengths(self.tick, stop, self.stride, stop == self.end):
+            last = self.tick + length * count
+            while self.tick < min(last, stop):
+                self._advance(length, min(last, stop), observers)
+                if self.tick < stop:
+                    t = self.clock.seconds(self.tick)
+                    for observe in observers:
+                        observe(self.tick, t)
+        self._arrive(observers)
+
+    def _advance(self, length: int, last: int, observers: Sequence[Any]) -> None:
+        """Steps of one length up to the next that has to be looked at, at most to the tick `last`."""
+        seconds, tick = self.clock.seconds, self.tick
+        h = seconds(length)
+        if not self._stretch.possible:
+            self.master.step(seconds(tick), h)
+            self.tick = tick + length
+            return
+        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *(1 + o.idle(tick, length) for o in observers))
+        ticks = range(tick, tick + (n + 1) * length, length)
+        times = [seconds(k) for k in ticks]
+        begun = perf_counter()
+        rows, failure = self._stretch.run(times[:-1], h)
+        self._pace = max((perf_counter() - begun) / n, 1e-7)
+        self._halt[0] = 0
+        done = len(rows)
+        unseen = done if failure is not None else done - 1
+        if unseen > 0:
+            for observe in observers:
+                observe.skipped(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
+        self.tick = ticks[done]
+        if failure is not None:
+            raise failure
+
+
+def stretch_of(master: Master, halt: np.ndarray) -> Any:
+    """Stretches for a master, of components in this process or of FMUs; None where the scene needs what they do not have.
+
+    `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
+    """
+    nodes = master.nodes
+    plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
+    if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
+        return None
+    if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
+        narrow = isinstance(master.signals, list)
+        return StraightStretch(master, components, halt) if narrow and len(components) == len(nodes) else None
+    from ..algorithms.stretch import fmu_stretch  # loads what only FMUs need
+
+    return fmu_stretch(master, halt)

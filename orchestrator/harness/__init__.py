@@ -1,0 +1,1 @@
+"""What judges and shows results: analysis, charts, reports, validation, studies, sweeps; knows no system by name."""

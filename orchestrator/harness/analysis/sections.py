@@ -1,0 +1,53 @@
+"""Sections of a motion: its signals each time an angle has advanced by the same amount, or a surface is passed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ....components.core.errors import BadInput
+
+
+def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.ndarray]:
+    """Each signal (n,) where the angle (n,), rad and possibly wrapped, passes multiples of `spacing` rad, (k,).
+
+    Between samples by cubic splines over the angle: the speed may vary, its sign may not.
+    """
+    turned = np.unwrap(angle)
+    if turned.size and turned[-1] < turned[0]:
+        turned = -turned
+    if turned.size < 4 or not (np.diff(turned) > 0.0).all():
+        raise BadInput("section", "an angle that stands or turns back", "one that always turns the same way",
+                       "Leave out the part of the run in which it does not.")
+    if np.diff(turned).max() > 0.5 * np.pi:
+        came = f"steps of {np.diff(turned).max():.2g} rad"
+        raise BadInput("section", came, "four samples a turn or more", "Record more often.")
+    at = spacing * np.arange(np.ceil(turned[0] / spacing), np.floor(turned[-1] / spacing) + 1)
+    return [CubicSpline(turned, s)(at) for s in signals]
+
+
+def crossings(time: np.ndarray, surface: np.ndarray, *signals: np.ndarray) -> list[np.ndarray]:
+    """Each signal (n,) where `surface` (n,) rises through zero, (k,): a Poincaré section; between samples by cubic splines."""
+    spline = CubicSpline(time, surface)
+    roots = spline.roots(extrapolate=False)
+    rising = roots[spline(roots, 1) > 0.0]
+    return [CubicSpline(time, s)(rising) for s in signals]
+
+
+def swing_frequency(time: np.ndarray, angle: np.ndarray) -> float:
+    """Angular frequency of an angle (n,) that swings about zero, rad/s, from its first to its last crossing of zero."""
+    k = np.flatnonzero(angle[:-1] * angle[1:] < 0.0)
+    passed = time[k] + (time[k + 1] - time[k]) * angle[k] / (angle[k] - angle[k + 1])  # near a zero the angle is straight
+    return math.pi * (passed.size - 1) / float(passed[-1] - passed[0])
+
+
+def distinct(points: np.ndarray, tolerance: float) -> int:
+    """Number of groups among points (k, d) that are linked by gaps of at most `tolerance`: the period, for a periodic motion."""
+    pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
+    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
+    return int(connected_components(links, directed=False)[0])

@@ -1,0 +1,148 @@
+"""One self-contained page of figures and tables; numbers come in, nothing is simulated here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ....components.core.errors import BadInput
+from ...systems.bearings import figures as bearings
+from ...systems.friction_drive import figures as friction_drive
+from ...systems.pipe_robot import figures as pipe_robot
+from ...systems.railway import figures as railway
+from ...systems.rotor import figures as rotor
+from ...systems.rov import figures as rov
+from ...systems.two_axis_joint import figures as two_axis_joint
+from ...systems.wind_pump import figures as wind_pump
+from ...systems.wrist import figures as wrist
+from ..charts.chart import Chart
+from ..charts.charts import draw_chart
+from . import generic, numerics, sweeps
+from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from .windows import fault_windows, shaded
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ..sweep import Sweep
+    from ..validation.case import CaseResult
+
+# By the system a case has, or a scene names in its [analysis].
+SYSTEMS = {
+    "railway": railway.blocks,
+    "bearings": bearings.blocks,
+    "rotor": rotor.blocks,
+    "two_axis_joint": two_axis_joint.blocks,
+    "rov": rov.blocks,
+    "wind_pump": wind_pump.blocks,
+    "friction_drive": friction_drive.blocks,
+    "pipe_robot": pipe_robot.blocks,
+    "wrist": wrist.blocks,
+}
+
+
+def for_run(result: Result, directory: str | Path) -> Path:
+    """`report.html` of one run: figures of its system, all recorded signals, how it was computed, settings."""
+    scene = result.scene
+    blocks: list[Block] = []
+    if result.outcome != "done":
+        blocks.append(Text([f"This run failed and is shown as far as it went: {result.message}"], "warning"))
+    said = result.info.get("warnings", ())
+    for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
+        blocks += [Text(texts, tone)] if texts else []
+    blocks += _of_system(result)
+    computed = numerics.blocks(result)
+    signals: list[Block] = [*generic.time_series(result)]
+    if windows := fault_windows(result):
+        span = (float(result.time[0]), float(result.time[-1]))
+        blocks, signals, computed = (
+            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in made] for made in (blocks, signals, computed)
+        )
+    sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
+    sections += [Section("Signals", signals)] if signals else []
+    sections += [Section("How it was computed", computed)] if computed else []
+    sections.append(Section("Settings", generic.run_blocks(result)))
+    title = scene.title or scene.name
+    lead = generic.run_line(result)
+    return write_page(Page(title, lead, sections), Path(directory) / "report.html")
+
+
+def _of_system(result: Result) -> list[Block]:
+    """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead.
+
+    A run that failed has them as far as it went, if it made a step.
+    """
+    system = result.scene.analysis.get("system", "")
+    if system not in SYSTEMS or (result.outcome != "done" and result.time.size < 2):
+        return []
+    try:
+        return SYSTEMS[system](result)
+    except BadInput as error:
+        return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
+
+
+def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path:
+    """`report.html` of validation cases: per case what it shows, figures, tables with margins, studies, settings."""
+    sections = [s for r in case_results for s in _case_sections(r, len(case_results) == 1)]
+    if len(case_results) > 1:
+        overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
+        sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
+    count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "recalled")}
+    lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + "."
+    if count["recalled"]:
+        lead += " “Recalled”: not all ranges were read in a source, so that being inside them is no pass."
+    if len(case_results) == 1:
+        lead = case_results[0].verdict
+    footer = [
+        "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
+        "inferred, recalled (from memory of the literature, not re-read; hatched)."
+    ]
+    if len(case_results) == 1:
+        title = case_results[0].case.title
+    else:
+        title = f"{len(case_results)} validation cases"
+    return write_page(Page(title, lead, sections, footer), Path(directory) / "report.html")
+
+
+def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
+    """`report.html` of a sweep: its section against the last parameter that varies, and the measures."""
+    scene = sweep.scene
+    blocks: list[Block] = []
+    if failed := [o for o in sweep.outcomes if o != "done"]:
+        blocks.append(Text([f"{len(failed)} of {len(sweep.outcomes)} points failed: {failed[0]}"], "warning"))
+    blocks += [draw_chart(c) for c in (sweeps.section_chart(sweep), sweeps.measures_chart(sweep)) if c is not None]
+    lead = f"{len(sweep.outcomes)} runs over {', '.join(sweep.varied)}; the numbers are in sweep.csv."
+    blocks.append(Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True))
+    return write_page(Page(scene.title or scene.name, lead, [Section("Sweep", blocks)]), Path(directory) / "report.html")
+
+
+def _case_sections(result: CaseResult, alone: bool) -> list[Section]:
+    case, findings = result.case, result.findings
+    sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text])], badge=result.outcome)]
+    special = SYSTEMS.get(case.system)
+    conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
+    for label, run in findings.runs.items():
+        rows = [r for r in findings.rows if r.reference.condition == label]
+        blocks: list[Block] = []
+        if run.outcome != "done":
+            blocks.append(Text([f"This run failed and is shown as far as it went: {run.message}"], "warning"))
+            blocks += generic.time_series(run)
+        else:
+            blocks += (special(run, rows) if special else []) or generic.time_series(run)
+        if rows:
+            blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings.get(label, "")))
+        blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))
+        sections.append(Section(label, [*blocks, *generic.run_blocks(run)], 3))
+    studies: list[Block] = [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in findings.charts]
+    if studies:
+        sections.append(Section("Studies", studies, 3))
+    rest = [c for c in conditions if c not in findings.runs]
+    if rest:
+        tables: list[Block] = []
+        for c in rest:
+            rows = [r for r in findings.rows if r.reference.condition == c]
+            tables.append(generic.range_table(c, rows, findings.settings.get(c, "")))
+        sections.append(Section("Against the reference", tables, 3))
+    if findings.notes:
+        sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
+    return sections

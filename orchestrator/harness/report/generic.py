@@ -1,0 +1,168 @@
+"""What every report has, whatever the system: tables against references, time series, settings of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..charts.chart import Grid
+from ..charts.style import CYCLE, axis, layout, line, number, thin_out
+from .page import Cells, Facts, Figure, RangeRow, Ranges
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ..validation.case import Row
+
+KINDS = {"in process": "components in process", "FMU": "FMUs"}
+SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
+
+
+def range_table(title: str, rows: Sequence[Row], settings: str = "") -> Ranges:
+    """Rows of a case as a table with bars."""
+    return Ranges(title, [_range_row(r) for r in rows], settings)
+
+
+def _range_row(row: Row) -> RangeRow:
+    r = row.reference
+    low, high = r.low, r.high
+    place = None
+    if np.isfinite(row.measured):
+        if low is not None and high is not None:
+            place = (row.measured - low) / (high - low) if high > low else 0.5 + np.sign(row.measured - low)
+        else:  # open: in the middle at the end of the range, and as far inside as the margin is of the end's size
+            end = low if low is not None else high
+            assert end is not None
+            share = row.margin / max(abs(end), abs(row.measured), 1e-12)
+            place = share if low is not None else 1.0 - share
+    unit = "" if r.unit == "1" else r.unit
+    ends = [number(e, low, high) if e is not None else "" for e in (low, high)]
+    text = f"{ends[0]} to {ends[1]}" if all(ends) else (f"at least {ends[0]}" if ends[0] else f"at most {ends[1]}")
+    if low == high and low is not None:
+        text = ends[0]
+    margin = f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–"
+    return RangeRow(
+        r.quantity,
+        unit,
+        number(row.measured, low, high),
+        text,
+        margin,
+        None if place is None else float(place),
+        low is None,
+        high is None,
+        row.inside,
+        r.standing,
+        r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""),
+        r.source,
+    )
+
+
+def grid_table(grid: Grid) -> Cells:
+    """A study's table; columns of numbers flush right, with as many decimals as show four digits of the largest."""
+    columns = [_column(values) for values in zip(*grid.rows, strict=True)]
+    right = frozenset(i for i, (_, numeric) in enumerate(columns) if numeric)
+    return Cells(grid.title, grid.header, list(zip(*(texts for texts, _ in columns), strict=True)), grid.text, right)
+
+
+def _column(values: Sequence[str | float]) -> tuple[list[str], bool]:
+    numbers = [float(v) for v in values if not isinstance(v, str)]
+    if len(numbers) < len(values):
+        return [v if isinstance(v, str) else number(float(v)) for v in values], False
+    largest = max((abs(v) for v in numbers if np.isfinite(v)), default=0.0)
+    decimals = int(np.clip(3 - np.floor(np.log10(largest)), 0, 6)) if largest > 0.0 else 0
+    return [f"{v:.{decimals}f}".replace("-", "−") if np.isfinite(v) else "–" for v in numbers], True
+
+
+def time_series(result: Result) -> list[Figure]:
+    """Recorded signals over time, one panel per unit of measure and unit of the scene, in the order of recording."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    names = [n for n in result.columns if n != "time"]
+    for name in names[:SHOWN_SIGNALS]:
+        groups.setdefault((name.partition(".")[0], result.measures.get(name, "")), []).append(name)
+    if not groups:
+        return []
+    n = len(groups)
+    height = 150 * n + 90
+    gap = 24 / (height - 90)
+    tall = (1 - gap * (n - 1)) / n
+    data: list[dict[str, Any]] = []
+    axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
+    thinned = False
+    for i, ((_, unit), members) in enumerate(groups.items()):
+        k = "" if i == 0 else str(i + 1)
+        top = 1 - i * (tall + gap)
+        axes["yaxis" + k] = axis(
+            unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
+        )
+        for j, name in enumerate(members):
+            t, y, cut = thin_out(result.time, np.asarray(result.columns[name], dtype=float))
+            thinned |= cut
+            data.append(line(t, y, name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k))
+        axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
+    rest = len(names) - SHOWN_SIGNALS
+    caption = " ".join(
+        filter(
+            None,
+            [
+                f"{rest} more signals are in result.csv." if rest > 0 else "",
+                "Drawn with fewer points than recorded; extremes are kept." if thinned else "",
+            ],
+        )
+    )
+    margin = {"l": 66, "r": 200, "t": 20, "b": 48}
+    return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin=margin, **axes)}, caption)]
+
+
+def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:
+    """Nested settings as rows of dotted name and text."""
+    if isinstance(value, Mapping):
+        return [row for key, v in value.items() for row in flattened(v, f"{prefix}.{key}" if prefix else str(key))]
+    if isinstance(value, list | tuple):
+        if any(isinstance(v, Mapping) for v in value):
+            return [row for i, v in enumerate(value, 1) for row in flattened(v, f"{prefix}[{i}]")]
+        return [(prefix, ", ".join(str(v) for v in value) or "none")]
+    return [(prefix, f"{value:.6g}" if isinstance(value, float) else str(value))]
+
+
+def effect_rows(effects: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What was on and what was off in every unit, with the reasons; effects of one reason together."""
+    rows = []
+    for unit, states in effects.items():
+        for state in ("on", "off"):
+            reasons: dict[str, list[str]] = {}
+            for effect, why in states.get(state, {}).items():
+                reasons.setdefault(str(why), []).append(effect)
+            text = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
+            rows.append((f"{unit}, {state}", text or "none"))
+    return rows
+
+
+def run_blocks(result: Result) -> list[Facts]:
+    """The run's effects, settings, counters and versions, as run.json holds them."""
+    titles = {
+        "settings": "Settings of the master",
+        "units": "Units and their parameters",
+        "counters": "Work done",
+        "timing": "Time taken, s",
+        "versions": "Versions",
+        "scene": "Scene as run",
+    }
+    effects = [Facts("Effects", effect_rows(result.info["effects"]))] if result.info.get("effects") else []
+    return effects + [Facts(title, flattened(result.info[key]), True) for key, title in titles.items() if result.info.get(key)]
+
+
+def run_line(result: Result) -> str:
+    """The run in one line: step, master, packaging, cost."""
+    info, master = result.info, result.scene.master
+    kinds = sorted({KINDS.get(u.get("kind", ""), u.get("kind", "")) for u in info.get("units", {}).values()} - {""})
+    steps = f"at {1e3 * master.step:g} ms" if master.control is None else f"with controlled steps ({master.control.method})"
+    parts = [f"{master.algorithm} {steps}, extrapolation of degree {master.extrapolation}"]
+    if kinds:
+        parts.append("units as " + " and ".join(kinds))
+    timing = info.get("timing")
+    if timing:
+        parts.append(f"{timing['simulated']:.3g} s simulated in {timing['run']:.2g} s after {timing['start']:.2g} s of start")
+    if info.get("versions"):
+        parts.append(", ".join(f"{k} {v}" for k, v in info["versions"].items() if k in ("cosimo", "numpy", "numba")))
+    return "; ".join(parts) + "."

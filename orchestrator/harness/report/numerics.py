@@ -1,0 +1,154 @@
+"""How a run was computed: its macro steps, iterations and loops, initial values, energy account, checkpoints and faults.
+
+What a scene does not use has no row, no table and no figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...settings import IterationSettings, SceneSettings
+from ..charts.chart import Chart, Panel, Series
+from ..charts.charts import draw_chart
+from ..charts.style import number
+from .page import Block, Cells, Facts, Text
+from .windows import fault_name
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+WIDE = 5.0  # longest over shortest step, from which the axis of the steps is logarithmic
+TOO_MUCH = 0.1  # of the energy exchanged, from which a run warns
+
+
+def blocks(result: Result) -> list[Block]:
+    """The facts of the run as a table, the length of its macro steps, and its energy account; none where none applies."""
+    made: list[Block] = []
+    if rows := list(_rows(result)):
+        made.append(Facts("Facts of the run", rows))
+    if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
+        made.append(steps)
+    if energy := result.info.get("energy"):
+        made.append(energy_table(energy, result.scene))
+    return made
+
+
+def _rows(result: Result) -> Iterator[tuple[str, str]]:
+    """Names and values."""
+    info = result.info
+    counters = info.get("counters", {})
+    master = counters.get("master", {})
+    for group in info.get("initial_values", ()):
+        if len(group["units"]) > 1:
+            yield f"initial values of {', '.join(group['units'])}", _settled(group)
+    if stepping := counters.get("stepping"):
+        yield "macro steps", _steps(result, stepping)
+        if result.scene.master.events or stepping["events"]:
+            located = f"; located: {', '.join(result.scene.master.events)}" if result.scene.master.events else ""
+            yield "events", f"{_counted(stepping['events'], 'step')} ended at one{located}"
+        if stepping["restores"]:
+            yield "units taken back", f"{_times(stepping['restores'])}, to repeat a step or to make it in halves"
+    if "iterations" in master:
+        yield "iterations", _iterations(result, master)
+    for text, loop in master.get("algebraic_loops", {}).items():
+        yield f"algebraic loop of {text}", (
+            f"solved at {_counted(loop['points'], 'instant')} with {_counted(loop['evaluations'], 'evaluation')} and "
+            f"{_counted(loop['jacobians'], 'Jacobian')}; largest residual {loop['residual']:.2g} of a signal's size"
+        )
+    if past := info.get("resumed"):
+        yield "resumed", f"at {past['at']:.6g} s, from a checkpoint; iterations, loops, work and time are counted from there"
+    if kept := info.get("checkpoints"):
+        last = f", the last at {kept['last']:.6g} s" if kept["written"] else ""
+        yield "checkpoints", f"every {kept['every']:g} s to {kept['to']}: {kept['written']} written{last}"
+    for fault in result.scene.faults:
+        end = "the end" if fault.end is None else f"{fault.end:g} s"
+        yield "fault", f"{fault_name(fault)}, {fault.begin:g} s to {end}"
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" + ("" if count == 1 else "s")
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
+
+
+def _settled(group: Mapping[str, Any]) -> str:
+    text = f"settled in {_counted(group['sweeps'], 'sweep')}"
+    if group["secants"]:
+        text += f" and {_counted(group['secants'], 'quasi-Newton step')}"
+    return f"{text}; relative change in the last one {group['residual']:.2g}"
+
+
+def _steps(result: Result, counts: Mapping[str, Any]) -> str:
+    kept = counts["accepted"]
+    parts = [f"{kept} kept"]
+    if result.scene.master.control is not None:
+        parts.append(f"{counts['rejected']} rejected for their error")
+    if counts["failed"]:
+        parts.append(f"{counts['failed']} that a unit could not complete, repeated shorter")
+    if counts["inaccurate"]:
+        parts.append(f"{counts['inaccurate']} kept with an error above the tolerance")
+    if simulated := result.info.get("timing", {}).get("simulated") if kept else None:
+        parts.append(f"mean length {simulated / kept:.3g} s")
+    if "shortest" in counts:
+        parts.append(f"chosen between {counts['shortest']:.3g} and {counts['longest']:.3g} s")
+    return ", ".join(parts)
+
+
+def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
+    count, steps = counts["iterations"], counts["steps"]
+    if not count:
+        return "none: no units feed one another"
+    text = f"{count}"
+    if steps and "resumed" not in result.info:
+        text += f" in {_counted(steps, 'step')}, {count / steps:.3g} a step"
+        text += ", those of rejected steps among them" if "stepping" in result.info["counters"] else ""
+    tolerance = (result.scene.master.iteration or IterationSettings()).tolerance
+    if counts.get("unsettled_steps"):
+        return f"{text}; {_counted(counts['unsettled_steps'], 'step')} did not settle, worst residual {counts['worst_miss']:.2g}"
+    return f"{text}; residual in every step that was kept at most {tolerance:g}, the tolerance"
+
+
+def steps_chart(result: Result, counts: Mapping[str, Any]) -> Block | None:
+    """Length of the macro steps over time, where every one is recorded; said where it is not. None for a run without steps."""
+    if result.scene.record.interval is not None:
+        return Text(["The length of the macro steps is drawn where every one is recorded, without record.interval."], "note")
+    lengths = np.diff(result.time)
+    if not lengths.size:
+        return None
+    logarithmic = bool(lengths.max() > WIDE * lengths.min())
+    steps = Series("macro step", np.repeat(result.time, 2)[1:-1], 1e3 * np.repeat(lengths, 2))
+    panel = Panel("macro step, ms", (steps,), logarithmic=logarithmic)
+    text = f"{_counted(counts['accepted'], 'step')} kept"
+    text += f", of which {counts['events']} ended at an event" if counts["events"] else ""
+    text += f"; {counts['rejected']} rejected." if result.scene.master.control is not None else "."
+    if result.scene.faults:
+        text += " A step ends where a fault begins or ends, too."
+    return draw_chart(Chart("Length of the macro steps", "time, s", (panel,), text, height=200))
+
+
+def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings) -> Cells:
+    """What went through each bond, and what the coupling made of nothing on the way."""
+    rows = [
+        (bond, number(e["exchanged"]), number(e["created"]), _percent(e["created"] / e["exchanged"]) if e["exchanged"] else "–")
+        for bond, e in energy.items()
+    ]
+    text = (
+        "Exchanged: what went through the bond, in both directions together. Created: what the units on both sides disagree by, "
+        "as each takes its inputs from polynomials of the past. Above 0, the coupling has fed the system, as negative damping "
+        "would; below 0, it has damped it. Residual: created over exchanged; it falls with the macro step, and above "
+        f"{100.0 * TOO_MUCH:g} % amplitudes are off by several per cent."
+    )
+    if scene.master.energy_correction:
+        text += " What a step has created is returned with the next ones; the numbers are what is left."
+    if scene.faults:
+        text += " What a fault adds or takes at a bond, and what a lost unit does not follow, counts as created, too."
+    return Cells("Energy account", ("bond", "exchanged, J", "created, J", "residual"), rows, text, frozenset((1, 2, 3)))
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %".replace("-", "−")

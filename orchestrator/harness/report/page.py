@@ -1,0 +1,147 @@
+"""A page of sections and blocks, and its rendering to one self-contained HTML file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from plotly.offline import get_plotlyjs
+
+from ..charts.style import DARK
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A Plotly figure as a dict of data, layout and possibly frames; `caption` says what to see in it."""
+
+    title: str
+    figure: dict[str, Any]
+    caption: str = ""
+    kind: str = "figure"
+
+
+@dataclass(frozen=True)
+class Text:
+    """Paragraphs of plain text. tone: "", "note" or "warning"."""
+
+    paragraphs: Sequence[str]
+    tone: str = ""
+    kind: str = "text"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names and values in two columns; folded: hidden until asked for."""
+
+    title: str
+    rows: Sequence[tuple[str, str]]
+    folded: bool = False
+    kind: str = "facts"
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A plain table; numbers are texts already. Columns named in `right` are set flush right."""
+
+    title: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    right: frozenset[int] = frozenset()
+    kind: str = "cells"
+
+
+@dataclass(frozen=True)
+class RangeRow:
+    """A measured number beside its range; `place` 0 at the low end, 1 at the high end."""
+
+    quantity: str
+    unit: str
+    measured: str
+    range: str
+    margin: str
+    place: float | None
+    open_low: bool
+    open_high: bool
+    inside: bool
+    standing: str
+    note: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Rows against a reference table. caption: the settings of the measured numbers."""
+
+    title: str
+    rows: Sequence[RangeRow]
+    caption: str = ""
+    kind: str = "ranges"
+
+
+Block = Figure | Text | Facts | Cells | Ranges
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with blocks; level 2 is a chapter, 3 a part of it. badge: a word beside the heading, such as an outcome."""
+
+    title: str
+    blocks: Sequence[Block]
+    level: int = 2
+    badge: str = ""
+
+
+@dataclass(frozen=True)
+class Page:
+    """The whole page. lead: what a hurried reader should know."""
+
+    title: str
+    lead: str
+    sections: Sequence[Section]
+    footer: Sequence[str] = field(default=())
+
+
+def _embedded(value: Any) -> str:
+    """JSON that can stand inside a script element: no "<" that could end it, no NaN."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["embedded"] = _embedded
+    return environment
+
+
+def _asset(name: str) -> str:
+    return (resources.files(__package__) / name).read_text(encoding="utf-8")
+
+
+def write_page(page: Page, path: Path) -> Path:
+    """Render to `path`. Styles, script and Plotly are in the file: it asks nothing of any network."""
+    figures = [b for s in page.sections for b in s.blocks if b.kind == "figure"]
+    html = (
+        _environment()
+        .get_template("page.html")
+        .render(
+            page=page,
+            figure_number={id(f): i for i, f in enumerate(figures, 1)},
+            id=id,
+            css=_asset("page.css"),
+            dark=DARK,
+            script=_asset("page.js"),
+            plotly=get_plotlyjs() if figures else "",
+        )
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(html, encoding="utf-8")
+    return path

@@ -1,0 +1,68 @@
+"""Charts of a sweep: the bifurcation diagram of its section, and the extremes of its signals."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ..charts.chart import Chart, Panel, Series
+from ..charts.style import number
+from .bifurcation import section_panel
+
+if TYPE_CHECKING:
+    from ..sweep import Sweep
+
+
+def section_chart(sweep: Sweep) -> Chart | None:
+    """The section's points over the last parameter, a panel for each combination of the others."""
+    if not any(s.size for s in sweep.section):
+        return None
+    wanted = sweep.scene.analysis["section"]
+    last, signal = list(sweep.varied)[-1], wanted["signal"]
+    label, panels = f"{signal}, {sweep.units[f'{signal}, mean']}", []
+    for title, members in _groups(sweep):
+        panels.append(section_panel(label, sweep.varied[last][members], [sweep.section[i] for i in members], title=title))
+    text = (f"Every point is {wanted['signal']} at one passage of {wanted['angle']}, {wanted.get('turns', 1)} a turn, after the "
+            "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
+            "quasi-periodic or chaotic.")
+    return Chart("Bifurcation diagram", _label(sweep, last), tuple(panels), text, height=360)
+
+
+def measures_chart(sweep: Sweep) -> Chart | None:
+    """Extremes of every signal over the last parameter, drawn where it has several numbers."""
+    last = list(sweep.varied)[-1]
+    if len(set(sweep.varied[last].tolist())) < 2 or not sweep.measures:
+        return None
+    panels = []
+    angle = sweep.scene.analysis.get("section", {}).get("angle")  # its extremes are those of a turn
+    for signal in dict.fromkeys(n.rpartition(", ")[0] for n in sweep.measures):
+        if signal == angle:
+            continue
+        series = []
+        for title, members in _groups(sweep):
+            for kind in ("minimum", "maximum"):
+                name = f"{signal}, {kind}"
+                label = f"{kind}, {title}" if title else kind
+                series.append(Series(label, sweep.varied[last][members], sweep.measures[name][members], "line"))
+        unit = sweep.units[f"{signal}, maximum"]
+        panels.append(Panel(unit if unit not in ("", "1") else "–", tuple(series), title=signal))
+    return Chart("Extremes of the signals", _label(sweep, last), tuple(panels), "After the transient.", columns=2)
+
+
+def _groups(sweep: Sweep) -> Iterator[tuple[str, list[int]]]:
+    """(name, points) of every combination of all parameters but the last."""
+    *others, _ = sweep.varied.values()
+    names = list(sweep.varied)[:-1]
+    keys = [tuple(v[i] for v in others) for i in range(len(sweep.outcomes))]
+    for key, members in itertools.groupby(range(len(keys)), key=keys.__getitem__):
+        yield ", ".join(f"{n} = {number(float(v))}{_unit(sweep, n)}" for n, v in zip(names, key, strict=True)), list(members)
+
+
+def _label(sweep: Sweep, name: str) -> str:
+    return f"{name},{_unit(sweep, name)}" if _unit(sweep, name) else name
+
+
+def _unit(sweep: Sweep, name: str) -> str:
+    unit = sweep.units[name]
+    return f" {unit}" if unit not in ("", "1") else ""

@@ -1,0 +1,95 @@
+"""The set of effects that a scene calls for, found once and kept in the user's cache; and what run.json says of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from ....components.core.errors import BadInput
+from ....fmus.loader import cache_root
+from ...scene.scene import Scene
+from .effects import Effects, Finding, effects
+from .fronts import components_digest
+from .full_model import effects_on, with_effects
+from .quantities import percent
+
+NUMBERS = ("predicted", "actual", "breaking")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """on: effects of every unit that is a component.  why: by "unit.effect", for each.  error: against the full model.
+
+    kept: the file it was read from, or is kept in.  fresh: whether it was found just now.
+    """
+
+    on: Mapping[str, tuple[str, ...]]
+    why: Mapping[str, Mapping[str, Any]]
+    error: float
+    kept: Path
+    fresh: bool
+
+    def applied(self, scene: Scene) -> Scene:
+        """The scene with exactly these effects."""
+        return with_effects(scene, self.on)
+
+    def told(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
+        """What run.json holds, with the reasons of the choice in the place of what the scene says of its effects."""
+        listed = {unit: dict(table) for unit, table in info["effects"].items()}
+        for unit, on in self.on.items():
+            reasons = {name.removeprefix(f"{unit}."): why["why"] for name, why in self.why.items() if why["unit"] == unit}
+            listed[unit] = {"on": {e: reasons[e] for e in on}, "off": {e: why for e, why in reasons.items() if e not in on}}
+        return {**info, "effects": listed,
+                "selection": {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)}}
+
+
+def choose(scene: Scene, tolerance: float, told: Callable[[str], None] = lambda text: None) -> Choice:
+    """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
+    path = _place(scene, tolerance)
+    if path.is_file():
+        try:
+            data = json.loads(path.read_text(encoding="utf-8"))
+            return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise BadInput(str(path), f"no set of effects ({type(error).__name__}: {error})", "one that was kept",
+                           "Remove it, so that it is found anew.") from None
+    return keep(effects(scene, tolerance, told=told))
+
+
+def keep(found: Effects) -> Choice:
+    """Put what a study has found into the user's cache."""
+    on, why = effects_on(found.chosen), {f.name: _why(f, found.tolerance) for f in found.findings}
+    path = _place(found.scene, found.tolerance)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"on": on, "why": why, "error": found.least.error}, indent=1) + "\n", encoding="utf-8")
+    return Choice(on, why, found.least.error, path, True)
+
+
+def _place(scene: Scene, tolerance: float) -> Path:
+    data = json.dumps([scene.model_dump(mode="json"), tolerance], sort_keys=True)
+    digest = hashlib.sha256(data.encode()).hexdigest()[:16]
+    return Path(cache_root()) / "effects" / f"{digest}-{components_digest(scene)}.json"
+
+
+def _why(finding: Finding, tolerance: float) -> dict[str, Any]:
+    numbers = {n: v for n in NUMBERS if isfinite(v := getattr(finding, n))}
+    return {"unit": finding.unit, "on": finding.chosen, "given": finding.given, "why": reason(finding, tolerance), **numbers}
+
+
+def reason(finding: Finding, tolerance: float) -> str:
+    """Why an effect is in the set, or is not."""
+    if finding.standing == "left out":
+        return finding.reason
+    if finding.standing == "unable":
+        return f"with it the scene does not come to its end: {finding.reason}"
+    if finding.standing == "required":
+        return f"required: {finding.reason}"
+    if not finding.chosen:
+        return f"error without it {percent(finding.actual)}, without all that is left out within {percent(tolerance)}"
+    return (f"error without it {percent(finding.breaking)}, more than {percent(tolerance)}" if isfinite(finding.breaking)
+            else f"without it the run fails: {finding.reason}")

@@ -1,0 +1,95 @@
+"""A scene as one ordinary differential equation, where all its units are smooth: solved without a master, by SciPy's methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ....components.core import integrators, rosenbrock
+from ....components.core.component import Component
+from ....components.core.errors import BadInput
+from ....components.core.integrators import OdeComponent
+from ...scene.scene import Scene
+from ..analysis.connected import Connected
+from .quantities import Course
+
+SMOOTH = (integrators.__name__, rosenbrock.__name__)  # templates whose step is an ODE's and nothing else
+
+
+def rate_kernel(cls: type[Component]) -> Callable[..., None] | None:
+    """The kernel `derivatives(t, x, u, dx, p, *effects)` a component has bound to its integrator; None where there is none.
+
+    What advances a component with events, samples or a method of its own is no smooth differential equation.
+    """
+    if not issubclass(cls, OdeComponent):
+        return None
+    advance: Any = cls.advance
+    function = getattr(advance, "py_func", advance)
+    return function.__globals__.get("derivatives") if function.__module__ in SMOOTH else None
+
+
+class CoupledOde:
+    """x' = f(t, x) of all states of a scene, its units as they are connected.
+
+    start: (n,), at t = 0.  calls: evaluations of the rates so far. Raises `BadInput` where the scene is no smooth ODE:
+    contacts, faults, FMUs, components with events, with samples, or with an integrator of their own, loops that do not settle.
+    """
+
+    def __init__(self, scene: Scene):
+        def refuse(what: str) -> BadInput:
+            return BadInput(f"{scene.name}: differential equation", what, "smooth components and plain connections")
+
+        if scene.contacts or scene.faults:
+            raise refuse("contacts or faults")
+        self._connected = Connected(scene)
+        components = self._connected.components
+        kernels = {name: rate_kernel(type(c)) for name, c in components.items()}
+        self._connected.initialize()
+        for name, component in components.items():
+            if kernels[name] is None and component.x.size:
+                raise refuse(f"unit {name!r}, which is no smooth differential equation")
+        self._parts: list[tuple[Any, Any, slice]] = []
+        place = 0
+        for name, component in components.items():
+            if component.x.size:
+                self._parts.append((component, kernels[name], slice(place, place + component.x.size)))
+                place += component.x.size
+        if not place:
+            raise refuse("no states")
+        self.start = np.concatenate([component.x for component, _, _ in self._parts])
+        self._all = list(components.values())
+        self._linked = len(self._all) > 1
+        self.calls = 0
+
+    def __call__(self, t: float, x: np.ndarray) -> np.ndarray:
+        """Rates, (n,)."""
+        self._put(t, x)
+        rates = np.empty_like(self.start)
+        for component, kernel, place in self._parts:
+            kernel(t, component.x, component.u[0], rates[place], *component.settled)
+        self.calls += 1
+        return rates
+
+    def _put(self, t: float, x: np.ndarray, outputs: bool = False) -> None:
+        for component, _, place in self._parts:
+            component.x[:] = x[place]
+        for component in self._all:
+            component.t = t
+        if self._linked or outputs:
+            self._connected.refresh()
+
+    def course(self, time: np.ndarray, states: np.ndarray, signals: Sequence[str]) -> Course:
+        """Outputs "unit.name" along states (k, n) at the instants (k,)."""
+        components = self._connected.components
+        ends = []
+        for signal in signals:
+            unit = max((u for u in components if signal.startswith(u + ".")), key=len)
+            component = components[unit]
+            ends.append((component.y, int(component.output_positions([signal[len(unit) + 1 :]])[0])))
+        values = np.empty((time.size, len(ends)))
+        for k, (t, x) in enumerate(zip(time.tolist(), states, strict=True)):
+            self._put(t, x, outputs=True)
+            values[k] = [y[i] for y, i in ends]
+        return Course(time, dict(zip(signals, values.T, strict=True)))

@@ -1,0 +1,209 @@
+"""Whether a coupled run lets a small disturbance grow: two runs from one start, in one of which all inputs are pushed once.
+
+What the two differ by, in every signal that is handed over and in parts of its nominal value, is looked at in its second
+differences over time: of what stands off or drifts away evenly, as a free body does that was pushed, nothing is left, and what
+goes to and fro keeps its rate of growth. A fourth of the run is for what dies out; the largest second differences of the last
+fourth over those of the second one are the growth. What grows by itself, such as a chaotic motion, or comes back as a wave does,
+is seen in a run with short steps, and allowed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ....components.core.errors import BadInput, StepFailed
+from ...engine.algorithms import master_of
+from ...engine.algorithms.energy import EnergyAccount, metered
+from ...engine.algorithms.node import Node
+from ...engine.coupling import Coupling, settle
+from ...engine.coupling.demands import free
+from ...engine.stepping.loop import Steppable
+from ...engine.stepping.stretched import stretch_of
+from ...open_all import opened
+from ...scene.scene import Scene
+from ...settings import IterationSettings
+from ...units.interface import Row
+
+PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
+BEFORE = 3  # steps before the push, which fill the histories of the inputs
+FEWEST = 32  # steps that tell growth from a transient
+FIRST = 4  # steps that show the push itself
+CLEAR = 1e3  # a factor in size that needs no longer look
+SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
+FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
+SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
+LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
+
+
+@dataclass(frozen=True)
+class Growth:
+    """What became of a disturbance in a look of `time` seconds.
+
+    factor: of the last fourth over the second one; infinite where a run failed, which `failure` tells, 0 where little is left.
+    steps: made to find out.
+    """
+
+    factor: float
+    time: float
+    steps: int
+    failure: str = ""
+
+    def text(self, h: float) -> str:
+        """How it grew with steps of h, s."""
+        if self.failure or self.factor == math.inf:
+            return self.failure or "grows out of nothing"
+        return f"grows e-fold in {0.5 * self.time / (h * math.log(self.factor)):.3g} steps"
+
+
+@dataclass(frozen=True)
+class Own:
+    """What disturbances do by themselves, seen with short steps. sizes: largest second differences, (n,), `h` seconds apart."""
+
+    sizes: np.ndarray
+    h: float
+
+    def factor(self, time: float) -> float:
+        """The largest one of looks of about so many seconds, as far as there are any; 1 where that is none."""
+        found = []
+        for share in np.geomspace(0.5, 2.0, 9) ** 0.5:  # a wave comes back a little sooner or later than to other steps
+            n = int(min(share * time / self.h, self.sizes.size))
+            found.append(_factor(self.sizes[:n]) if n >= FEWEST else 1.0)
+        return largest if SURE < (largest := max(found)) < math.inf else 1.0
+
+    def allows(self, growth: Growth, even: float) -> bool:
+        """Whether a growth is no more than what comes by itself; `even`: a factor that chance may give."""
+        return not growth.failure and growth.factor <= even * max(self.factor(growth.time), 1.0) ** FASTER
+
+
+def sizes(differences: np.ndarray) -> np.ndarray:
+    """Largest second differences over time of differences of two runs, (n, signals): (n - 2,)."""
+    return np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
+
+
+def growth_of(found: np.ndarray, h: float, made: int, noise: float = 0.0) -> Growth:
+    """Of sizes (n,), h seconds apart; below `noise` they mean nothing. made: steps made to get them."""
+    window = found.size // 4
+    if found[-window:].max() <= max(found[:window].max() / CLEAR, noise):
+        return Growth(0.0, h * found.size, made)
+    return Growth(_factor(found), h * found.size, made)
+
+
+def _factor(found: np.ndarray) -> float:
+    """The last fourth over the second one; or over the start, where a bound, such as a contact that opens, has been reached."""
+    window, start, largest = found.size // 4, found[:FIRST].max(), found.max()
+    if largest > CLEAR * start:
+        return float(largest / start) if start > 0.0 else math.inf
+    early, late = found[window : 2 * window].max(), found[3 * window : 4 * window].max()
+    return float(late / early) if early > 0.0 else math.inf
+
+
+class Disturbed:
+    """A scene that was started once and is run from there again and again, with any macro step; its units are in this process.
+
+    Raises `BadInput` for units that cannot go back to a start or cannot change the length of a step, and `StepFailed` where
+    the scene does not start.
+    """
+
+    def __init__(self, scene: Scene, stack: ExitStack):
+        if iterative := scene.master.algorithm == "iterative":
+            tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
+            scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
+        self._noise = LOST if iterative else 0.0
+        self._coupling = coupling = settle(scene)
+        for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
+                           ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
+            if what:
+                raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
+        units = opened(scene, stack, in_process=True)
+        meters = metered(units, coupling)
+        units |= meters
+        self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
+        account = EnergyAccount(self.master, coupling, meters, correction=scene.master.energy_correction) if meters else None
+        (account or self.master).initialize(0.0)
+        self._steppable: Steppable = account or self.master
+        self._start = self._steppable.save()
+        self._stretch = stretch_of(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
+        self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
+
+    @property
+    def longest(self) -> float:
+        """The longest macro step that the scene's stop time has room for, s."""
+        return self.scene.stop_time / (FEWEST + BEFORE + 1)
+
+    def growth(self, h: float, steps: int) -> Growth:
+        """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
+        whole = self._fitting(h, steps)
+        growth, made = Growth(0.0, 0.0, 0), 0
+        for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):  # a short look first: most steps are far from a limit
+            found, more, failure = self._sizes(h, n)
+            made += more
+            if failure:
+                return Growth(math.inf, n * h, made, failure)
+            growth = growth_of(found, h, made, self._noise)
+            if growth.factor == 0.0 or growth.factor > CLEAR:
+                break
+        return growth
+
+    def own(self, h: float, time: float) -> Own:
+        """What disturbances do in so many seconds, seen with steps of h, s; nothing where the run fails."""
+        found, _, _ = self._sizes(h, self._fitting(h, math.ceil(time / h)))
+        return Own(found, h)
+
+    def _fitting(self, h: float, steps: int) -> int:
+        return max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
+
+    def _sizes(self, h: float, n: int) -> tuple[np.ndarray, int, str]:
+        """Sizes of what n steps behind the push make of it, the steps made, and why there are fewer."""
+        calm, failure = self._run(h, n, pushed=False)
+        if failure:
+            return np.zeros(0), len(calm), failure
+        pushed, failure = self._run(h, n, pushed=True)
+        if failure:
+            return np.zeros(0), len(calm) + len(pushed), failure
+        return sizes((pushed - calm) / self._nominal), 2 * n, ""
+
+    def _run(self, h: float, n: int, *, pushed: bool) -> tuple[np.ndarray, str]:
+        """The signals behind each of n steps that follow the push, (n, signals), and why they are fewer, if they are."""
+        master, rows = self.master, []
+        self._steppable.restore(self._start)
+        times = [k * h for k in range(n + BEFORE + 1)]
+        try:
+            for k, t in enumerate(times[: BEFORE + 1]):
+                if pushed and k == BEFORE:
+                    _push(master.nodes, self._coupling)
+                self._steppable.step(t, h)
+            for node in master.nodes:
+                node.alter = None
+            if self._stretch is not None and self._stretch.possible:
+                found, failure = self._stretch.run(times[BEFORE + 1 :], h)
+                return found, "" if failure is None else str(failure)
+            for t in times[BEFORE + 1 :]:
+                self._steppable.step(t, h)
+                rows.append(list(master.sample()))
+        except (StepFailed, OverflowError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
+            return np.array(rows), str(error)
+        finally:
+            for node in master.nodes:
+                node.alter = None
+        return np.array(rows), ""
+
+
+def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
+    """Let every input that changes inside steps be pushed, every other one to the opposite side."""
+    for node in nodes:
+        if node.sources:
+            signals = [coupling.interfaces[link.target[0]].inputs[link.target[1]] for link in node.links]
+            node.alter = partial(_pushed, [(k, (-1) ** k * s.nominal) for k, s in enumerate(signals) if k not in node.held])
+
+
+def _pushed(sizes: Sequence[tuple[int, float]], values: Row) -> Row:
+    """The values of inputs after the push; sizes: position and nominal value, with a sign, of those that are pushed."""
+    for k, nominal in sizes:
+        values[k] += PUSH * math.copysign(max(abs(values[k]), abs(nominal)), nominal)
+    return values

@@ -1,0 +1,226 @@
+"""Which effects a scene calls for: of each the predicted and the actual size, and the smallest set that keeps a tolerance.
+
+Errors are against the scene with all effects that go together, with the scene's own numbers and steps: what differs then is the
+physics alone. The actual size of an effect is the error without it and what cannot be without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import inf, nan
+from pathlib import Path
+
+from ....components.core.errors import BadInput, StepFailed
+from ...engine.coupling import settle
+from ...results import write_table
+from ...scene.scene import Scene
+from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
+from .indicator import Windows
+from .quantities import Quantity, errors, quantities_of, recording
+from .selection import select
+from .trial import Trial, trial
+
+PATIENCE = 1.0  # s: a run is not repeated any more once its runs have taken this together
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One effect of one unit.
+
+    given: whether the scene as it is has it.  standing: "measured", "required" (by the scene, or without it nothing runs),
+    "left out" (of the full model) or "unable" (cannot be run with the scene's numbers), with the reason.
+    predicted, actual: error of the full model without it; NaN where there is none; an actual one is infinite where the run
+    fails.  worst: quantity of the actual one.  states, calls, seconds: what it adds.  chosen: whether it is in the set.
+    breaking: error of the set without it, if it is in it.
+    """
+
+    unit: str
+    effect: str
+    given: bool
+    standing: str
+    reason: str = ""
+    predicted: float = nan
+    actual: float = nan
+    worst: str = ""
+    states: int = 0
+    calls: int = 0
+    seconds: float = nan
+    chosen: bool = False
+    breaking: float = nan
+
+    @property
+    def name(self) -> str:
+        """"unit.effect"."""
+        return f"{self.unit}.{self.effect}"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a run of a whole model takes."""
+
+    calls: int
+    seconds: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What a study found. scene: as it was given; chosen: with the smallest set.
+
+    full, given, least: costs and errors of the model with all effects, of the scene as it was given, and of the chosen one.
+    quantities: by name.  runs: that the study has made.  remarks: what a reader should know.
+    """
+
+    scene: Scene
+    chosen: Scene
+    tolerance: float
+    findings: tuple[Finding, ...]
+    full: Cost
+    given: Cost
+    least: Cost
+    quantities: tuple[str, ...]
+    runs: int
+    remarks: tuple[str, ...]
+
+    def save(self, directory: str | Path) -> Path:
+        """Write effects.csv: one row an effect, the first line the column names."""
+        header = ["unit", "effect", "on in the scene", "chosen", "standing", "reason", "predicted", "actual", "largest in",
+                  "error of the set without it", "states", "calls", "seconds, s"]
+        return write_table(directory, "effects.csv", header, [
+            (f.unit, f.effect, _yes(f.given), _yes(f.chosen), f.standing, f.reason, f.predicted, f.actual, f.worst, f.breaking,
+             f.states, f.calls, f.seconds) for f in self.findings])
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
+            told: Callable[[str], None] = lambda text: None) -> Effects:
+    """Measure every effect of a scene and find the smallest set that keeps `tolerance`, a share.
+
+    more: effects, "unit.effect", that are taken into the full model beside those that go with the scene. `told` hears what is
+    being done. Raises `BadInput` where the scene itself does not come to its end.
+    """
+    bench = _Bench(_looking(scene), (*scene.study.effects, *more), told)
+    model, own = bench.model, effects_on(scene)
+    groups: dict[Place, frozenset[Place]] = {}
+    found: dict[Place, Finding] = {}
+    for place in model.places:
+        told(f"without {'.'.join(place)}")
+        found[place] = bench.measured(Finding(*place, place[1] in own[place[0]], "measured"), model.dependents(place))
+        if found[place].standing == "measured":
+            groups[place] = model.dependents(place)
+    told("the smallest set")
+    chosen = select({p: found[p].actual for p in groups}, groups, bench.error, tolerance)
+    for place in groups:
+        found[place] = replace(found[place], chosen=place not in chosen.dropped, breaking=chosen.breaking.get(place, nan))
+    left = [Finding(*place, False, "left out", reason) for place, reason in model.left.items()]
+    left += [Finding(*place, False, "unable", reason) for place, reason in bench.unable.items()]
+    on = {u: tuple(e for e in names if (u, e) not in chosen.dropped) for u, names in model.on.items()}
+    order = {place: k for k, place in enumerate((u, e) for u, cls in classes(scene).items() for e in cls.effects)}
+    return Effects(
+        scene, with_effects(scene, on), tolerance, tuple(sorted((*found.values(), *left), key=lambda f: order[f.unit, f.effect])),
+        bench.cost(frozenset()), bench.cost(frozenset(p for p in model.places if p[1] not in own[p[0]])),
+        bench.cost(chosen.dropped), tuple(q.name for q in bench.quantities), bench.runs, bench.remarks)
+
+
+def _looking(scene: Scene) -> Scene:
+    """The scene with its recorded signals named: without those of its effects, where nobody has asked for them by name."""
+    recorded = settle(scene).signals
+    if scene.record.signals is None:
+        own = effects_on(scene)
+        recorded = tuple((u, n) for u, n in recorded if "." not in n or n.partition(".")[0] not in own.get(u, ()))
+    return recording(scene.with_changes({"record.signals": [".".join(end) for end in recorded]}))
+
+
+class _Bench:
+    """Runs models and remembers what they gave.
+
+    model: the full one.  unable: effects that were to be in it, but with which the scene does not come to its end, and why.
+    """
+
+    def __init__(self, scene: Scene, more: Iterable[str], told: Callable[[str], None]):
+        self.scene, self._told, self.runs = scene, told, 0
+        self.quantities: tuple[Quantity, ...] = quantities_of(scene)
+        self.model, self.unable = full_model(scene, more), dict[Place, str]()
+        told("all effects")
+        found = self._trial(self.model.scene)
+        if not found.done:
+            found = self._build_up(found)
+        self._trials: dict[frozenset[Place], Trial] = {frozenset(): found}
+        self.remarks: tuple[str, ...] = ()
+        self._windows: Windows | None = None
+        told("states on the way")
+        try:
+            self._windows = Windows(self.model.scene, self.quantities)
+        except (BadInput, StepFailed) as error:
+            self.remarks = (f"no predictions: {error}",)
+
+    def _trial(self, scene: Scene) -> Trial:
+        self.runs += 1
+        return trial(scene, patience=PATIENCE)
+
+    def _build_up(self, failed: Trial) -> Trial:
+        """Make the model of the scene as it is, with one more effect after the other as long as it runs; gives its trial."""
+        whole, on = self.model, {unit: set(names) for unit, names in effects_on(self.scene).items()}
+        added = [(unit, effect) for unit, effect in whole.places if effect not in on[unit]]
+        best = self._trial(self.scene) if added else failed
+        if not best.done:
+            raise BadInput(f"{self.scene.name}: effects", f"a scene that {best.outcome}: {best.reason}",
+                           "one that comes to its end")
+        for unit, effect in added:
+            self._told(f"with {unit}.{effect}")
+            trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}
+            found = self._trial(with_effects(self.scene, _ordered(whole, trying)))
+            if found.done:
+                on, best = trying, found
+            else:
+                self.unable[unit, effect] = found.reason
+        kept = _ordered(whole, on)
+        self.model = Model(with_effects(self.scene, kept), kept, whole.left)
+        return best
+
+    def measured(self, finding: Finding, dropped: frozenset[Place]) -> Finding:
+        """The finding with sizes and costs; required where the scene does not even start without it."""
+        found, full = self._without(dropped), self._trials[frozenset()]
+        if found.outcome == "refused":
+            return replace(finding, standing="required", reason=found.reason, chosen=True)
+        error, worst = self._error(found)
+        finding = replace(finding, actual=error, worst=worst, reason=found.reason)
+        if self._windows is not None:
+            predicted, states = self._windows.look(self.model.without(dropped))
+            finding = replace(finding, predicted=predicted, states=states)
+        if not found.done:
+            return finding
+        return replace(finding, calls=full.work["calls"] - found.work["calls"], seconds=full.seconds - found.seconds)
+
+    def error(self, dropped: frozenset[Place]) -> float:
+        """Error of the full model without some effects; infinite where it does not come to its end."""
+        return self._error(self._without(dropped))[0]
+
+    def cost(self, dropped: frozenset[Place]) -> Cost:
+        """Of the full model without some effects."""
+        found = self._without(dropped)
+        return Cost(found.work.get("calls", 0), found.seconds, self._error(found)[0])
+
+    def _without(self, dropped: frozenset[Place]) -> Trial:
+        if dropped not in self._trials:
+            try:
+                self._trials[dropped] = self._trial(self.model.without(dropped))
+            except BadInput as error:
+                self._trials[dropped] = Trial({}, "refused", str(error))
+        return self._trials[dropped]
+
+    def _error(self, found: Trial) -> tuple[float, str]:
+        """The largest error, and of what; infinite where the run failed."""
+        if not found.done:
+            return inf, ""
+        each = errors(self.quantities, found.course, self._trials[frozenset()].course)
+        worst = max(each, key=lambda name: each[name])
+        return each[worst], worst if each[worst] else ""
+
+
+def _ordered(model: Model, on: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:
+    return {u: tuple(e for e in model.on[u] if e in set(names)) for u, names in on.items()}

@@ -1,0 +1,202 @@
+"""The catalogue of hard cases: what every component has to stand, run, and how far each claim is from its limit."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.catalogue import CATALOGUE, component_class
+from ....components.core.component import Component
+from ....components.core.errors import BadInput, StepFailed, nearest
+from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
+from ...results import write_table
+from ..sweep import tracked
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One claim of one case.
+
+    reached, limit: how much of what was allowed; NaN for a refusal.  margin: limit over reached, infinite where nothing was
+    reached; of a refusal the factor between what is refused and what is accepted, NaN where no number says it.
+    said: the message of a refusal or of what went wrong.
+    """
+
+    component: str
+    case: HardCase
+    claim: str
+    reached: float
+    limit: float
+    margin: float
+    holds: bool
+    said: str = ""
+
+
+@dataclass(frozen=True)
+class HardCases:
+    """Verdicts, in the order of the catalogue."""
+
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def failed(self) -> tuple[Verdict, ...]:
+        """What does not hold."""
+        return tuple(v for v in self.verdicts if not v.holds)
+
+    @property
+    def summary(self) -> str:
+        """How many there are, and how many do not hold."""
+        cases = {(v.component, v.case.name) for v in self.verdicts}
+        components = {v.component for v in self.verdicts}
+        failed = f"{len(self.failed)} of them do not hold" if self.failed else "all hold"
+        return f"{len(self.verdicts)} claims of {len(cases)} hard cases of {len(components)} components: {failed}"
+
+    def save(self, directory: str | Path) -> Path:
+        """Write stability.csv: one row for each claim."""
+        header = ["component", "case", "claim", "reached", "limit", "margin, 1", "holds", "said"]
+        return write_table(directory, "stability.csv", header, [
+            (v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.said) for v in self.verdicts])
+
+
+def declared() -> dict[str, tuple[HardCase, ...]]:
+    """Component -> hard cases, of all systems, in the order of the catalogue."""
+    found: dict[str, tuple[HardCase, ...]] = {}
+    for system in sorted({module.partition(".")[0] for module in CATALOGUE.values()}):
+        module = f"....components.{system}.hard_cases"
+        if find_spec(module, __package__):
+            found |= import_module(module, __package__).HARD_CASES
+    unknown = found.keys() - CATALOGUE.keys()
+    assert not unknown, f"hard cases of components that are not in the catalogue: {unknown}"
+    return {name: found.get(name, ()) for name in CATALOGUE}
+
+
+def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> HardCases:
+    """Run the cases of the components given, or of all. Raises `BadInput` for a component that is not in the catalogue."""
+    cases = declared()
+    chosen = list(components) or list(cases)
+    for name in chosen:
+        if name not in cases:
+            raise BadInput("--hard-cases", repr(name), "a component of the catalogue", nearest(name, cases))
+    tasks = tracked([(name, case) for name in chosen for case in cases[name]], "hard cases", progress)
+    return HardCases(tuple(verdict for name, case in tasks for verdict in verdicts(name, case)))
+
+
+def verdicts(name: str, case: HardCase) -> list[Verdict]:
+    """Run one case of a component of the catalogue: one verdict for each of its claims."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what is scarcely resolved, and overflows of plain Python: hard on purpose
+        return _verdicts(name, case)
+
+
+def _verdicts(name: str, case: HardCase) -> list[Verdict]:
+    if isinstance(case.holds, Refused):
+        return [_refusal(name, case, case.holds)]
+    component, rows = None, []
+    try:
+        component = _made(name, case, {})
+        rows = _run(component, case, case.holds)
+    except (BadInput, StepFailed) as error:
+        return [Verdict(name, case, claim.label, math.nan, claim.limit, math.nan, False, str(error)) for claim in case.holds]
+    times = np.array([t for t, *_ in rows])
+    found = []
+    for k, claim in enumerate(case.holds):
+        reached = claim.reached(component, times, np.array([values[k] for _, values in rows]))
+        margin = claim.limit / reached if reached > 0.0 else math.inf if reached == 0.0 else math.nan
+        found.append(Verdict(name, case, claim.label, reached, claim.limit, margin, reached <= claim.limit))
+    return found
+
+
+def _made(name: str, case: HardCase, instead: Mapping[str, Any]) -> Component:
+    """The component of a case at its start, with some parameters and inputs of other values."""
+    component = component_class(name)(case.effects)
+    for variable, value in {**case.parameters, **case.inputs, **instead}.items():
+        component.set(variable, value.start if isinstance(value, Course) else value)
+    component.initialize(0.0)
+    return component
+
+
+def _run(component: Component, case: HardCase, claims: Iterable[Claim]) -> list[tuple[float, list[np.ndarray]]]:
+    """(time, what each claim looks at) at the start and after every step."""
+    nominal = np.array([component.variables[n].nominal for n in component.outputs])
+
+    def row() -> tuple[float, list[np.ndarray]]:
+        return component.t, [component.y / nominal if isinstance(c, Finite) else seen(component, c.of) for c in claims]
+
+    rows = [row()]
+    for k in range(round(case.duration / case.step)):
+        _advance(component, case, k)
+        rows.append(row())
+    return rows
+
+
+def _advance(component: Component, case: HardCase, k: int) -> None:
+    """The k-th macro step; `StepFailed` also where a number in the component is not finite after it."""
+    t, h = k * case.step, case.step
+    for column, name in enumerate(component.inputs):
+        course = case.inputs.get(name)
+        if not isinstance(course, Course):
+            continue
+        if not course.smooth:
+            component.u[:, column] = course.at(t), 0.0, 0.0
+            continue
+        a, b, c = (course.at(t + share * h) for share in (0.0, 0.5, 1.0))
+        component.u[:, column] = a, (-3.0 * a + 4.0 * b - c) / h, 2.0 * (a - 2.0 * b + c) / h**2
+    component.step(t, h)
+    if not (np.isfinite(component.x).all() and np.isfinite(component.y).all()):
+        raise StepFailed(component.name, component.t, "a number that is not finite, without a word from the component")
+
+
+def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:
+    said, when = "nothing is refused", ""
+    component = None
+    try:
+        when = "construction"
+        component_class(name)(case.effects, case.parameters)
+        when = "initialize"
+        component = _made(name, case, {})
+        when = "step"
+        for k in range(round(case.duration / case.step)):
+            state = component.save()
+            try:
+                _advance(component, case, k)
+            except StepFailed:
+                component.restore(state)
+                assert component.save() == state, f"{name}: {case.name}: the state before the failed step does not come back"
+                raise
+    except (BadInput, StepFailed) as error:
+        said = str(error)
+    holds = when == refused.when and refused.words in said
+    margin = math.nan
+    if not holds:
+        said = f"at {when}: {said}"
+    if refused.accepted:
+        other, problem = _accepted(name, case, refused.accepted, when)
+        margin, holds = other, holds and not problem
+        said = f"{said}; and what should be accepted: {problem}" if problem else said
+    return Verdict(name, case, refused.label, math.nan, math.nan, margin, holds, said)
+
+
+def _accepted(name: str, case: HardCase, instead: Mapping[str, Any], when: str) -> tuple[float, str]:
+    """The largest factor between a value refused and one accepted, and what is wrong with the latter."""
+    try:
+        component = _made(name, case, instead)
+        for k in range(round(case.duration / case.step) if when == "step" else 1):
+            _advance(component, replace(case, inputs={**case.inputs, **instead}), k)
+    except (BadInput, StepFailed) as error:
+        return math.nan, str(error)
+    factors = [math.nan]
+    for variable, value in instead.items():
+        given = case.inputs.get(variable, case.parameters.get(variable, component.variables[variable].start))
+        with suppress(TypeError, ZeroDivisionError):
+            factor = abs(given / value)
+            factors.append(max(factor, 1.0 / factor))
+    return float(np.nanmax(factors)) if len(factors) > 1 else math.nan, ""

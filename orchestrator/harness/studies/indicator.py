@@ -1,0 +1,211 @@
+"""How much an effect will turn out to matter, predicted from a running solution without a run of its own.
+
+The solution with all effects is run once, and saved at some instants. From each of them the scene without one effect makes a
+short way, beside the solution that is known. What they come to differ by, and how it grows from the first half of the ways to
+the second, tells what a whole run would show: a difference that grows less than evenly tends to a limit as 1 - exp(-t / T); one
+that grows evenly or faster goes on with a power of time, halfway between even and as before, for as long as the run; what
+the ways come to in one direction adds up, and what they come to in both only by chance.
+
+An effect with states of its own cannot start from a state without them: there the way is one from the start of the run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from typing import Any
+
+import numpy as np
+
+from ....components.core.component import Component
+from ....components.core.errors import BadInput, StepFailed
+from ...engine.algorithms import Master, master_of
+from ...engine.algorithms.master import Saved
+from ...engine.coupling import settle
+from ...open_all import opened
+from ...scene.scene import Scene
+from ...units.component import ComponentUnit
+from .quantities import Quantity
+
+WAYS = 4  # from as many instants of the run
+SHARE = 1.0 / 4.0  # of the run, that all ways of an effect take together
+FEWEST = 8  # macro steps of a way
+EVEN = 0.99  # growth in the second half over that in the first, from which on there is no limit in sight
+
+
+class Windows:
+    """The solution of a scene, with saved states on the way, from which other scenes can start.
+
+    Raises `BadInput` or `StepFailed` where the scene cannot be run with macro steps of one length, or its units cannot save
+    their state.
+    """
+
+    def __init__(self, scene: Scene, quantities: Sequence[Quantity]):
+        self._quantities = quantities
+        self._signals = [scene.split(s) for s in dict.fromkeys(q.signal for q in quantities)]
+        scene = _plain(scene)
+        self._step, self._end = scene.master.step, scene.stop_time
+        count = max(int(scene.stop_time / self._step * (1.0 + 1e-12)), 1)
+        self._length = min(max(int(SHARE * count / WAYS), FEWEST), count)
+        self._from_start = min(WAYS * self._length, count)
+        room = count - self._length
+        starts = {room * k // WAYS for k in range(WAYS)}  # the start is among them: much happens there and never again
+        with ExitStack() as stack:
+            self._master = master = self._started(scene, stack)
+            if not all(interface.saves_state for interface in master.coupling.interfaces.values()):
+                raise BadInput(f"{scene.name}: indicator", "a unit that does not save its state", "units that do")
+            self._components = _components(master)
+            self._places = [master.positions[end] for end in self._signals]
+            self._saved: dict[int, Saved] = {}
+            rows = [self._row(master)]
+            for k in range(count):
+                if k in starts:
+                    self._saved[k] = master.save()
+                master.step(k * self._step, self._step)
+                rows.append(self._row(master))
+        self._rows = np.array(rows)
+
+    def look(self, scene: Scene) -> tuple[float, int]:
+        """Of the scene with other effects: the largest error of the quantities to be expected, and the states it has less.
+
+        The error is NaN where the scene cannot start, and infinite where it fails on the way.
+        """
+        try:
+            with ExitStack() as stack:
+                master = self._started(_plain(scene), stack)
+                others = _components(master)
+                fewer = sum(c.x.size - others[n].x.size for n, c in self._components.items())
+                try:
+                    return self._expected(self._ways(master, others)), fewer
+                except (StepFailed, ArithmeticError, np.linalg.LinAlgError):
+                    return math.inf, fewer
+        except (BadInput, StepFailed):
+            return math.nan, 0
+
+    def _ways(self, master: Master, others: Mapping[str, Component]) -> list[np.ndarray]:
+        """What the quantities' signals differ by after each macro step of each way, (n, signals) each."""
+        changed = [n for n, c in self._components.items() if others[n].on != c.on]
+        if not self._alike(master) or any(others[n].x.size != self._components[n].x.size for n in changed):
+            return [self._way(master, 0, self._from_start)]
+        ways = []
+        for first, saved in self._saved.items():
+            self._restore(master, saved, changed, others, first * self._step)
+            ways.append(self._way(master, first, self._length))
+        return ways
+
+    def _expected(self, ways: Sequence[np.ndarray]) -> float:
+        names = [".".join(end) for end in self._signals]
+        found = []
+        for q in self._quantities:
+            column = names.index(q.signal)
+            each = [way[:, column] for way in ways]
+            if q.unit == "rad":
+                each = [np.remainder(d + np.pi, 2.0 * np.pi) - np.pi for d in each]
+            first = min(int(q.transient / self._step), self._rows.shape[0] - 1)
+            solution = self._rows[first:, column]
+            whole = self._rows.shape[0] - 1
+            if q.kind in ("maximum", "minimum"):  # what happens behind it does not count
+                whole = first + int(np.argmax(solution) if q.kind == "maximum" else np.argmin(solution))
+            error = expected(each, whole, q.kind) / _scale(solution, q.nominal)
+            found.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
+        return max(found)
+
+    def _started(self, scene: Scene, stack: ExitStack) -> Master:
+        coupling = settle(scene)
+        master = master_of(scene, opened(scene, stack, in_process=True), coupling, self._signals)
+        master.initialize(0.0)
+        return master
+
+    def _row(self, master: Master) -> list[float]:
+        signals = master.signals
+        return [float(signals[k]) for k in self._places]
+
+    def _alike(self, master: Master) -> bool:
+        """Whether a state of the solution fits this master, but for the units with other effects."""
+        mine = self._master
+        return (master.positions == mine.positions and [n.links for n in master.nodes] == [n.links for n in mine.nodes]
+                and len(master.loops) == len(mine.loops) and all(isinstance(n.unit, ComponentUnit) for n in master.nodes))
+
+    def _restore(self, master: Master, saved: Saved, changed: Sequence[str], others: Mapping[str, Component], t: float) -> None:
+        states = [_translated(state, self._components[n], others[n]) if (n := node.unit.name) in changed else state
+                  for node, state in zip(master.nodes, saved.units, strict=True)]
+        master.restore(Saved(states, saved.signals, saved.histories, saved.ends, saved.steps, saved.jacobians))
+        for node in master.nodes:
+            if node.unit.name in changed:
+                others[node.unit.name].refresh()
+                master.signals[node.place] = node.unit.get()
+        master.follow(t)
+
+    def _way(self, master: Master, first: int, count: int) -> np.ndarray:
+        rows = []
+        for k in range(first, first + count):
+            master.step(k * self._step, self._step)
+            rows.append(self._row(master))
+        return np.array(rows) - self._rows[first + 1 : first + count + 1]
+
+
+def _plain(scene: Scene) -> Scene:
+    """The scene with macro steps of one length, and without what only keeps account of it."""
+    changes: dict[str, Any] = {"control": None, "events": (), "bonds": (), "energy_correction": False}
+    return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
+
+
+def _components(master: Master) -> dict[str, Component]:
+    return {node.unit.name: node.unit.component for node in master.nodes if isinstance(node.unit, ComponentUnit)}
+
+
+def _translated(state: bytes, of: Component, to: Component) -> bytes:
+    """A saved state of a component for one with other effects and as many states: inputs and outputs by their names."""
+    values = np.frombuffer(state)
+    ends = np.cumsum([1, of.u.size, of.y.size])
+    u = dict(zip(of.inputs, values[1 : ends[1]].reshape(of.u.shape).T, strict=True))
+    y = dict(zip(of.outputs, values[ends[1] : ends[2]], strict=True))
+    inputs = np.array([u.get(n, to.u[:, i]) for i, n in enumerate(to.inputs)]).reshape(len(to.inputs), 3).T
+    outputs = np.array([y.get(n, to.y[i]) for i, n in enumerate(to.outputs)])
+    return np.concatenate((values[:1], inputs.ravel(), outputs, values[ends[2] :])).tobytes()
+
+
+def _scale(solution: np.ndarray, nominal: float) -> float:
+    width, size = float(np.ptp(solution)), float(np.abs(solution).max())
+    return next((s for s in (width, size) if s > 1e-6 * max(size, nominal)), nominal)
+
+
+def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
+    """What a difference will have become after `whole` steps, seen on ways of a few steps each, (n,), the first from the start.
+
+    kind: of the quantity. A course and the like are means over the run, a maximum and the like the largest value.
+    """
+    n = min(way.size for way in ways)
+    if whole < n:
+        return float(np.abs(ways[0][: max(whole, 1)]).max())
+    half = max(n // 2, 1)
+    early = math.sqrt(np.mean([np.abs(way[:half]).max() ** 2 for way in ways]))
+    late = math.sqrt(np.mean([np.abs(way[:n]).max() ** 2 for way in ways]))
+    if late == 0.0 or not math.isfinite(late):
+        return late
+    growth = late / early - 1.0 if early else math.inf  # of the second half over the first
+    times, shape = whole / n, 1.0
+    if growth < EVEN:
+        size = late * (1.0 - growth ** (2.0 * times)) / (1.0 - growth**2) if growth else late
+    else:
+        power = 0.5 * (1.0 + min(math.log2(1.0 + growth), 2.0))
+        size = late * _together([float(way[n - 1]) for way in ways], times) * times**power
+        shape = 1.0 / math.sqrt(2.0 * power + 1.0)  # mean square of a power of time, over its end
+    seconds = [way[half:n] for way in ways if n > half] or list(ways)
+    largest = max(float(np.abs(s).max()) for s in seconds)
+    if largest == 0.0:
+        return size
+    if kind in ("course", "standard deviation"):
+        crest = math.sqrt(np.mean([np.mean(s**2) for s in seconds])) / largest
+        return size * (crest if growth < EVEN else shape)
+    if kind == "mean":
+        return size * abs(float(np.mean([np.mean(s) for s in seconds]))) / largest
+    return size
+
+
+def _together(ends: Sequence[float], times: float) -> float:
+    """How much of the differences at the ends of some ways adds up over so many ways: all of it, if it has one sign."""
+    square = float(np.mean(np.square(ends)))
+    mean = float(np.mean(ends)) ** 2
+    return math.sqrt((mean + (square - mean) / times) / square) if square else 1.0

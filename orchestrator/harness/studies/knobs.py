@@ -1,0 +1,150 @@
+"""What can be turned to trade accuracy for time, as changes of a scene: how it is coupled, internal steps, meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from ....components.core.errors import BadInput
+from ....components.core.variables import Causality
+from ...engine.coupling import settle
+from ...scene.scene import Scene
+from ...units.component import find, make
+
+DEGREES = ("held", "linear", "quadratic")
+ADAPTIVE = (1e-2, 1e-3, 1e-4, 1e-5)  # tolerances of the step control
+MACRO = (8, 4, 2, 1, 0.5)  # times the scene's macro step
+SUBSTEPS = (4.0, 2.0, 0.5, 0.25)  # times the internal steps of the scene
+MESHES = (2.0, 0.5)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to run a scene.
+
+    line: the points it belongs to, in words.  knob: "coupling", "adaptive", "substep", "mesh" or "effect".
+    size: what differs along the line: a macro step, s, or a tolerance where the macro step follows it.
+    changes: of the scene, with values as such, not as shares of the scene's own.
+    """
+
+    line: str
+    knob: str
+    size: float
+    changes: dict[str, Any] = field(hash=False)
+
+
+def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any]:
+    """The changes to another algorithm and degree of the inputs; what belongs to the scene's own algorithm goes."""
+    own = algorithm == scene.master.algorithm
+    changes: dict[str, Any] = {"master.algorithm": algorithm, "master.control": None,
+               "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None}
+    if settle(scene).links:  # without any, a degree or an order would have no effect, which a scene refuses
+        changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
+    return changes
+
+
+def substeps(scene: Scene) -> dict[str, float]:
+    """Place in the scene -> internal step, s, of every component that has a parameter `substep`."""
+    found = {}
+    for name, unit in scene.units.items():
+        if unit.component and "substep" in find(unit.component, name).variables:
+            found[f"units.{name}.parameters.substep"] = float(make(name, unit).get("substep"))
+    return found
+
+
+def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
+    """The changes to `factor` times the internal steps of all units, or of one."""
+    places = {p: v for p, v in substeps(scene).items() if not unit or p == f"units.{unit}.parameters.substep"}
+    return {place: value * factor for place, value in places.items()}
+
+
+def meshes(scene: Scene) -> dict[str, float]:
+    """Place -> length of the elements, of what the scene's [study] names as mesh; raises `BadInput` for what is none."""
+    found = {}
+    for name in scene.study.mesh:
+        unit, parameter = scene.split(name)
+        given = scene.units.get(unit)
+        if given is None or not given.component or not parameter:
+            raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
+        value = make(unit, given).get(parameter)
+        if find(given.component, unit).variables[parameter].causality is not Causality.PARAMETER or not isinstance(value, float):
+            raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
+        found[f"units.{unit}.parameters.{parameter}"] = value
+    return found
+
+
+def with_step(scene: Scene, step: float) -> dict[str, Any]:
+    """The change to another macro step; samples are taken no more often than there are steps."""
+    changes: dict[str, Any] = {"master.step": step}
+    for key in ("interval", "snapshot_interval"):
+        given = getattr(scene.record, key)
+        if given is not None and given < step:
+            changes[f"record.{key}"] = step
+    return changes
+
+
+def pinned(scene: Scene) -> dict[str, Any]:
+    """The scene's own setting as changes, so that a measured one means the same when the scene runs at another."""
+    master = scene.master
+    control = {"master.control": master.control.model_dump() if master.control else None}
+    return {**coupling_changes(scene, master.algorithm, master.extrapolation), **control, "master.step": master.step,
+            **refined(scene, 1.0), **meshes(scene)}
+
+
+def macro_steps(scene: Scene) -> list[float]:
+    """Macro steps to try, the longest first; each is a whole number of the next ones."""
+    return [factor * scene.master.step for factor in MACRO if 4.0 * factor * scene.master.step <= scene.stop_time]
+
+
+def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
+    """(line, changes) of every algorithm and degree of the inputs that makes sense for the scene's connections.
+
+    Without connections only the scene's own; without circles iterating has nothing to repeat.
+    """
+    coupling = settle(scene)
+    own = scene.master.algorithm
+    if not coupling.links:
+        yield "macro step", {}
+        return
+    algorithms = ["jacobi", "gauss-seidel"]
+    algorithms += ["iterative"] if any(len(group) > 1 for group in coupling.groups) else []
+    algorithms += ["interface-model"] if scene.contacts else []
+    for algorithm in algorithms:
+        for degree, name in enumerate(DEGREES):
+            yield f"{algorithm}, {name}", coupling_changes(scene, algorithm, degree)
+    if own not in algorithms:
+        yield f"{own}, {DEGREES[scene.master.extrapolation]}", {}
+
+
+def settings(scene: Scene) -> Iterator[Setting]:
+    """Settings of the first round, the cheapest first: how the scene is coupled, over macro steps; meshes as the scene has it."""
+    lines = list(couplings(scene))
+    for step in macro_steps(scene):
+        for line, changes in lines:
+            yield Setting(line, "coupling", step, {**changes, **with_step(scene, step)})
+    if settle(scene).links:
+        for tolerance in ADAPTIVE:
+            control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
+            yield Setting("gauss-seidel, linear, step control", "adaptive", tolerance,
+                          {**coupling_changes(scene, "gauss-seidel", 1), "master.control": control})
+    for place, length in meshes(scene).items():
+        for factor in MESHES:
+            name = place.removeprefix("units.").replace(".parameters.", ".")
+            yield Setting(f"{name} x {factor:g}", "mesh", scene.master.step, {place: length * factor})
+
+
+def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:
+    """The same setting with other internal steps."""
+    for factor in SUBSTEPS:
+        if changes := refined(scene, factor):
+            yield Setting(f"{setting.line}, substeps x {factor:g}", "substep", setting.size, {**setting.changes, **changes})
+
+
+def without_effects(scene: Scene) -> Iterator[Setting]:
+    """The scene as it is without one of the effects that it names, each in turn; what needs that effect refuses to start."""
+    for name, unit in scene.units.items():
+        for effect in unit.effects if unit.component else ():
+            yield Setting(f"without {name}.{effect}", "effect", scene.master.step, {
+                f"units.{name}.effects": [e for e in unit.effects if e != effect],
+                f"units.{name}.parameters": {k: v for k, v in unit.parameters.items() if not k.startswith(f"{effect}.")}})

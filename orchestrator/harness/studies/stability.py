@@ -1,0 +1,181 @@
+"""How long the macro step of a scene may be before its coupling lets disturbances grow: measured, by algorithm and extrapolation.
+
+Over the values of up to two parameters it is a map. Where units tell what a closed form needs, its limit stands beside the
+measured one, which knows nothing of it.
+
+    [study]
+    stability = { spring.stiffness = [25.0, 100.0, 400.0], mass.mass = { from = 0.5, to = 4.0, points = 8 } }
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ....components.core.errors import BadInput, StepFailed
+from ...advice.probing import contacts
+from ...engine.coupling import settle
+from ...results import write_table
+from ...scene.scene import Scene
+from ..sweep import points, tracked, unit_of
+from .disturbance import FEWEST, Disturbed, Growth, Own
+from .search import longest_stable
+
+Scheme = tuple[str, int]  # algorithm, extrapolation
+
+STEPS = 1000  # macro steps of a run that decides
+SHORTEST = 64.0  # part of the scene's macro step below which no limit is looked for
+FINE = 4.0  # part of the scene's macro step with which it is seen what grows by itself,
+AHEAD = 2.0  # for as long as steps of so many macro steps take
+EVEN = 1.01  # a factor that the sampling of an oscillation's crests may feign
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The longest stable macro step of one scheme at one point of a map.
+
+    point: "unit.parameter" -> value.  longest: s; infinite where even `tried` is stable, 0 where even that is not, NaN where
+    nothing was measured.  closed: s, of the closed form; NaN where there is none.  seen: what the next longer step did, or why
+    nothing was measured.  tried: s, the longest or shortest step that was looked at.  steps: macro steps made to find out.
+    """
+
+    point: Mapping[str, float]
+    algorithm: str
+    extrapolation: int
+    longest: float
+    closed: float
+    seen: str
+    tried: float
+    steps: int
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Limits of a scene over a map.
+
+    varied: "unit.parameter" -> unit of measure.  limits: points in the order of the map, schemes within each.
+    remarks: what a reader of the limits should know.
+    """
+
+    scene: Scene
+    varied: Mapping[str, str]
+    limits: tuple[Limit, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def schemes(self) -> tuple[Scheme, ...]:
+        """Algorithms with extrapolations, as they were asked for."""
+        return tuple(dict.fromkeys((limit.algorithm, limit.extrapolation) for limit in self.limits))
+
+    def of(self, scheme: Scheme) -> tuple[Limit, ...]:
+        """The limits of one scheme, in the order of the map."""
+        return tuple(limit for limit in self.limits if (limit.algorithm, limit.extrapolation) == scheme)
+
+    def save(self, directory: str | Path) -> Path:
+        """Write stability.csv: one row for each scheme at each point."""
+        names = [f"{name}, {unit}" if unit else name for name, unit in self.varied.items()]
+        header = [*names, "algorithm", "extrapolation", "longest stable macro step, s", "closed form, s", "seen", "tried, s",
+                  "macro steps made"]
+        return write_table(directory, "stability.csv", header, [
+            (*limit.point.values(), limit.algorithm, limit.extrapolation, limit.longest, limit.closed, limit.seen, limit.tried,
+             limit.steps) for limit in self.limits])
+
+
+def schemes_of(scene: Scene, algorithms: Sequence[str] = (), extrapolations: Sequence[int] = ()) -> list[Scheme]:
+    """The schemes to be measured: those given, or all that the scene can have."""
+    usual = ["jacobi", "gauss-seidel", "iterative", *(["interface-model"] if scene.contacts else [])]
+    return [(algorithm, degree) for algorithm in algorithms or usual for degree in extrapolations or (0, 1, 2)]
+
+
+def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEPS, progress: bool = False) -> Stability:
+    """Measure the limits of a scene with each scheme, over the map of its [study] if it has one.
+
+    `steps`: macro steps of each run; a slower growth than they can show counts as none.
+    Raises `BadInput` where no units feed one another, and for units that cannot be run again from their start.
+    """
+    if all(len(group) == 1 for group in settle(scene).groups):
+        raise BadInput(f"{scene.name}: stability", "units of which none feeds back to another",
+                       "a coupling that can grow", "For the internal step of a component: cosimo stability component:Name.")
+    if steps < FEWEST:
+        raise BadInput("steps", str(steps), f"at least {FEWEST}")
+    varied = {name: unit_of(scene, name) for name in scene.study.stability}
+    given = points(scene.with_changes({"sweep": dict(scene.study.stability)})) if varied else [({}, scene)]
+    tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of(scene)]
+    found: list[Limit] = []
+    said: dict[str, None] = {}
+    own: dict[tuple[float, ...], Own] = {}  # what grows by itself, by point
+    for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
+        place = tuple(point.values())
+        if place not in own:
+            own[place] = _own(one, steps)
+            said |= dict.fromkeys(_said(one, own[place]))
+        found.append(_measured(point, one, scheme, own[place], steps))
+    return Stability(scene, varied, tuple(found), tuple(said))
+
+
+def _with(scene: Scene, scheme: Scheme) -> Scene:
+    """The scene with a scheme, and without what bends macro steps or signals on purpose or only keeps account."""
+    algorithm, degree = scheme
+    changes = {"algorithm": algorithm, "extrapolation": degree, "control": None, "events": ()}
+    changes |= {} if algorithm == "gauss-seidel" else {"order": ()}
+    changes |= {} if algorithm == "iterative" else {"iteration": None}
+    changes |= {} if scene.master.energy_correction else {"bonds": ()}
+    return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
+
+
+def _own(scene: Scene, steps: int) -> Own:
+    """What disturbances do where the coupling hardly takes part: with short steps and quadratic inputs."""
+    step = scene.master.step
+    with ExitStack() as stack:
+        try:
+            return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).own(step / FINE, AHEAD * steps * step)
+        except (BadInput, StepFailed):
+            return Own(np.zeros(0), step)  # what cannot start is said with each scheme
+
+
+def _said(scene: Scene, own: Own) -> Iterator[str]:
+    master = scene.master
+    if not own.sizes.size:
+        yield f"a run with a macro step of {own.h:g} s ends early: what grows by itself is not known"
+    elif (factor := own.factor(math.inf)) > EVEN:
+        yield (f"disturbances grow by themselves, in {own.sizes.size * own.h:.3g} s by a factor of {factor:.3g}; a coupling is "
+               "called unstable where they grow faster")
+    if master.control is not None or master.events:
+        yield "all macro steps were of one length: without step control and located events"
+    if master.smoothing:
+        yield "closed forms are for inputs that are not smoothed"
+
+
+def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own, steps: int) -> Limit:
+    algorithm, degree = scheme
+    with ExitStack() as stack:
+        try:
+            changed = _with(scene, scheme)
+            disturbed = Disturbed(changed, stack)
+            closed = _closed_form(disturbed, degree)
+        except (BadInput, StepFailed) as error:
+            return Limit(point, algorithm, degree, math.nan, math.nan, str(error), math.nan, 0)
+        made: list[int] = []
+
+        def growth(h: float) -> Growth:
+            found = disturbed.growth(h, steps)
+            made.append(found.steps)
+            return found
+
+        step = scene.master.step
+        longest, seen, tried = longest_stable(growth, own, EVEN, step, step / SHORTEST, disturbed.longest)
+    return Limit(point, algorithm, degree, longest, closed, seen, tried, sum(made))
+
+
+def _closed_form(disturbed: Disturbed, degree: int) -> float:
+    """The shortest limit of all pairs that tell what it needs, s; NaN where none does."""
+    scene = disturbed.scene
+    if scene.master.feedthrough == "stale" and degree:
+        return math.nan  # the form with a delay is for held forces
+    found, _ = contacts(scene, settle(scene), disturbed.master, disturbed.units)
+    return min((contact.longest[degree] for contact in found), default=math.nan)

@@ -1,0 +1,117 @@
+"""One run of a study: a scene with changes, its outcome, what it cost in seconds and in counted work, and its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from statistics import median
+from time import perf_counter, process_time
+from typing import Any
+
+from ....components.core.errors import BadInput
+from ...results import Result
+from ...run import run
+from ...scene.scene import Scene
+from .quantities import Course
+
+REPEATS = 3  # timed runs
+PATIENCE = 2.0  # s: runs are not repeated any more once they have taken this together
+WARMING = 3  # macro steps
+_warm: set[tuple[Any, ...]] = set()  # what this process has compiled, or loaded from the disk, already
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What one setting gave.
+
+    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run) or "refused" (before it);
+    reason: why.  seconds, middle: minimum and median of warm runs' stepping in time of the processor, which other programs on the
+    machine do not lengthen; where units have processes of their own, in time as it passes. NaN without a run.
+    work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
+    """
+
+    changes: Mapping[str, Any]
+    outcome: str
+    reason: str
+    seconds: float = float("nan")
+    middle: float = float("nan")
+    work: Mapping[str, int] = field(default_factory=dict)
+    result: Result | None = None
+
+    @property
+    def done(self) -> bool:
+        """Whether the run came to its end."""
+        return self.outcome == "done"
+
+    @property
+    def course(self) -> Course:
+        """The recorded signals; only of a trial with a result."""
+        assert self.result is not None
+        return Course(self.result.time, self.result.columns)
+
+
+def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: int = REPEATS, patience: float = PATIENCE) -> Trial:
+    """Run the scene with changes, in process, up to `repeats` times or until the runs have taken `patience` seconds together.
+
+    What has to be compiled first is, by a run of a few steps that does not count. Failures are kept with their reason.
+    """
+    changes = dict(changes or {})
+    try:
+        changed = scene.with_changes(changes) if changes else scene
+        _warm_up(changed)
+        runs: list[Result] = []
+        times: list[float] = []
+        alone = all(unit.isolation == "none" for unit in changed.units.values())
+        while len(runs) < max(repeats, 1) and (not runs or sum(times) < patience):
+            wall, processor = perf_counter(), process_time()
+            runs.append(run(changed, in_process=True))
+            share = min((process_time() - processor) / (perf_counter() - wall), 1.0) if alone else 1.0
+            times.append(runs[-1].info["timing"]["run"] * share)
+            if runs[-1].outcome != "done":
+                break
+    except BadInput as error:
+        return Trial(changes, "refused", str(error))
+    last = runs[-1]
+    return Trial(changes, last.outcome, last.message, min(times), median(times), work_of(last), last)
+
+
+def _warm_up(scene: Scene) -> None:
+    master = scene.master
+    key = (*((u.component, u.fmu, u.effects, u.preset) for u in scene.units.values()), master.algorithm, master.extrapolation,
+           master.control is None)
+    if key not in _warm:
+        _warm.add(key)
+        stop = min(scene.stop_time, WARMING * master.step)
+        run(scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshot_interval": None, "faults": ()}),
+            in_process=True)
+
+
+WORK = ("macro_steps", "hand_overs", "unit_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")
+
+
+def work_of(result: Result) -> dict[str, int]:
+    """Counted work of a run.
+
+    hand_overs: macro steps, or iterations where there are more of them, times units.  unit_steps: internal steps of all units.
+    derivative_calls: of those that count them.  iterations, rollbacks, events: of the master and the units.  calls: of each
+    unit the largest of its counters, which is its dearest operation, summed, and the hand-overs: the one number for the work
+    of a run, the same on every machine.
+    """
+    counters = result.info["counters"]
+    master, stepping, units = counters["master"], counters.get("stepping", {}), counters["units"].values()
+
+    def total(name: str) -> int:
+        return sum(int(unit.get(name, 0)) for unit in units)
+
+    steps = int(stepping.get("accepted", 0) + stepping.get("rejected", 0) or master["steps"])
+    hand_overs = max(steps, int(master.get("iterations", 0))) * len(units)
+    return {
+        "macro_steps": steps,
+        "hand_overs": hand_overs,
+        "unit_steps": total("steps"),
+        "derivative_calls": total("derivative_calls"),
+        "iterations": int(master.get("iterations", 0)),
+        "rollbacks": int(master.get("restores", 0) + stepping.get("restores", 0)),
+        "events": int(stepping.get("events", 0)) + total("events"),
+        "calls": sum(max((int(n) for n in unit.values()), default=0) for unit in units) + hand_overs,
+    }

@@ -1,0 +1,152 @@
+"""One scene over the values its [sweep] names: every combination is a run in this process.
+
+What is kept of a run are measures of its recorded signals after the transient and, where [analysis] has a section, the
+points of a signal each time an angle passes a multiple of something: the raw material of a bifurcation diagram.
+
+    [analysis]
+    transient = 0.5                                                             # s, left out of everything below
+    section = { signal = "bearing.x", angle = "bearing.cage_angle", turns = 8 }   # points eight times a turn of the angle
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ...components.core.errors import BadInput, nearest
+from ..engine.coupling import settle
+from ..results import Result, write_table
+from ..run import run
+from ..scene.scene import Scene
+from ..systems.bearings.records import after_transient
+from ..units.component import find
+from .analysis.sections import section as section_of
+
+T = TypeVar("T")
+KINDS: dict[str, Callable[[np.ndarray], Any]] = {
+    "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
+}
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What the points of a sweep gave, in the order of the product of its values.
+
+    varied: "unit.parameter" -> values, (n,).  measures: "unit.signal, kind" -> (n,), NaN where a run failed.
+    outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
+    units: unit of measure of every column.
+    """
+
+    scene: Scene
+    varied: Mapping[str, np.ndarray]
+    measures: Mapping[str, np.ndarray]
+    outcomes: tuple[str, ...]
+    section: tuple[np.ndarray, ...]
+    units: Mapping[str, str]
+
+    def save(self, directory: str | Path) -> Path:
+        """Write sweep.csv: one row a point, the first line the column names with units."""
+        columns = {**self.varied, **self.measures}
+        names = [f"{n}, {self.units[n]}" if self.units[n] else n for n in columns]
+        rows = zip(*(c.tolist() for c in columns.values()), self.outcomes, strict=True)
+        return write_table(directory, "sweep.csv", [*names, "outcome"], rows)
+
+
+def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
+    """(values by "unit.parameter", the scene with them) of every combination, all checked; raises `BadInput` without [sweep]."""
+    if not scene.sweep:
+        raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
+                       'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11.')
+    made = []
+    for values in itertools.product(*scene.sweep.values()):
+        point = dict(zip(scene.sweep, values, strict=True))
+        places = {}
+        for name, value in point.items():
+            unit, parameter = scene.split(name)
+            if not parameter:
+                raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
+            places[f"units.{unit}.parameters.{parameter}"] = value
+        made.append((point, scene.with_changes(places)))
+    return made
+
+
+def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
+    """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on."""
+    made = points(scene)
+    _check_analysis(scene)
+    rows: list[dict[str, float]] = []
+    outcomes, section = [], []
+    units = {name: unit_of(scene, name) for name in scene.sweep}
+    for _, one in tracked(made, scene.title or scene.name, progress):
+        row, points_of, outcome = {}, np.zeros(0), ""
+        try:
+            result = run(one, in_process=True)
+            outcome = "done" if result.outcome == "done" else result.message
+            if outcome == "done":
+                units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
+                row = measures(result)
+                points_of = section_points(result)
+        except BadInput as error:  # a value with which this point cannot start, or has no section
+            outcome = str(error)
+        rows.append(row)
+        section.append(points_of)
+        outcomes.append(outcome)
+    names = dict.fromkeys(name for row in rows for name in row)
+    return Sweep(
+        scene,
+        {name: np.array([values[name] for values, _ in made]) for name in scene.sweep},
+        {name: np.array([row.get(name, np.nan) for row in rows]) for name in names},
+        tuple(outcomes), tuple(section), units,
+    )
+
+
+def unit_of(scene: Scene, name: str) -> str:
+    """Unit of measure of a swept parameter; "" for one of an FMU."""
+    unit, parameter = scene.split(name)
+    component = scene.units[unit].component
+    return find(component, unit).variables[parameter].unit if component else ""
+
+
+def _check_analysis(scene: Scene) -> None:
+    """Refuse, before the first run, a section or a transient that no run could have."""
+    recorded = [".".join(end) for end in settle(scene).signals]
+    for key in ("signal", "angle"):
+        name = scene.analysis.get("section", {}).get(key)
+        if "section" in scene.analysis and name not in recorded:
+            where = f"{scene.name}: analysis.section.{key}"
+            raise BadInput(where, repr(name), "a recorded signal", nearest(str(name), recorded))
+    if not float(scene.analysis.get("transient", 0.0)) < scene.stop_time:
+        raise BadInput(f"{scene.name}: analysis.transient", f"{scene.analysis['transient']:g} s",
+                       f"less than the length of the run, {scene.stop_time:g} s")
+
+
+def measures(result: Result) -> dict[str, float]:
+    """"unit.signal, kind" -> number, of every recorded signal after the transient."""
+    kept = after_transient(result)
+    return {f"{n}, {kind}": float(f(c[kept])) for n, c in result.columns.items() for kind, f in KINDS.items()}
+
+
+def section_points(result: Result) -> np.ndarray:
+    """Values of the section's signal, (k,), where its angle passes multiples of a turn over `turns`; none without a section."""
+    wanted = result.scene.analysis.get("section")
+    if wanted is None:
+        return np.zeros(0)
+    kept = after_transient(result)
+    spacing = 2.0 * np.pi / float(wanted.get("turns", 1))
+    return section_of(result[wanted["angle"]][kept], spacing, result[wanted["signal"]][kept])[0]
+
+
+def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
+    """The items one by one, with a progress bar on a terminal."""
+    if not (progress and sys.stderr.isatty()):
+        return items
+    from rich.console import Console
+    from rich.progress import track
+
+    return iter(track(items, description=title, console=Console(stderr=True), transient=True))

@@ -1,0 +1,145 @@
+"""What a validation case is, and how its outcome follows from its rows."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..charts.chart import Chart, Grid
+from .reference import TableRow
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a reference table beside what was measured, in the row's unit."""
+
+    reference: TableRow
+    measured: float
+
+    @property
+    def margin(self) -> float:
+        """Distance to the nearer end of the range in the row's unit, negative outside; NaN if nothing was measured."""
+        low = -math.inf if self.reference.low is None else self.reference.low
+        high = math.inf if self.reference.high is None else self.reference.high
+        return min(self.measured - low, high - self.measured) if math.isfinite(self.measured) else math.nan
+
+    @property
+    def inside(self) -> bool:
+        """Whether the measured number lies in the range, its ends included."""
+        return bool(self.margin >= 0.0)  # the numbers may be those of NumPy
+
+    def to_json(self) -> dict[str, Any]:
+        """The row of the machine-readable output."""
+        r = self.reference
+        return {
+            "quantity": r.quantity,
+            "condition": r.condition,
+            "unit": r.unit,
+            "measured": self.measured if math.isfinite(self.measured) else None,
+            "low": r.low,
+            "high": r.high,
+            "standing": r.standing,
+            "confidence": r.confidence or None,
+            "source": r.source,
+            "inside": self.inside,
+        }
+
+
+def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[Row, ...]:
+    """Rows beside the measured numbers, by the rows' `measure`; what was not measured is NaN, and so not inside."""
+    return tuple(Row(r, float(measured.get(r.measure, math.nan))) for r in rows)
+
+
+def outcome(rows: tuple[Row, ...]) -> str:
+    """ "failed" if a row that was read or computed is outside; else "recalled" if any range is not firm; else "passed".
+
+    Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure. No row, no pass.
+    """
+    firm = [r for r in rows if r.reference.standing in ("verbatim", "computed")]
+    if not rows or not all(r.inside for r in firm):
+        return "failed"
+    return "passed" if len(firm) == len(rows) else "recalled"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a case runs its scenes."""
+
+    in_process: bool = False
+    progress: bool = False
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a case's function gives: rows against references, runs worth showing, charts of studies, sentences."""
+
+    rows: tuple[Row, ...]
+    runs: Mapping[str, Result] = field(default_factory=dict)  # label -> result
+    charts: tuple[Chart | Grid, ...] = ()
+    notes: tuple[str, ...] = ()
+    settings: Mapping[str, str] = field(default_factory=dict)  # condition -> how its numbers were made (window, filter)
+    complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
+
+
+@dataclass(frozen=True)
+class Case:
+    """A comparison with a reference: what it shows, and the function that does it."""
+
+    name: str
+    title: str
+    text: str  # what it shows, and what it cannot show
+    system: str
+    function: Callable[[Options], Findings]
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """A case that was run."""
+
+    case: Case
+    findings: Findings
+    report: Path | None = None
+
+    @property
+    def outcome(self) -> str:
+        """ "passed", "failed" or "recalled"."""
+        return outcome(self.findings.rows) if self.findings.complete else "failed"
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in one sentence."""
+        rows = self.findings.rows
+        if not self.findings.complete:
+            return "Failed: a run did not reach its end."
+        parts = []
+        kinds = ((("verbatim", "computed"), "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
+        for names, kind in kinds:
+            some = [r for r in rows if r.reference.standing in names]
+            if some:
+                parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}")
+        text = {"passed": "Passed", "failed": "Failed", "recalled": "No pass, as not every range was read or computed"}
+        return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."
+
+    def to_json(self) -> dict[str, Any]:
+        """The case of the machine-readable output."""
+        return {
+            "case": self.case.name,
+            "title": self.case.title,
+            "outcome": self.outcome,
+            "verdict": self.verdict,
+            "rows": [r.to_json() for r in self.findings.rows],
+            "notes": list(self.findings.notes),
+            "report": str(self.report) if self.report else None,
+        }
+
+
+def to_json(results: list[CaseResult]) -> str:
+    """The document of `cosimo validate --json`."""
+    return json.dumps({"cases": [r.to_json() for r in results]}, indent=2, ensure_ascii=False)

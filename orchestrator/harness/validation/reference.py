@@ -1,0 +1,123 @@
+"""Reference tables: ranges as data, each row with its standing and its source."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from ....components.core.errors import BadInput, nearest
+from ...scene.files import shipped
+
+STANDINGS = {
+    "verbatim": "read in a public source",
+    "computed": "computed with an independent solver or a closed form",
+    "inferred": "inferred from public material",
+    "recalled": "recalled from the literature, not re-read",
+}
+CONFIDENCES = ("high", "medium-high", "medium", "low")
+FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
+OPTIONAL = ("low", "high", "value", "tolerance", "confidence")
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """A range for one quantity under one condition; an end that is None is open.
+
+    measure: the name under which a case gives the measured number, in `unit`.
+    standing: one of `STANDINGS`; confidence belongs to recalled rows.
+    """
+
+    quantity: str
+    measure: str
+    condition: str
+    unit: str
+    low: float | None
+    high: float | None
+    standing: str
+    source: str
+    confidence: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"reference row {self.quantity!r} ({self.condition})"
+        if self.standing not in STANDINGS:
+            raise BadInput(where, f"standing {self.standing!r}", "one of " + ", ".join(STANDINGS))
+        if self.low is None and self.high is None:
+            raise BadInput(where, "no low and no high", "at least one end of a range")
+        if self.low is not None and self.high is not None and self.low > self.high:
+            raise BadInput(where, f"low {self.low:g} above high {self.high:g}", "low <= high")
+        if (self.standing == "recalled") != (self.confidence in CONFIDENCES):
+            raise BadInput(where, f"confidence {self.confidence!r}", f"one of {', '.join(CONFIDENCES)}; for recalled rows only")
+        if not self.source.strip():
+            raise BadInput(where, "no source", "where the range was read")
+
+
+@dataclass(frozen=True)
+class Table:
+    """A reference table; `rows` in the order of the source."""
+
+    name: str
+    title: str
+    text: str
+    rows: tuple[TableRow, ...]
+
+    def under(self, condition: str) -> tuple[TableRow, ...]:
+        """The rows of one condition, such as "250 km/h"."""
+        rows = tuple(r for r in self.rows if r.condition == condition)
+        if not rows:
+            known = {r.condition for r in self.rows}
+            raise BadInput(f"table {self.name}", f" {condition!r}", "a condition of it", nearest(condition, sorted(known)))
+        return rows
+
+
+def parse_table(name: str, text: str) -> Table:
+    """A table from its TOML text; raises `BadInput` for missing or unknown fields and unknown sources."""
+    data = tomllib.loads(text)
+    for key in ("title", "text", "sources", "rows"):
+        if not data.get(key):
+            raise BadInput(f"table {name}", f"no {key!r}", "title, text, sources and rows")
+    rows = tuple(_row(name, i, row, data["sources"]) for i, row in enumerate(data["rows"], 1))
+    return Table(name, data["title"], data["text"], rows)
+
+
+def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:
+    where = f"table {table}, row {number}"
+    for key in row:
+        if key not in FIELDS + OPTIONAL:
+            raise BadInput(where, f"field {key!r}", "a field of a reference row", nearest(key, FIELDS + OPTIONAL))
+    for key in FIELDS:
+        if not isinstance(row.get(key), str):
+            raise BadInput(where, f"{key} = {row.get(key)!r}", "a text")
+    if row["source"] not in sources:
+        raise BadInput(where, f"source {row['source']!r}", "a key of [sources]", nearest(row["source"], sources))
+    if "value" in row:
+        if "tolerance" not in row or "low" in row or "high" in row:
+            raise BadInput(where, "a value", "a relative tolerance beside it, and neither low nor high")
+        half = abs(row["value"]) * row["tolerance"]
+        low, high = row["value"] - half, row["value"] + half
+    else:
+        low, high = row.get("low"), row.get("high")
+    return TableRow(
+        row["quantity"],
+        row["measure"],
+        row["condition"],
+        row["unit"],
+        low,
+        high,
+        row["standing"],
+        sources[row["source"]],
+        row.get("confidence", ""),
+    )
+
+
+def load_table(name: str) -> Table:
+    """A shipped table by name, the stem of its file beside the case of its system."""
+    tables = table_files()
+    if name not in tables:
+        raise BadInput("reference table", repr(name), "a shipped table", nearest(name, tables))
+    return parse_table(name, tables[name].read_text(encoding="utf-8"))
+
+
+def table_files() -> dict[str, Path]:
+    """Shipped tables by name."""
+    return shipped("cases", ".toml")

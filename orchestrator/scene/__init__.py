@@ -1,0 +1,1 @@
+"""Scenes: files, includes, checks, SSP."""

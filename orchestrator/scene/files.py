@@ -1,0 +1,58 @@
+"""Files of scenes: TOML, .ssd and .ssp; shipped ones by their name."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from ...components.core.errors import BadInput, nearest
+
+SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
+SYSTEMS = (".ssd", ".ssp")
+
+
+def shipped(folder: str, suffix: str) -> dict[str, Path]:
+    """Files with a suffix in the folders of that name of all systems, by their stem."""
+    return dict(sorted((p.stem, p) for p in SHIPPED.glob(f"*/{folder}/*{suffix}")))
+
+
+def scene_files() -> dict[str, Path]:
+    """Shipped scenes by name."""
+    return shipped("scenes", ".toml")
+
+
+def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | None = None) -> Path:
+    """The file of a shipped scene by its name, or a path, relative to `folder`."""
+    path = Path(name_or_path)
+    if path.suffix in (".toml", *SYSTEMS):
+        return path if folder is None else folder / path
+    files = scene_files()
+    if str(name_or_path) not in files:
+        raise BadInput(where, repr(str(name_or_path)), "a shipped scene or the path of a .toml, .ssd or .ssp file",
+                       nearest(str(name_or_path), files))
+    return files[str(name_or_path)]
+
+
+def read_file(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The data of a scene's file, and remarks about what of it could not be used; faults are one `BadInput`."""
+    if path.suffix in SYSTEMS:
+        from .ssp.read import read as read_system  # loads what only systems need
+
+        system = read_system(path)
+        return system.data, system.remarks
+    return read_toml(path), ()
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The file's tables; a missing file or a syntax error is one `BadInput` with file and line."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadInput("scene", repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
+    except UnicodeDecodeError:
+        raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        text, line = str(error), re.search(r"line (\d+)", str(error))
+        raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {text}", "TOML") from None

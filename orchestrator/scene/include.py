@@ -1,0 +1,92 @@
+"""Scenes inside scenes: an entry of `units` that names another scene stands for its units, connections and contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from ...components.core.errors import BadInput, nearest
+from ..settings import SceneSettings, SubsystemSettings
+from ..settings.messages import one_message
+from .files import read_file, scene_path
+
+PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
+
+
+def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
+             above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """A scene's data with units, connections and contacts of its subsystems in the place of their entries, and remarks.
+
+    Paths are relative to `folder`. `above`: the files that include this one. What a unit of a subsystem is called in its
+    own file stands behind the entry's name: "subsystem.unit". Stop time, master, records, faults, sweep, analysis and study of
+    the included scene belong to its own runs and are not taken over.
+    """
+    if not isinstance(data.get("units"), Mapping):
+        return dict(data), ()
+    units: dict[str, Any] = {}
+    added: dict[str, list[Any]] = {"connections": [], "contacts": []}
+    remarks: list[str] = []
+    for entry, unit in data["units"].items():
+        found = {entry: _located(unit, folder)}
+        if isinstance(unit, Mapping) and "scene" in unit:
+            part, said = _part(entry, unit, name, folder, above)
+            found = {f"{entry}.{n}": u for n, u in part["units"].items()}
+            added["connections"] += (_prefixed(c, entry) for c in part.get("connections", ()))
+            added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
+            remarks += said
+        if twice := found.keys() & units.keys():
+            raise BadInput(f"{name}: units", f"two units {min(twice)!r}", "names that are unique")
+        units |= found
+    joined = {key: [*own, *more] for key, more in added.items() if more and isinstance(own := data.get(key, []), list | tuple)}
+    return {**data, **joined, "units": units}, tuple(remarks)
+
+
+def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
+          above: tuple[Path, ...]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Checked settings of an included scene, with the values that the entry gives, and remarks about its file."""
+    try:
+        settings = SubsystemSettings.model_validate(unit)
+    except ValidationError as error:
+        raise one_message(error, SubsystemSettings, name, "units", entry) from None
+    where = f"{name}: units.{entry}"
+    path = scene_path(settings.scene, f"{where}.scene", folder).resolve()
+    if path in above:
+        raise BadInput(f"{where}.scene", f"{path.name!r}, which includes this scene", "scenes that do not contain themselves")
+    data, remarks = read_file(path)
+    data, more = expanded(data, path.stem, path.parent, (*above, path))
+    stop = data.setdefault("stop_time", PLACEHOLDER)
+    data.setdefault("master", {"step": stop})
+    try:
+        part = SceneSettings.model_validate(data).settings()
+    except ValidationError as error:
+        raise one_message(error, SceneSettings, path.stem) from None
+    for parameter, value in settings.parameters.items():
+        inner = max((n for n in part["units"] if parameter.startswith(n + ".")), key=len, default=None)
+        if inner is None:
+            raise BadInput(f"{where}.parameters", f"unit {parameter.partition('.')[0]!r}", f"a unit of {path.name}",
+                           nearest(parameter.partition(".")[0], part["units"]))
+        part["units"][inner].setdefault("parameters", {})[parameter.removeprefix(inner + ".")] = value
+    return part, (*remarks, *more)
+
+
+def _prefixed(connection: Any, entry: str) -> Any:
+    """A connection of a subsystem as the scene around it names its ends."""
+    if isinstance(connection, str):
+        return " -> ".join(f"{entry}.{end.strip()}" for end in connection.split("->"))
+    return connection | {end: f"{entry}.{connection[end]}" for end in ("source", "target")}
+
+
+def _touching(contact: Mapping[str, Any], entry: str) -> dict[str, Any]:
+    """A contact of a subsystem as the scene around it names what it touches: all texts of its sides are "unit.variable"."""
+    sides = {s: {k: f"{entry}.{v}" if isinstance(v, str) else v for k, v in contact[s].items()} for s in ("first", "second")}
+    return {**contact, **sides, "name": f"{entry}.{contact['name']}"}
+
+
+def _located(unit: Any, folder: Path | None) -> Any:
+    if folder is not None and isinstance(unit, Mapping) and isinstance(unit.get("fmu"), str):
+        return {**unit, "fmu": str(folder.resolve() / unit["fmu"])}
+    return unit
+

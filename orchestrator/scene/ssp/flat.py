@@ -1,0 +1,229 @@
+"""A tree of systems as the units and connections of a scene.
+
+Systems are taken away: what reaches a component through connectors of systems becomes one connection from the component
+that gives it, with the conversions and transformations of all its parts; parameters of systems reach the variables they
+are connected with.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ....components.core.errors import BadInput, nearest
+from .measures import between
+from .parameters import Assignment, Transformation, Value
+from .system import GIVES, Connection, Connector, Element
+
+SHOWN = 5  # names in a remark
+Path = tuple[str, ...]  # names of elements from the root system down, which has ()
+Place = tuple[Path, str]  # a connector or variable of an element
+
+
+@dataclass(frozen=True)
+class Edge:
+    """What feeds a connector."""
+
+    source: Place
+    connection: Connection
+
+
+class Flat:
+    """Units and connections of a scene, from a root system.
+
+    `units`: settings by unit, `connections` as a scene gives them, `remarks`: what was left out.
+    """
+
+    def __init__(self, root: Element, names: Mapping[str, str]):
+        """`names`: of units by the names of elements of the root system, where they are to have others."""
+        self.elements: dict[Path, Element] = dict(_walk(root, ()))
+        self.remarks: list[str] = []
+        self._edges: dict[Place, Edge] = {}
+        for path, element in self.elements.items():
+            for connection in element.connections:
+                self._connect(path, element, connection)
+        self.components = {path: e for path, e in self.elements.items() if e.fmu is not None}
+        self.names = _unit_names(list(self.components), names)
+        self.connections = list(self._links())
+        self._values = self._assigned(root, ())
+        self.units = {self.names[path]: self._settings(path, e) for path, e in self.components.items()}
+
+    def _connect(self, path: Path, system: Element, connection: Connection) -> None:
+        """Note who feeds whom: an element's outputs and the system's own inputs give, whichever end stands first."""
+        gives: list[Place] = []
+        takes: list[Place] = []
+        for element, name in connection.ends:
+            inner = self.elements.get((*path, element)) if element else system
+            if inner is None:
+                raise BadInput(connection.where, f"element {element!r}", f"an element of {system.name!r}",
+                               nearest(element, [e.name for e in system.elements]))
+            if name not in inner.connectors:
+                raise BadInput(connection.where, f"connector {name!r}", f"a connector of {inner.name!r}",
+                               nearest(name, inner.connectors))
+            outward = inner.connectors[name].kind in GIVES
+            (gives if outward == bool(element) else takes).append(((*path, element) if element else path, name))
+        if len(gives) != 1:
+            ends = " and ".join(".".join(filter(None, end)) for end in connection.ends)
+            raise BadInput(connection.where, f"{ends}, which both {'give' if gives else 'take'} a value",
+                           "one that gives and one that takes", "As their kinds say.")
+        if takes[0] in self._edges:
+            raise BadInput(connection.where, f"connector {_text(takes[0])} driven a second time",
+                           f"one source; {_text(self._edges[takes[0]].source)} drives it already")
+        self._edges[takes[0]] = Edge(gives[0], connection)
+
+    def _chain(self, target: Place) -> list[tuple[Place, Edge]]:
+        """The parts of the way to a connector, from its far end; each with the connector it leads to."""
+        chain: list[tuple[Place, Edge]] = []
+        while (edge := self._edges.get(target)) is not None:
+            if any(edge is e for _, e in chain):
+                raise BadInput(edge.connection.where, f"connector {_text(target)} fed by itself", "an output that feeds it")
+            chain.insert(0, (target, edge))
+            target = edge.source
+        return chain
+
+    def _links(self) -> Iterator[str | dict[str, Any]]:
+        """Connections of the scene, in the order of the files."""
+        for target, edge in list(self._edges.items()):
+            if target[0] not in self.components:
+                continue
+            chain = self._chain(target)
+            source = chain[0][1].source
+            if source[0] not in self.components:
+                continue  # a connector of the root system, or one that nothing feeds: it may still carry a parameter
+            kinds = [self._connector(end).kind for end in (source, target)]
+            if kinds != ["output", "input"]:
+                raise BadInput(edge.connection.where, f"a {kinds[0]} that feeds a {kinds[1]}", "an output that feeds an input",
+                               "Give the parameter its value in a parameter set.")
+            yield self._link(source, target, chain)
+
+    def _link(self, source: Place, target: Place, chain: list[tuple[Place, Edge]]) -> str | dict[str, Any]:
+        measure, factor, offset = self._measure(source), 1.0, 0.0
+        for place, edge in chain:
+            own, t = self._measure(place), edge.connection.transformation
+            if not t.is_linear:
+                raise BadInput(edge.connection.where, f"a mapping of {t.type} values in a connection", "a LinearTransformation",
+                               "Mappings are read for parameters only.")
+            a, b = (1.0, 0.0) if edge.connection.suppress else between(measure, own, edge.connection.where)
+            factor, offset = t.factor * (a * factor), t.factor * (a * offset + b) + t.offset
+            measure = own or (None if edge.connection.suppress else measure)
+        ends = {"source": f"{self.names[source[0]]}.{source[1]}", "target": f"{self.names[target[0]]}.{target[1]}"}
+        given = [self.components[end[0]].fmu_unit(end[1]) for end in (source, target)]
+        table = ends | ({"factor": factor, "offset": offset} if (factor, offset) != (1.0, 0.0) else {})
+        if all(given) and given[0] != given[1]:
+            table["convert_units"] = False  # the conversion is in the factor, or not wanted
+        return table if len(table) > 2 else f"{ends['source']} -> {ends['target']}"
+
+    def _connector(self, place: Place) -> Connector:
+        return self.elements[place[0]].connectors[place[1]]
+
+    def _measure(self, place: Place) -> Any:
+        element = self.elements[place[0]]
+        return element.unit_of(place[1]) if element.fmu is not None else self._connector(place).measure
+
+    # -- parameters --------------------------------------------------------------------------------------------------
+    def _assigned(self, element: Element, path: Path) -> dict[Place, Assignment]:
+        """Values by what they are assigned to; those of a system stand above those of its elements."""
+        found: dict[Place, Assignment] = {}
+        for inner in element.elements:
+            found |= self._assigned(inner, (*path, inner.name))
+        vain = []
+        for assignment in element.parameters:
+            places = list(self._meant(element, path, assignment.name))
+            found |= dict.fromkeys(places, assignment)
+            vain += [] if places else [assignment.name]
+        self._remark(element, vain, "fit no variable")
+        return found
+
+    def _remark(self, element: Element, names: list[str], why: str) -> None:
+        """Say once for an element which parameters were left out; sets shared by many elements have hundreds of them."""
+        if names:
+            shown = ", ".join(map(repr, names[:SHOWN])) + (", ..." if len(names) > SHOWN else "")
+            self.remarks.append(f"{element.where}: values left out at {element.name!r} because they {why}: {shown}")
+
+    def _meant(self, element: Element, path: Path, name: str) -> Iterator[Place]:
+        """All that a hierarchical name means, seen from an element; names of elements may hold dots themselves."""
+        if element.description is not None:
+            if name in element.description.scalars:
+                yield path, name
+            return
+        if name in element.connectors:
+            yield path, name
+        for inner in element.elements:
+            if name.startswith(inner.name + "."):
+                yield from self._meant(inner, (*path, inner.name), name.removeprefix(inner.name + "."))
+
+    def _settings(self, path: Path, element: Element) -> dict[str, Any]:
+        """The settings of a unit."""
+        assert element.description is not None
+        scalars, effects, parameters = element.description.scalars, [], {}
+        driven: list[str] = []
+        for name, value, where in self._of_component(path, element, driven):
+            if not name.startswith("effects."):
+                parameters[name] = value
+            elif value is True:
+                effects.append(name.removeprefix("effects."))
+            elif value is not False or scalars[name].start:
+                raise BadInput(where, f"{name} = {value!r}", "true; a scene switches effects on")
+        self._remark(element, driven, "are of inputs that a connection drives")
+        interfaces = {"CoSimulation": "co-simulation", "ModelExchange": "model-exchange"}
+        interface = {"interface": interfaces[element.implementation]} if element.implementation in interfaces else {}
+        return {"fmu": str(element.fmu), **({"effects": effects} if effects else {}),
+                **({"parameters": parameters} if parameters else {}), **interface}
+
+    def _of_component(self, path: Path, element: Element, driven: list[str]) -> Iterator[tuple[str, Any, str]]:
+        """Values of a component's variables: assigned to them, or to what they are connected with; the farthest end wins.
+
+        Values of inputs that another component feeds have no effect; their names are appended to `driven`.
+        """
+        assert element.description is not None
+        for name in element.description.scalars:
+            chain = self._chain((path, name))
+            steps = [edge.source for _, edge in chain] + [(path, name)]
+            at = next((k for k, place in enumerate(steps) if place in self._values), None)
+            if at is None:
+                continue
+            assignment = self._values[steps[at]]
+            if chain and steps[0][0] in self.components:
+                driven.append(name)
+                continue
+            value = self._converted(assignment.value, steps[at], assignment.suppress, assignment.transformation, assignment.where)
+            for target, edge in chain[at:]:
+                c = edge.connection
+                value = self._converted(value, target, c.suppress, c.transformation, c.where)
+            yield name, value.value, assignment.where
+
+    def _converted(self, value: Value, place: Place, suppress: bool, transformation: Transformation, where: str) -> Value:
+        """A value in the unit of measure of the place it reaches, then transformed."""
+        measure = self._measure(place)
+        if value.type == "Real" and not suppress:
+            factor, offset = between(value.measure, measure, where)
+            if (factor, offset) != (1.0, 0.0):
+                value = Value("Real", factor * float(value.value) + offset)
+        value = value.through(transformation, where)
+        return Value(value.type, value.value, measure or (None if suppress else value.measure))
+
+
+def _walk(element: Element, path: Path) -> Iterator[tuple[Path, Element]]:
+    yield path, element
+    for inner in element.elements:
+        yield from _walk(inner, (*path, inner.name))
+
+
+def _text(place: Place) -> str:
+    return ".".join((*place[0], place[1]))
+
+
+def _unit_names(paths: list[Path], wished: Mapping[str, str]) -> dict[Path, str]:
+    """Names of units as scenes may have them: letters, digits and _, with dots between systems and what is in them."""
+    found: dict[Path, str] = {}
+    for path in paths:
+        parts = re.sub(r"[^\w.]", "_", ".".join(path), flags=re.ASCII).split(".")
+        name = ".".join(p if re.match("[A-Za-z]", p) else f"u{p}" for p in parts)
+        name = wished.get(path[0], name) if len(path) == 1 else name
+        taken, k, first = set(found.values()), 2, name
+        while name in taken:
+            name, k = f"{first}_{k}", k + 1
+        found[path] = name
+    return found

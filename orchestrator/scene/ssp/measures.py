@@ -1,0 +1,74 @@
+"""Units of measure of a system: defined in its files by their exponents, referenced by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fmpy.model_description import ModelDescription
+from lxml import etree
+
+from ....components.core.errors import BadInput
+from ....components.core.measure import BASES, Unit, parse
+from .package import find_all, number, required
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A unit by the name that a file gives it; `meaning` is None where no file defines it."""
+
+    name: str
+    meaning: Unit | None
+
+
+def definitions(root: etree._Element, namespace: str, where: str) -> dict[str, Measure]:
+    """The units that a file defines: `Units` below the root of an .ssd or .ssv file."""
+    found = {}
+    for unit in find_all(root, f"{namespace}:Units", "ssc:Unit"):
+        name = required(unit, "name", where)
+        for base in find_all(unit, "ssc:BaseUnit"):
+            exponents = tuple(int(number(base, b, 0.0, where)) for b in BASES)
+            factor, offset = number(base, "factor", 1.0, where), number(base, "offset", 0.0, where)
+            if not factor:
+                raise BadInput(f"{where}:{base.sourceline}", f"unit {name!r} with factor 0", "a factor that is not 0")
+            found[name] = Measure(name, Unit(factor, offset, exponents))
+    return found
+
+
+def of_fmu(description: ModelDescription) -> dict[str, Measure]:
+    """The units that an FMU defines."""
+    found = {}
+    for unit in description.unitDefinitions:
+        if (base := unit.baseUnit) is not None:
+            exponents = tuple(int(getattr(base, b) or 0) for b in BASES)
+            found[unit.name] = Measure(unit.name, Unit(float(base.factor or 1.0) or 1.0, float(base.offset or 0.0), exponents))
+    return found
+
+
+def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:
+    """A unit by its name: as the file defines it, or else as it is commonly written. None: none is given."""
+    if not name:
+        return None
+    if name in defined:
+        return defined[name]
+    try:
+        return Measure(name, parse(name))
+    except BadInput:
+        return Measure(name, None)
+
+
+def between(source: Measure | None, target: Measure | None, where: str) -> tuple[float, float]:
+    """(factor, offset) from a number in one unit to that in another; 1 and 0 where one is not given.
+
+    Raises `BadInput` for units of different quantities, and for different ones of unknown meaning.
+    """
+    if source is None or target is None or source.name == target.name:
+        return 1.0, 0.0
+    a, b = source.meaning, target.meaning
+    if a is None or b is None:
+        unknown = source if a is None else target
+        raise BadInput(where, f"{source.name!r} to {target.name!r}", "units that are defined",
+                       f"{unknown.name!r} has no definition among the units of its file.")
+    if a.exponents != b.exponents:
+        raise BadInput(where, f"{source.name!r} cannot become {target.name!r}", "units of the same quantity")
+    return a.factor / b.factor, (a.offset - b.offset) / b.factor

@@ -1,0 +1,161 @@
+"""The files of a system: beside an .ssd file, or inside an .ssp archive. Nothing outside of it is ever opened.
+
+What an archive calls its members is used to find them, never to name a file on this machine: an FMU is copied into the
+user's cache under the digest of its content.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import zipfile
+from io import BytesIO
+from math import isfinite, nan
+from pathlib import Path, PurePosixPath
+from tempfile import NamedTemporaryFile
+from urllib.parse import unquote, urlsplit
+
+from lxml import etree
+
+from ....components.core.errors import BadInput, nearest
+from ....fmus.loader import cache_root
+
+NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
+    ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))}
+DEFAULT = "SystemStructure.ssd"
+LARGEST_TEXT = 1 << 28  # bytes of an XML file, unpacked: far above what systems need, far below what fills a memory
+
+
+class Package:
+    """A folder or a zip archive whose files are asked for by their relative URI."""
+
+    def __init__(self, name: str, folder: Path | None = None, archive: zipfile.ZipFile | None = None):
+        self.name, self._folder, self._archive = name, folder, archive
+
+    @classmethod
+    def zipped(cls, name: str, content: Path | bytes) -> Package:
+        """An archive by its path or its bytes; `BadInput` where it is none."""
+        try:
+            return cls(name, archive=zipfile.ZipFile(BytesIO(content) if isinstance(content, bytes) else content))
+        except OSError as error:
+            raise BadInput("scene", repr(name), "a file that can be read", f"{error.strerror}.") from None
+        except zipfile.BadZipFile as error:
+            raise BadInput(name, f"no zip archive ({error})", "an .ssp file") from None
+
+    def close(self) -> None:
+        """Let go of the archive's file."""
+        if self._archive is not None:
+            self._archive.close()
+
+    def label(self, file: str) -> str:
+        """What messages call a file of this package."""
+        return file if self._archive is None else f"{self.name}/{file}"
+
+    def read(self, uri: str, where: str, largest: int | None = None) -> bytes:
+        """The content of a file; `BadInput` for one that is missing, broken, too large or outside of the package."""
+        path = self.inside(uri, where)
+        try:
+            if self._archive is None:
+                assert self._folder is not None
+                file = self._folder / path
+                size, content = file.stat().st_size, file.read_bytes
+            else:
+                info = self._archive.getinfo(path)
+                size, content = info.file_size, lambda: self._archive.read(info)  # type: ignore[union-attr]
+            if largest is not None and size > largest:
+                raise BadInput(where, f"{path!r} of {size} bytes", f"at most {largest} bytes")
+            return content()
+        except KeyError:
+            assert self._archive is not None
+            raise BadInput(where, f"file {path!r}", f"a file of {self.name}", nearest(path, self._archive.namelist())) from None
+        except OSError as error:
+            raise BadInput(where, f"file {path!r}", f"a file beside {self.name}", f"{error.strerror or error}.") from None
+        except (zipfile.BadZipFile, RuntimeError, EOFError, ValueError) as error:  # a sum that differs, encryption, a short file
+            if isinstance(error, BadInput):
+                raise
+            raise BadInput(where, f"file {path!r} that cannot be unpacked", "a sound archive", f"{error}.") from None
+
+    def inside(self, uri: str, where: str) -> str:
+        """The path of a relative URI below the package's root; absolute ones and those that lead out of it are refused."""
+        parts = urlsplit(uri)
+        path = unquote(parts.path)
+        pieces = [p for p in PurePosixPath(path).parts if p != "."]
+        if parts.scheme or parts.netloc or path.startswith("/") or "\\" in path or ":" in path or "\0" in path \
+                or ".." in pieces or not pieces:
+            raise BadInput(where, f"source {uri!r}", "a relative path to a file inside the package", "Put the file there.")
+        return "/".join(pieces)
+
+    def fmu(self, uri: str, where: str) -> Path:
+        """The file of an FMU: where it lies in a folder, or its copy in the cache, which is written once for each content."""
+        path = self.inside(uri, where)
+        if self._folder is not None:
+            file = self._folder.resolve() / path
+            try:
+                if file.is_file():
+                    return file
+            except OSError:  # a name that no file can have
+                pass
+            raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
+        content = self.read(uri, where)
+        stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
+        file = Path(cache_root()) / "ssp" / hashlib.sha256(content).hexdigest()[:16] / f"{stem}.fmu"
+        if not file.is_file():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with NamedTemporaryFile(dir=file.parent, suffix=".part", delete=False) as part:
+                part.write(content)
+            os.replace(part.name, file)
+        return file
+
+
+def opened(path: Path) -> tuple[Package, str]:
+    """The package of an .ssd or .ssp file, and the name of the description in it."""
+    if path.suffix == ".ssp":
+        return Package.zipped(str(path), path), DEFAULT
+    return Package(str(path), folder=path.parent), path.name
+
+
+def parsed(content: bytes, where: str) -> etree._Element:
+    """The root of an XML file; `BadInput` with the line of a fault, and for entities, which may reach for other files."""
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True)
+    try:
+        root = etree.fromstring(content, parser)
+        if root.getroottree().docinfo.internalDTD is not None:
+            raise BadInput(where, "a document type with entities of its own", "plain XML")
+        return root
+    except etree.XMLSyntaxError as error:
+        line = f":{error.lineno}" if error.lineno else ""
+        raise BadInput(f"{where}{line}", f"a syntax error: {error.msg}", "an XML file") from None
+
+
+def required(element: etree._Element, attribute: str, where: str) -> str:
+    """The value of an attribute that must be there and not be empty."""
+    value = element.get(attribute)
+    if not value:
+        name = etree.QName(element).localname
+        raise BadInput(f"{where}:{element.sourceline}", f"{name} without {attribute}", f'{attribute}="..."')
+    return value
+
+
+def number(element: etree._Element, attribute: str, default: float, where: str) -> float:
+    """The value of a numerical attribute, which must be finite."""
+    text = element.get(attribute)
+    try:
+        value = default if text is None else float(text)
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise BadInput(f"{where}:{element.sourceline}", f'{attribute}="{text}"', "a finite number")
+    return value
+
+
+def truth(text: str, what: str, where: str) -> bool:
+    """A truth value as XML writes it."""
+    if text.strip() not in ("true", "false", "1", "0"):
+        raise BadInput(where, f"{what} {text!r}", "true or false")
+    return text.strip() in ("true", "1")
+
+
+def find_all(element: etree._Element, *path: str) -> list[etree._Element]:
+    """Children of children ..., each step as "ssd:Name"."""
+    return element.findall("/".join(path), NAMESPACES)

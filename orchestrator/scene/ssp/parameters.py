@@ -1,0 +1,154 @@
+"""Parameter sets (.ssv), their mappings (.ssm) and transformations, as assignments of values to names.
+
+Source: System Structure and Parameterization 1.0, chapters 5 (bindings), 6 (SSV) and 7 (SSM).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lxml import etree
+
+from ....components.core.errors import BadInput
+from .measures import Measure, definitions, named
+from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, truth
+
+MAPPINGS = {"BooleanMappingTransformation": "Boolean", "IntegerMappingTransformation": "Integer",
+            "EnumerationMappingTransformation": "Enumeration"}
+
+
+@dataclass(frozen=True)
+class Transformation:
+    """target = factor * source + offset, or the entry of a table for values of one type."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+    table: Mapping[str, str] | None = None
+    type: str = ""  # of the table
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it is one of numbers."""
+        return self.table is None
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value as a file gives it: its type's name in SSP, and the unit of measure of a real one."""
+
+    type: str
+    value: bool | int | float | str
+    measure: Measure | None = None
+
+    def through(self, transformation: Transformation, where: str) -> Value:
+        """The value after a transformation, which must be of its type."""
+        t = transformation
+        if t.table is not None:
+            key = str(self.value).lower() if self.type == "Boolean" else str(self.value)
+            if t.type != self.type or key not in t.table:
+                raise BadInput(where, f"{self.type} {self.value!r}", f"a {t.type} among {', '.join(t.table)}, for this mapping")
+            return replace(self, value=_plain(self.type, t.table[key], where))
+        if (t.factor, t.offset) == (1.0, 0.0):
+            return self
+        if self.type not in ("Real", "Integer"):
+            raise BadInput(where, f"a linear transformation of a {self.type}", "one of a number")
+        return replace(self, type="Real", value=t.factor * float(self.value) + t.offset)
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """A value for all variables of a name, seen from the element that the binding belongs to."""
+
+    name: str
+    value: Value
+    transformation: Transformation
+    suppress: bool  # no conversion of units of measure
+    where: str
+
+
+def transformation(node: etree._Element, where: str) -> Transformation:
+    """The transformation of a connection or of an entry of a mapping; the one that changes nothing where there is none."""
+    for child in node:
+        name = etree.QName(child).localname
+        if name == "LinearTransformation":
+            return Transformation(number(child, "factor", 1.0, where), number(child, "offset", 0.0, where))
+        if name in MAPPINGS:
+            entries = child.findall("{*}MapEntry")
+            return Transformation(table={_key(MAPPINGS[name], e.get("source", ""), where): e.get("target", "") for e in entries},
+                                  type=MAPPINGS[name])
+    return Transformation()
+
+
+def _key(type_: str, text: str, where: str) -> str:
+    return str(truth(text, "source", where)).lower() if type_ == "Boolean" else text
+
+
+def assignments(binding: etree._Element, package: Package, fmu: Path | None, where: str) -> Iterator[Assignment]:
+    """What one ParameterBinding assigns, names with its prefix and through its mapping. `fmu`: of the component it is at."""
+    if binding.get("type", "application/x-ssp-parameter-set") != "application/x-ssp-parameter-set":
+        raise BadInput(where, f"a parameter source of type {binding.get('type')!r}", "application/x-ssp-parameter-set")
+    root, place = _content(binding, "ssd:ParameterValues", "ssv:ParameterSet", package, fmu, where)
+    if root is None:
+        raise BadInput(where, "a ParameterBinding without values", "a source, or a ParameterSet inside")
+    measures, prefix = definitions(root, "ssv", place), binding.get("prefix", "")
+    values = {prefix + required(p, "name", place): _value(p, measures, f"{place}:{p.sourceline}")
+              for p in find_all(root, "ssv:Parameters", "ssv:Parameter")}
+    mappings = find_all(binding, "ssd:ParameterMapping")
+    if not mappings:
+        for name, value in values.items():
+            yield Assignment(name, value, Transformation(), False, place)
+        return
+    root, place = _content(mappings[0], "", "ssm:ParameterMapping", package, fmu, where)
+    if root is None:
+        raise BadInput(where, "a ParameterMapping without content", "a source, or a ParameterMapping inside")
+    for entry in find_all(root, "ssm:MappingEntry"):
+        source, target, at = required(entry, "source", place), required(entry, "target", place), f"{place}:{entry.sourceline}"
+        if source in values:
+            suppress = truth(entry.get("suppressUnitConversion", "false"), "suppressUnitConversion", at)
+            yield Assignment(target, values[source], transformation(entry, at), suppress, at)
+
+
+def _content(node: etree._Element, holder: str, wanted: str, package: Package, fmu: Path | None,
+             where: str) -> tuple[etree._Element | None, str]:
+    """The root of a set or mapping, from another file or inline, and where it stands."""
+    source = node.get("source")
+    if source is None:
+        found = find_all(node, *filter(None, (holder, wanted)))
+        return (found[0] if found else None), where.rpartition(":")[0]
+    if node.get("sourceBase", "SSD") == "component":
+        if fmu is None:
+            raise BadInput(where, 'sourceBase="component"', "SSD; only a component with an FMU has files of its own")
+        with closing(Package.zipped(str(fmu), fmu)) as inner:
+            place, text = inner.label(source), inner.read(source, where, LARGEST_TEXT)
+    else:
+        place, text = package.label(source), package.read(source, where, LARGEST_TEXT)
+    root = parsed(text, place)
+    if etree.QName(root).localname != wanted.partition(":")[2]:
+        raise BadInput(place, f"<{etree.QName(root).localname}>", f"<{wanted}>")
+    return root, place
+
+
+def _value(node: etree._Element, measures: Mapping[str, Measure], where: str) -> Value:
+    for child in node:
+        type_ = etree.QName(child).localname
+        if type_ in ("Real", "Integer", "Boolean", "String", "Enumeration"):
+            text = child.get("value")
+            if text is None:
+                raise BadInput(where, f"{type_} without value", 'value="..."')
+            return Value(type_, _plain(type_, text, where), named(child.get("unit"), measures))
+    raise BadInput(where, f"parameter {node.get('name')!r} of no known type", "a Real, Integer, Boolean, String or Enumeration")
+
+
+def _plain(type_: str, text: str, where: str) -> bool | int | float | str:
+    """The text of a value as Python's kind of it."""
+    if type_ == "Boolean":
+        return truth(text, "value", where)
+    if type_ in ("String", "Enumeration"):
+        return text
+    try:
+        return float(text) if type_ == "Real" else int(text)
+    except ValueError:
+        raise BadInput(where, f"value {text!r}", "a number" if type_ == "Real" else "a whole number") from None

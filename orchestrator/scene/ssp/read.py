@@ -1,0 +1,114 @@
+"""An .ssd or .ssp file as the data of a scene.
+
+What the standard has words for is read from its elements: components, connectors, connections, parameters, stop time.
+What it has none for (master, records, faults ...) stands in an annotation of ours, which other tools pass by. Where that is
+missing the step is the one that libcosim's or OMSimulator's annotation gives, with the algorithm that both have: Jacobi with
+held inputs. Failing that, the FMUs' default experiments are asked, and a remark says so.
+"""
+
+from __future__ import annotations
+
+import json
+from contextlib import closing
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from ....components.core.errors import BadInput
+from .flat import Flat
+from .package import find_all, number, opened
+from .system import Document, Element
+
+ANNOTATION, NAMESPACE = "cosimo", "urn:cosimo:scene"
+STEPS = {"FixedStepAlgorithm": "baseStepSize", "FixedStepMaster": "stepSize"}  # of libcosim and of OMSimulator
+PART = 1e-3  # of the run: the step where nothing tells of one
+
+
+@dataclass(frozen=True)
+class System:
+    """A scene's data, and what of the files could not be used."""
+
+    data: dict[str, Any]
+    remarks: tuple[str, ...]
+
+
+def read(path: Path) -> System:
+    """The scene of an .ssd or .ssp file; `BadInput` for what cannot be read."""
+    package, name = opened(path)
+    with closing(package):
+        document = Document(package, name)
+        own = _annotation(document)
+        flat = Flat(document.system(), own.get("elements", {}))
+    remarks, data = list(flat.remarks), dict(own.get("scene", {}))
+    data["stop_time"] = stop = _stop_time(document, flat, remarks)
+    if "master" not in data:
+        data["master"] = _master(document, flat, stop, remarks)
+    data.setdefault("title", document.root.get("description") or document.root.get("name", ""))
+    data["connections"] = flat.connections
+    extra = own.get("units", {})
+    data["units"] = {name: settings | extra.get(name, {}) for name, settings in flat.units.items()}
+    if not own:
+        for place, element in flat.components.items():  # as libcosim takes the hint: every n-th step
+            hint, step = element.step_hint or 0.0, data["master"]["step"]
+            if step > 0.0 and round(hint / step) > 1:
+                data["units"][flat.names[place]]["every"] = round(hint / step)
+    return System(data, tuple(dict.fromkeys(remarks)))
+
+
+def _annotation(document: Document) -> dict[str, Any]:
+    """What `write` has put into its annotation; empty where there is none."""
+    for node in find_all(document.root, "ssd:DefaultExperiment", "ssd:Annotations", "ssc:Annotation"):
+        if node.get("type") == ANNOTATION and len(node):
+            where = f"{document.where}:{node.sourceline}"
+            try:
+                found = json.loads(node[0].text or "")
+            except ValueError as error:
+                raise BadInput(where, f"no JSON ({error})", "what was written, or no such annotation") from None
+            tables = [found.get(k, {}) for k in ("scene", "units", "elements")] if isinstance(found, dict) else [None]
+            tables += found.get("units", {}).values() if isinstance(found, dict) and isinstance(tables[1], dict) else []
+            if not all(isinstance(t, dict) for t in tables):
+                raise BadInput(where, "an annotation of another form", "what was written here, or no annotation")
+            return found
+    return {}
+
+
+def _stop_time(document: Document, flat: Flat, remarks: list[str]) -> float:
+    for node in find_all(document.root, "ssd:DefaultExperiment"):
+        start = number(node, "startTime", 0.0, document.where)
+        if start != 0.0:
+            raise BadInput(f"{document.where}:{node.sourceline}", f"startTime {start:g} s", "0; every run starts at 0")
+        if node.get("stopTime") is not None:
+            return number(node, "stopTime", 0.0, document.where)
+    found = max(_defaults(flat, "stopTime"), default=1.0)
+    remarks.append(f"{document.where}: no stop time is given; {found:g} s is taken, "
+                   f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}")
+    return found
+
+
+def _master(document: Document, flat: Flat, stop: float, remarks: list[str]) -> dict[str, Any]:
+    """Settings of the master for a system of another tool."""
+    for node in document.root.iter("{*}" + "FixedStepAlgorithm", "{*}FixedStepMaster"):
+        step = number(node, STEPS[etree.QName(node).localname], 0.0, document.where)
+        return {"step": min(step, stop), "algorithm": "jacobi"} | ({"extrapolation": 0} if flat.connections else {})
+    steps = _defaults(flat, "stepSize")
+    step = min(steps, default=PART * stop)
+    remarks.append(f"{document.where}: no macro step is given; {step:g} s is taken, "
+                   f"{'the shortest default of its FMUs' if steps else 'a thousandth of the run'}")
+    return {"step": min(step, stop)}
+
+
+def _defaults(flat: Flat, name: str) -> list[float]:
+    """Positive values of a number of the FMUs' default experiments."""
+    return [value for element in flat.components.values() if (value := _default(element, name)) is not None]
+
+
+def _default(element: Element, name: str) -> float | None:
+    assert element.description is not None
+    try:
+        value = float(getattr(element.description.model.defaultExperiment, name, None) or 0.0)
+    except ValueError:
+        return None
+    return value if isfinite(value) and value > 0.0 else None

@@ -1,0 +1,198 @@
+"""The tree of a system as its files say it: systems in systems, components with their FMU, connectors, connections.
+
+Source: System Structure and Parameterization 1.0, chapter 5 (SSD); ssp-standard.org.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import count
+from pathlib import Path
+
+from lxml import etree
+
+from ....components.core.errors import BadInput, nearest
+from ...units.description import Description
+from ...units.description import read as read_description
+from .measures import Measure, definitions, named, of_fmu
+from .package import DEFAULT, LARGEST_TEXT, NAMESPACES, Package, find_all, number, parsed, required, truth
+from .parameters import Assignment, Transformation, assignments, transformation
+
+FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp-definition", "application/x-ssp-package"
+GIVES, TAKES = ("output", "calculatedParameter"), ("input", "parameter")  # kinds of connectors, as their element is seen
+TYPES = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
+DEEPEST = 32  # systems in systems; more of them is a file that contains itself
+MOST = 10_000  # elements; files that each name the next one twice would make millions
+
+
+@dataclass(frozen=True)
+class Connector:
+    """One connector; `type` is "" and `measure` None where the file says nothing of them."""
+
+    name: str
+    kind: str
+    type: str
+    measure: Measure | None
+
+
+@dataclass(frozen=True)
+class Connection:
+    """One connection between connectors of the elements of a system, or of the system itself (element "")."""
+
+    ends: tuple[tuple[str, str], tuple[str, str]]  # (element, connector); which of them gives is told by their kinds
+    transformation: Transformation
+    suppress: bool  # no conversion of units of measure
+    where: str
+
+
+@dataclass
+class Element:
+    """A component with its FMU, or a system with its elements."""
+
+    name: str
+    where: str
+    connectors: Mapping[str, Connector]
+    parameters: tuple[Assignment, ...]  # in rising priority
+    elements: tuple[Element, ...] = ()
+    connections: tuple[Connection, ...] = ()
+    fmu: Path | None = None
+    description: Description | None = None
+    measures: Mapping[str, Measure] = field(default_factory=dict)  # that the FMU defines
+    implementation: str = "any"
+    step_hint: float | None = None  # s, of Open Simulation Platform's annotation
+
+    def unit_of(self, variable: str) -> Measure | None:
+        """The unit of measure of a component's variable: of its connector, or else of the FMU's variable."""
+        connector = self.connectors.get(variable)
+        if connector is not None and connector.measure is not None:
+            return connector.measure
+        return named(self.fmu_unit(variable), self.measures)
+
+    def fmu_unit(self, variable: str) -> str:
+        """The name of the unit of measure that the FMU itself gives a variable, or ""."""
+        scalar = self.description.scalars.get(variable) if self.description else None
+        if scalar is None:
+            return ""
+        declared = scalar.variable.declaredType
+        return scalar.variable.unit or (declared.unit if declared else None) or ""
+
+
+class Document:
+    """One .ssd file of a package."""
+
+    def __init__(self, package: Package, name: str, numbers: Iterator[int] | None = None):
+        """`numbers`: counts the elements of all documents of a system; None for the first document."""
+        self._numbers = count(1) if numbers is None else numbers
+        self.package, self.name = package, name
+        self.where = package.label(name)
+        self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where)
+        version = self.root.get("version", "")
+        if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or not version.startswith("1."):
+            raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0")
+        self.measures = definitions(self.root, "ssd", self.where)
+
+    def system(self, depth: int = 0) -> Element:
+        """The root system with all that is in it. `depth`: systems around it."""
+        found = find_all(self.root, "ssd:System")
+        if not found:
+            raise BadInput(self.where, "no System", "one")
+        return self._system(found[0], required(found[0], "name", self.where), depth)
+
+    def _at(self, element: etree._Element) -> str:
+        return f"{self.where}:{element.sourceline}"
+
+    def _system(self, node: etree._Element, name: str, depth: int) -> Element:
+        if depth > DEEPEST:
+            raise BadInput(self._at(node), f"systems nested more than {DEEPEST} deep", "fewer", "Does a file contain itself?")
+        if find_all(node, "ssd:Elements", "ssd:SignalDictionaryReference") or find_all(node, "ssd:SignalDictionaries"):
+            raise BadInput(self._at(node), "a signal dictionary", "connections between elements",
+                           "Signal dictionaries are not read: connect the elements directly.")
+        elements: list[Element] = []
+        for child in (c for group in find_all(node, "ssd:Elements") for c in group):
+            label = required(child, "name", self.where)
+            if label in {e.name for e in elements}:
+                raise BadInput(self._at(child), f"a second element {label!r}", "names that are unique within a system")
+            if next(self._numbers) > MOST:
+                raise BadInput(self._at(child), f"a system of more than {MOST} elements", "fewer",
+                               "Do its files name one another many times?")
+            read = self._system if etree.QName(child).localname == "System" else self._component
+            elements.append(read(child, label, depth + 1))
+        return Element(name, self._at(node), self._connectors(node), self._parameters(node, None), tuple(elements),
+                       tuple(self._connection(c) for c in find_all(node, "ssd:Connections", "ssd:Connection")))
+
+    def _component(self, node: etree._Element, name: str, depth: int) -> Element:
+        where, kind, source = self._at(node), node.get("type") or FMU, required(node, "source", self.where)
+        if kind in (DEFINITION, ARCHIVE) or source.startswith("#"):
+            found = self._referenced(source, kind, name, depth, where)
+            found.parameters = (*found.parameters, *self._parameters(node, None))
+            return found
+        if kind != FMU:
+            raise BadInput(where, f"a component of type {kind!r}", f"one of {FMU}, {DEFINITION}, {ARCHIVE}")
+        path = self.package.fmu(source, where)
+        description = read_description(str(path), where)
+        measures = of_fmu(description.model)
+        hints = [number(h, "value", 0.0, self.where) for h in node.iter("{*}StepSizeHint")]
+        element = Element(name, where, self._connectors(node), self._parameters(node, path), fmu=path, description=description,
+                          measures=measures, implementation=node.get("implementation", "any"),
+                          step_hint=hints[0] if hints else None)
+        self._check(element)
+        return element
+
+    def _referenced(self, source: str, kind: str, name: str, depth: int, where: str) -> Element:
+        """A system in another place: of this file by its id, in another .ssd file, or in an archive of its own."""
+        place, _, fragment = source.partition("#")
+        if not place:
+            nodes = [n for n in self.root.iter("{*}System") if n.get("id") == fragment]
+            if not nodes:
+                raise BadInput(where, f"source {source!r}", "the id of a system of this file")
+            return self._system(nodes[0], name, depth)
+        if kind == ARCHIVE:
+            package = Package.zipped(self.package.label(place), self.package.read(place, where))
+            document = Document(package, fragment or DEFAULT, self._numbers)
+        else:
+            document = Document(self.package, self.package.inside(place, where), self._numbers)
+        found = document.system(depth)
+        found.name = name
+        return found
+
+    def _connectors(self, node: etree._Element) -> dict[str, Connector]:
+        found = {}
+        for child in find_all(node, "ssd:Connectors", "ssd:Connector"):
+            name, kind = required(child, "name", self.where), required(child, "kind", self.where)
+            if kind not in GIVES + TAKES:
+                raise BadInput(self._at(child), f"connector {name!r} of kind {kind!r}", f"one of {', '.join(TAKES + GIVES)}")
+            types = [t for t in child if etree.QName(t).localname in (*TYPES, "Binary")]
+            if types and etree.QName(types[0]).localname == "Binary":
+                raise BadInput(self._at(child), f"connector {name!r} of type Binary", f"one of {', '.join(TYPES)}")
+            unit = types[0].get("unit") if types else None
+            found[name] = Connector(name, kind, etree.QName(types[0]).localname if types else "", named(unit, self.measures))
+        return found
+
+    def _connection(self, node: etree._Element) -> Connection:
+        where = self._at(node)
+        ends = tuple((node.get(f"{end}Element", ""), required(node, f"{end}Connector", self.where)) for end in ("start", "end"))
+        suppress = truth(node.get("suppressUnitConversion", "false"), "suppressUnitConversion", where)
+        return Connection((ends[0], ends[1]), transformation(node, where), suppress, where)
+
+    def _parameters(self, node: etree._Element, fmu: Path | None) -> tuple[Assignment, ...]:
+        return tuple(a for binding in find_all(node, "ssd:ParameterBindings", "ssd:ParameterBinding")
+                     for a in assignments(binding, self.package, fmu, self._at(binding)))
+
+    def _check(self, element: Element) -> None:
+        """Connectors of a component against the variables of its FMU."""
+        assert element.description is not None
+        scalars = element.description.scalars
+        for connector in element.connectors.values():
+            scalar = scalars.get(connector.name)
+            label = f"connector {element.name}.{connector.name}"
+            if scalar is None:
+                raise BadInput(element.where, label, "a variable of the FMU", nearest(connector.name, scalars))
+            causality, kind = scalar.variable.causality, TYPES.get(connector.type, scalar.kind)
+            if causality != connector.kind and not (causality == "structuralParameter" and connector.kind == "parameter"):
+                raise BadInput(element.where, f"{label} of kind {connector.kind!r}", f"{causality!r}, as the FMU says")
+            if kind != scalar.kind:
+                raise BadInput(element.where, f"{label} of type {connector.type}", f"{scalar.variable.type}, as the FMU says")
+            own, said = connector.measure, named(element.fmu_unit(connector.name), element.measures)
+            if own and said and own.meaning and said.meaning and own.meaning != said.meaning:
+                raise BadInput(element.where, f"{label} in {own.name!r}", f"{said.name!r}, as the FMU says")

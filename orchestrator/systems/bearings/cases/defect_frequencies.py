@@ -1,0 +1,166 @@
+"""Defects of a ball bearing, found where kinematics says they are: in the envelope of the simulated acceleration."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....harness.analysis.signals import uniform
+from ....harness.analysis.spectra import envelope_spectrum, peak
+from ....harness.charts.chart import Chart, Lines, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, load_scene
+from ..records import after_transient, component_of
+
+RPM = 2.0 * math.pi / 60.0
+BAND = (150.0, 4500.0)  # Hz, of the envelope: from below the bearing's own frequencies to where nothing is left
+WITHIN = 3.0  # Hz, around the place where a line is looked for; bins are 0.25 Hz wide
+SHOWN = 250.0  # Hz
+PITS = {"outer": {"width": math.radians(3.0)}, "inner": {"width": math.radians(3.0)}, "ball": {"width": math.radians(10.0)}}
+BEARINGS = {"6205": ("6205", 1797.0), "6306": ("JIS 6306", 1800.0)}  # label -> preset, rpm
+RUNS = (("6306", ""), ("6306", "outer"), ("6306", "inner"), ("6205", ""), ("6205", "outer"), ("6205", "inner"), ("6205", "ball"))
+NOTE = (
+    "A pit in the outer race stands in the load and is passed by every ball: its line is the highest. One in the inner race is "
+    "carried through the load once a turn: its highest line is the shaft's own frequency, and its ball-pass line has neighbours "
+    "at that distance. One on a ball is carried through the load by the cage, and meets both races in each turn of the ball: "
+    "twice the ball's spin."
+)
+ACCELERATION = "bearing.acceleration_x"
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Envelope spectrum of a run's acceleration, and its rms."""
+
+    frequency: np.ndarray  # Hz
+    amplitude: np.ndarray  # m/s2
+    rms: float  # m/s2
+
+    def line(self, near: float) -> float:
+        """Frequency of the highest line near a frequency, Hz."""
+        return peak(self.frequency, self.amplitude, near, WITHIN)[0]
+
+    def height(self, near: float) -> float:
+        """Amplitude of the highest line near a frequency, m/s2."""
+        return peak(self.frequency, self.amplitude, near, WITHIN)[1]
+
+    def highest(self) -> float:
+        """Frequency of the highest line of all, Hz; the slow beats below 5 Hz of lines that nearly meet are not looked at."""
+        first = int(np.searchsorted(self.frequency, 5.0))
+        return self.line(float(self.frequency[first + int(np.argmax(self.amplitude[first:]))]))
+
+
+def findings(options: Options) -> Findings:
+    """Seven runs, their envelope spectra, the lines in them."""
+    results = {k: run(_scene(*k), in_process=options.in_process, progress=options.progress) for k in RUNS}
+    broken = [r for r in results.values() if r.outcome != "done"]
+    if broken:
+        return Findings((), {"a run that failed": broken[0]}, notes=tuple(r.message for r in broken), complete=False)
+    spectra = {k: spectrum(r) for k, r in results.items()}
+    shown = {f"{bearing}, pit: {pit}": results[bearing, pit] for bearing, pit in (("6306", "outer"), ("6306", "inner"))}
+    rows = compare(load_table("defect-frequencies").rows, _measured(spectra))
+    envelope = f"of the acceleration along the load between {BAND[0]:g} and {BAND[1]:g} Hz, Hann window, 4 s"
+    return Findings(rows, shown, _charts(spectra), notes=(NOTE,), settings={"envelope": envelope})
+
+
+def _scene(bearing: str, pit: str) -> Scene:
+    preset, rpm = BEARINGS[bearing]
+    parameters: dict[str, float] = {"speed": rpm * RPM, "damping": 2000.0, "clearance.radial_clearance": 2e-6}
+    parameters |= {f"{pit}_defect.{n}": v for n, v in {"depth": 5e-6, **PITS[pit]}.items()} if pit else {}
+    return load_scene("outer-ring-defect").with_changes({
+        "units.bearing.preset": preset,
+        "units.bearing.effects": ["clearance", *([f"{pit}_defect"] if pit else [])],
+        "units.bearing.parameters": parameters,
+        "stop_time": 4.5,
+        "master.step": 1e-4,  # 10 kHz: the highest of the bearing's own frequencies is below 1 kHz
+        "analysis.transient": 0.5,
+    })  # fmt: skip
+
+
+def spectrum(result: Result) -> Spectrum:
+    """The envelope spectrum of a run after its transient."""
+    rate, _, (x,) = uniform(result.time, result[ACCELERATION])
+    x = x[after_transient(result)][1:]  # 4 s and not one sample more: whole bins of 0.25 Hz
+    return Spectrum(*envelope_spectrum(x, rate, *BAND), float(x.std()))
+
+
+def _expected(bearing: str, pit: str) -> dict[str, float]:
+    scene = _scene(bearing, pit)
+    component = component_of(scene, "bearing")
+    return component.geometry.defect_frequencies(BEARINGS[bearing][1] / 60.0)  # type: ignore[union-attr]
+
+
+def _contrast(spectra: dict[tuple[str, str], Spectrum], bearing: str, pit: str) -> float:
+    """Height of the pit's line over what stands in its place without the pit."""
+    near = (2.0 if pit == "ball" else 1.0) * _expected(bearing, pit)[pit]
+    return spectra[bearing, pit].height(near) / max(spectra[bearing, ""].height(near), 1e-300)
+
+
+def _measured(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, float]:
+    fr, near = BEARINGS["6205"][1] / 60.0, _expected("6205", "ball")
+    found = {
+        "6205.outer": spectra["6205", "outer"].line(near["outer"]) / fr,
+        "6205.inner": spectra["6205", "inner"].line(near["inner"]) / fr,
+        "6205.ball": spectra["6205", "ball"].line(2.0 * near["ball"]) / fr,
+        "6205.cage": spectra["6205", "ball"].highest() / fr,
+    }
+    inner, near = spectra["6306", "inner"], _expected("6306", "inner")
+    turn = BEARINGS["6306"][1] / 60.0
+    beside = [inner.line(near["inner"] + k * turn) for k in (-2, -1, 0, 1, 2)]
+    found |= {f"{bearing}.{pit}.contrast": _contrast(spectra, bearing, pit) for bearing, pit in RUNS if pit}
+    return found | {
+        "6306.outer": spectra["6306", "outer"].highest(),
+        "6306.turn": inner.highest(),
+        "6306.inner": inner.line(near["inner"]),
+        "6306.sideband": float(np.diff(beside).mean()),
+        "6306.healthy.rms": spectra["6306", ""].rms,
+        "6306.outer.rms": spectra["6306", "outer"].rms,
+        "6306.inner.rms": inner.rms,
+    }
+
+
+def _charts(spectra: dict[tuple[str, str], Spectrum]) -> tuple[Chart, ...]:
+    charts = []
+    for bearing, (preset, rpm) in BEARINGS.items():
+        panels = []
+        for (of, pit), found in spectra.items():
+            if of != bearing or not pit:
+                continue
+            cut = found.frequency <= SHOWN
+            panels.append(Panel(
+                "m/s²", (Series(f"pit: {pit}", found.frequency[cut], found.amplitude[cut]),), title=f"pit: {pit}",
+                lines=tuple(Lines(name, tuple((k * f, f"{k}×") for k in (1, 2, 3) if k * f < SHOWN))
+                            for name, f in _lines(bearing, pit).items()),
+            ))  # fmt: skip
+        charts.append(Chart(
+            f"Envelope spectra of the {preset} at {rpm:g} rpm", "frequency, Hz", tuple(panels),
+            "Acceleration along the load. The marks stand where kinematics puts the lines; the curves know nothing of them.",
+        ))  # fmt: skip
+    return tuple(charts)
+
+
+def _lines(bearing: str, pit: str) -> dict[str, float]:
+    f = _expected(bearing, pit)
+    shaft = BEARINGS[bearing][1] / 60.0
+    return {
+        "outer": {"ball passes outer race": f["outer"]},
+        "inner": {"ball passes inner race": f["inner"], "shaft": shaft},
+        "ball": {"twice the ball's spin": 2.0 * f["ball"], "cage": f["cage"]},
+    }[pit]
+
+
+CASE = Case(
+    "defect-frequencies",
+    "Frequencies of bearing defects",
+    "Reads the lines of pits in the outer race, in the inner race and on a ball off the envelope spectrum of the simulated "
+    "acceleration, and holds them against published multiples of the shaft's speed. It shows that angles, rolling without slip "
+    "and the passing of the pits are right, and that a line is the pit's and not that of the varying compliance; amplitudes are "
+    "held against an independent integration of the same equations only.",
+    "bearings",
+    findings,
+)

@@ -1,0 +1,104 @@
+"""Elliptic contacts, curvature sums, stiffnesses and films of textbook bearings."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .....components.bearings.film import Lubricant, entrainment_speed, film_thickness
+from .....components.bearings.geometry import BallGeometry
+from .....components.bearings.hertz import brewe_hamrock, effective_modulus, exact_ellipse, point_contact
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+
+RATIOS = (1.0001, 2.0, 5.0, 10.0, 20.0, 32.35, 100.0)  # Ry / Rx
+NEWTON_PER_MM = 10.0**4.5  # N/m^1.5 in 1 N/mm^1.5
+HARRIS = {
+    "209": BallGeometry(9, 0.0127, 0.065, 0.52, 0.52),
+    "218": BallGeometry(16, 0.022225, 0.12526, 0.5232, 0.5232, math.radians(40.0)),
+}
+HARRIS_MODULUS = effective_modulus(2.0685e11, 0.3, 2.0685e11, 0.3)
+HAMROCK = BallGeometry(9, 0.0127, 0.5 * (0.052291 + 0.077706), 0.52, 0.52)
+HAMROCK_MODULUS = effective_modulus(2e11, 0.3, 2e11, 0.3)
+HAMROCK_LOAD, HAMROCK_SPEED, HAMROCK_OIL = 4944.0, 400.0, Lubricant(0.04, 2.3e-8)  # N a ball, rad/s
+
+
+def findings(options: Options) -> Findings:
+    """Every number of the table by the code the components use."""
+    table = load_table("hertz-textbook")
+    return Findings(compare(table.rows, {**_ellipses(), **_harris(), **_hamrock()}), charts=(_fit_chart(),), notes=(table.text,))
+
+
+def _fit_error(ratio: float) -> float:
+    """Stiffness by the fit of Brewe and Hamrock less the exact one, %."""
+    fit, exact = (point_contact(1.0, ratio, 1.0, ellipse).stiffness for ellipse in (brewe_hamrock, exact_ellipse))
+    return 100.0 * (fit / exact - 1.0)
+
+
+def _ellipses() -> dict[str, float]:
+    found: dict[str, float] = {}
+    for ratio in RATIOS:
+        shape = exact_ellipse(ratio)
+        found |= {f"{ratio:g}.k": shape.k, f"{ratio:g}.second": shape.second, f"{ratio:g}.first": shape.first,
+                  f"{ratio:g}.fit": _fit_error(ratio)}  # fmt: skip
+    return found
+
+
+def _harris() -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name, bearing in HARRIS.items():
+        for race in ("inner", "outer"):
+            total, difference = bearing.curvature(race)
+            found[f"{name}.sum_{race}"], found[f"{name}.difference_{race}"] = 1e-3 * total, difference
+            found[f"{name}.{race}"] = bearing.contact(race, HARRIS_MODULUS).stiffness
+        found[f"{name}.both"] = bearing.stiffness(HARRIS_MODULUS)
+        found[f"{name}.millimetre"] = found[f"{name}.both"] / NEWTON_PER_MM
+    return found
+
+
+def _hamrock() -> dict[str, float]:
+    inner = HAMROCK.contact("inner", HAMROCK_MODULUS)
+    short, long = inner.axes(HAMROCK_LOAD)
+    speed = entrainment_speed(HAMROCK, HAMROCK_SPEED)
+    found = {
+        "k": inner.ellipse.k,
+        "second": inner.ellipse.second,
+        "first": inner.ellipse.first,
+        "both": HAMROCK.stiffness(HAMROCK_MODULUS),
+        "long": 1e3 * long,
+        "short": 1e3 * short,
+        "pressure": 1e-9 * inner.peak_pressure(HAMROCK_LOAD),
+        "deflection": 1e6 * inner.deflection(HAMROCK_LOAD),
+        "speed": speed,
+    }
+    for race in ("inner", "outer"):
+        contact, (rx, ry) = HAMROCK.contact(race, HAMROCK_MODULUS), HAMROCK.radii(race)
+        found[race], found[f"ratio_{race}"] = contact.stiffness, ry / rx
+        for name, thinnest in (("central", False), ("least", True)):
+            found[f"{name}_{race}"] = 1e6 * film_thickness(contact, rx, HAMROCK_LOAD, speed, HAMROCK_OIL, thinnest=thinnest)
+    return {f"hamrock.{name}": value for name, value in found.items()}
+
+
+def _fit_chart() -> Chart:
+    ratios = np.geomspace(1.0, 120.0, 200)
+    errors = np.array([_fit_error(float(r)) for r in ratios])
+    series = (Series("fit of 1977", np.log10(ratios), errors),)
+    return Chart(
+        "Stiffness of an elliptic contact by the fit of Brewe and Hamrock", "log10 of Ry/Rx",
+        (Panel("error, %", series, x_marks=((math.log10(21.75), "outer race"), (math.log10(32.3), "inner race"))),),
+        "Against the exact solution. Marked: the races of the textbook bearing, whose fit of both races together is 1 % "
+        "too stiff.",
+    )  # fmt: skip
+
+
+CASE = Case(
+    "hertz-textbook",
+    "Hertz contacts and films of textbook bearings",
+    "Evaluates elliptic contacts, curvature sums, stiffnesses, contact ellipses and oil films of bearings that textbooks "
+    "work out. It shows that the constants of all bearing models are right to the printed digits, units and factors of "
+    "two included; it says nothing about the assumptions behind them (elastic half spaces, smooth surfaces, ample oil).",
+    "bearings",
+    findings,
+)

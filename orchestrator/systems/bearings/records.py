@@ -1,0 +1,175 @@
+"""What of a run belongs to its bearings and rotors: their recorded motion, their frequencies, found by the scene's connections.
+
+    [analysis]
+    system = "bearings"     # or "rotor": which figures the report has
+    transient = 0.5         # s, left out of spectra, orbits and measures
+    bearing = "front"       # the bearings to show, a name or a list; all of them without it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput, nearest
+from ...engine.coupling import settle
+from ...harness.analysis.signals import uniform
+from ...harness.analysis.spectra import TURN, turns_steadily
+from ...units.component import make
+
+if TYPE_CHECKING:
+    from ....components.core.component import Component
+    from ...results import Result
+    from ...scene.scene import Scene
+
+MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
+BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
+STEADY = 0.02  # relative change of a speed, below which it has frequencies
+ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
+DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
+
+
+@dataclass(frozen=True)
+class BearingRecord:
+    """The recorded part of a bearing of a run, sampled evenly.
+
+    signals: name as in the component -> (n,), those of `BEARING` that were recorded; an angle that after the transient stands
+        or turns back, or was recorded less than four times a turn, is not among them.  measures: their units of measure.
+    rotation: speed of the inner ring after the transient, turns per unit of time; NaN if it changes or nothing recorded tells.
+    frequencies: "cage", "outer", "inner", "ball" -> per unit of time, empty without rotation.
+    defects: the races and balls that have a defect.
+    """
+
+    unit: str
+    time: np.ndarray
+    rate: float
+    signals: Mapping[str, np.ndarray]
+    measures: Mapping[str, str]
+    rotation: float
+    frequencies: Mapping[str, float]
+    balls: int
+    defects: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RotorRecord:
+    """The recorded part of a rotor of a run.
+
+    signals: x, y, speed, angle, those that were recorded.  ports: name of a bearing's port -> x, y of the shaft there and, of
+    the unit that drives the port, force_x, force_y, max_ball_load, those that were recorded.
+    """
+
+    unit: str
+    time: np.ndarray
+    signals: Mapping[str, np.ndarray]
+    ports: Mapping[str, Mapping[str, np.ndarray]]
+
+
+def after_transient(result: Result) -> slice:
+    """The samples from [analysis] transient on; all without it."""
+    transient = float(result.scene.analysis.get("transient", 0.0))
+    first = int(np.searchsorted(result.time, transient))
+    if first >= result.time.size - 1:
+        where, length = f"{result.scene.name}: analysis.transient", result.time[-1]
+        raise BadInput(where, f"{transient:g} s", f"less than the length of the run, {length:g} s")
+    return slice(first, None)
+
+
+def component_of(scene: Scene, unit: str) -> Component | None:
+    """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
+    given = scene.units[unit]
+    return make(unit, given) if given.component else None
+
+
+def source(scene: Scene, unit: str, name: str) -> str:
+    """"unit.output" that drives an input; "" if nothing does."""
+    return next((".".join(link.source) for link in settle(scene).links if link.target == (unit, name)), "")
+
+
+def recorded(result: Result, unit: str, name: str) -> str:
+    """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
+    own = f"{unit}.{name}"
+    if own in result.columns:
+        return own
+    driving = source(result.scene, unit, name)
+    return driving if driving in result.columns else ""
+
+
+def bearings(result: Result) -> list[BearingRecord]:
+    """The bearings of a run whose displacement was recorded, in the order of the scene."""
+    scene = result.scene
+    wanted = scene.analysis.get("bearing", list(scene.units))
+    wanted = [wanted] if isinstance(wanted, str) else wanted
+    found = []
+    for unit in wanted:
+        if unit not in scene.units:
+            raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
+        columns = {n: c for n in BEARING if (c := recorded(result, unit, n))}
+        if {"displacement_x", "displacement_y"} <= columns.keys():
+            component: Any = component_of(scene, unit)
+            if hasattr(component, "geometry"):
+                found.append(_bearing(result, unit, component, columns))
+    return found
+
+
+def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, str]) -> BearingRecord:
+    values = {n: np.asarray(result.columns[c], dtype=float) for n, c in columns.items()}
+    kept = after_transient(result)
+    values = {n: v for n, v in values.items() if not n.endswith("_angle") or turns_steadily(v[kept])}
+    angles = {n: np.unwrap(v) for n, v in values.items() if n.endswith("_angle")}  # a jump must not be interpolated over
+    rate, time, signals = uniform(result.time, *(values | angles).values())
+    geometry = component.geometry
+    rotation = _rotation(result, unit, values, geometry.cage_ratio)
+    return BearingRecord(
+        unit, time, rate,
+        dict(zip(values | angles, signals, strict=True)),
+        {n: result.measures.get(c, "") for n, c in columns.items()},
+        rotation,
+        geometry.defect_frequencies(abs(rotation)) if np.isfinite(rotation) and rotation else {},
+        geometry.balls,
+        tuple(name for effect, name in DEFECTS.items() if effect in component.on),
+    )  # fmt: skip
+
+
+def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_ratio: float) -> float:
+    """Speed of the inner ring after the transient, turns per unit of time; NaN where it changes or nothing recorded tells."""
+    kept = after_transient(result)
+    time = result.time[kept]
+    for name, ratio in (("inner_angle", 1.0), ("cage_angle", cage_ratio)):
+        if name in values:
+            turned = np.unwrap(values[name][kept]) / (ratio * TURN)
+            middle = turned.size // 2
+            halves = [(turned[b] - turned[a]) / (time[b] - time[a]) for a, b in ((0, middle), (middle, -1)) if time[b] > time[a]]
+            return _steady(np.array(halves), float((turned[-1] - turned[0]) / (time[-1] - time[0])))
+    speed = recorded(result, unit, "speed")
+    if not speed:
+        return float("nan")
+    values_of_speed = result.columns[speed][kept] / TURN
+    return _steady(values_of_speed, float(values_of_speed.mean()))
+
+
+def _steady(speeds: np.ndarray, mean: float) -> float:
+    return mean if float(np.ptp(speeds)) <= STEADY * abs(mean) else float("nan")
+
+
+def rotors(result: Result) -> list[RotorRecord]:
+    """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
+    found = []
+    for unit in result.scene.units:
+        own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
+        if "speed" in own:
+            component = component_of(result.scene, unit)
+            ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
+            found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
+    return found
+
+
+def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
+    # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
+    bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
+    places = {n: f"{unit}.{port}.displacement_{n}" for n in "xy"}
+    places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
+    return {n: result.columns[c] for n, c in places.items() if c in result.columns}

@@ -1,0 +1,37 @@
+"""Figures of friction-wheel drives: way and set point, rest, wheels and motors, contacts, moves, energies.
+
+Read from [analysis]: feed_band, rotation_band; see `analysis.friction_drive`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ....harness.charts.charts import draw_chart
+from ....harness.report.page import Block
+from ..records import BANDS, drives
+from .contacts import contacts_chart, plane_chart
+from .tables import energies_table, moves_table, rests_table
+from .way import rest_chart, way_chart, wheels_chart
+
+if TYPE_CHECKING:
+    from ....harness.validation.case import Row
+    from ....results import Result
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures and tables of every drive whose feed and rotation were recorded; several share the figure of their way."""
+    found = drives(result)
+    if not found:
+        return []
+    analysis = result.scene.analysis
+    bands = {"feed": float(analysis.get("feed_band", BANDS["feed"])),
+             "rotation": float(analysis.get("rotation_band", BANDS["rotation"]))}  # fmt: skip
+    charts = [way_chart(found, bands), rest_chart(found)]
+    for drive in found:
+        who = f"{drive.unit}: " if len(found) > 1 else ""
+        charts += [wheels_chart(drive, who), contacts_chart(drive, who), plane_chart(drive, who)]
+    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    tables = [moves_table(found, bands), rests_table(found), energies_table(found)]
+    return made[:1] + [t for t in tables if t is not None][:1] + made[1:] + [t for t in tables if t is not None][1:]

@@ -1,0 +1,193 @@
+"""Mean speed of pipe robots: exact and averaged for a prescribed motion, by an independent solution for a force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene
+from ..robots import BACKWARD, BODY, FORWARD, GRAVITY, INNER, TURN, last_speed, shaken, side_by_side
+
+NAME = "pipe-robot-mean-speed"
+AMPLITUDE, FREQUENCY, MASS = 0.02, 100.0, 2.0  # m, rad/s, kg: two equal masses, whose velocities swing by b
+B = 0.5 * AMPLITUDE * FREQUENCY  # m/s
+WEAK = {"forward_friction": 0.1 * MASS * GRAVITY, "backward_friction": 0.3 * MASS * GRAVITY}  # N, at the first of SCALES
+SCALES = (1.0, 0.5, 0.25, 0.125)  # of the friction
+SINES = (0.02, 0.05, 0.098, 0.102, 0.12)  # of the pipe's slope
+FORCED = (0.05, 0.1, 0.15, 0.25, 0.3)
+TURNS = (BACKWARD - FORWARD) / (2.0 * (BODY + INNER) * GRAVITY)  # sine of the slope at which a robot of the defaults turns back
+FROM_REST, SLOW = (4.0, 1.0, 0.25), 3.0  # of the friction; end of the slow time F+ t / (M b)
+PRESCRIBED = ("prescribed_motion", "route")
+SEEN = 200  # samples a period
+
+
+def findings(options: Options) -> Findings:
+    """Mean speeds over whole periods of robots side by side, and how they approach their limits."""
+    shown = ("position", "velocity", "inner_position", "inner_velocity", "friction_force", "mode", "exciter_power", "dissipation")
+    scenes = {
+        "weak friction": side_by_side(NAME, "Prescribed motion, weak friction", {_name(s): _weak(s) for s in SCALES},
+                                      TURN / FREQUENCY, 1000, effects=PRESCRIBED),
+        "slope": side_by_side(NAME, "Prescribed motion on slopes", {_name(s): _weak(1.0, s) for s in SINES},
+                              TURN / FREQUENCY, 200, effects=PRESCRIBED),
+        "from rest": _from_rest(),
+        "force": side_by_side(NAME, "Harmonic force", _forced(), TURN / 60.0, 150),
+        "two robots": side_by_side(NAME, "Pipe robots with a force of 20 N and of 1.5 N", {
+            "strong": shaken(20.0), "weak": shaken(1.5)}, TURN / 60.0 / SEEN, 30 * SEEN, signals=shown),
+    }  # fmt: skip
+    runs: dict[str, Result] = {}
+    for label, scene in scenes.items():
+        runs[label] = result = run(scene, in_process=options.in_process)
+        if result.outcome != "done":
+            return Findings((), {label: result}, notes=(result.message,), complete=False)
+    measured = _prescribed(runs) | _by_force(runs)
+    distances = _distances(runs["from rest"])
+    measured["averaging order"] = _slope(FROM_REST, distances)
+    rows = compare(load_table(NAME).rows, measured)
+    notes = (
+        "Averaging predicts the mean speed to the first order in the friction; in the periodic motion itself the error is of "
+        "second order, as the exact solution has it: V = -b cos(pi p) sqrt(1 - d²), d = (F+ + G) pi p / (M b w sin(pi p)). The "
+        "first order is seen on the way there: the distance from the averaged motion, from rest on.",
+        "A robot turns back where (F- - F+) / 2 is its weight down the pipe, whatever shakes it: weight and friction together "
+        "are then the same in both directions.",
+    )
+    charts = (_limit_chart(measured, distances), _slope_chart(measured))
+    return Findings(rows, {"two robots": runs["two robots"]}, charts, notes)
+
+
+def exact_speed(forward: float, backward: float, weight: float = 0.0) -> float:
+    """Mean speed of the periodic motion without rest, m/s; weight: down the pipe, N.
+
+    The mean momentum over the mass is a line down while the body goes forwards, for p of the period, and one up while it goes
+    backwards; forces balance if p = (F- - G) / (F+ + F-), and the body turns where b cos(w t) and the lines add up to zero.
+    """
+    p = (backward - weight) / (forward + backward)
+    d = (forward + weight) * math.pi * p / (MASS * B * FREQUENCY * math.sin(math.pi * p))
+    return -B * math.cos(math.pi * p) * math.sqrt(1.0 - d * d)
+
+
+def _exact(scale: float, sine: float = 0.0) -> float:
+    return exact_speed(scale * WEAK["forward_friction"], scale * WEAK["backward_friction"], MASS * GRAVITY * sine)
+
+
+def _weak(scale: float, sine: float = 0.0) -> dict[str, float]:
+    levels = {n: scale * v for n, v in WEAK.items()}
+    start = _exact(scale, sine) - B
+    return {"body_mass": 0.5 * MASS, "inner_mass": 0.5 * MASS, "prescribed_motion.amplitude": AMPLITUDE,
+            "prescribed_motion.frequency": FREQUENCY, "start_velocity": start, "route.slope": math.asin(sine),
+            **levels}  # fmt: skip
+
+
+def _name(value: float) -> str:
+    return f"r{value:g}".replace(".", "_")
+
+
+def _from_rest() -> Scene:
+    """The mean velocity, that of the mean momentum, starts at zero."""
+    robots = {_name(s): {**_weak(s), "start_velocity": -B} for s in FROM_REST}
+    longest = SLOW * B / (WEAK["forward_friction"] * min(FROM_REST) / MASS)
+    step = TURN / FREQUENCY / 40.0
+    return side_by_side(NAME, "Prescribed motion from rest", robots, step, math.ceil(longest / step), effects=PRESCRIBED,
+                        signals=("velocity",))  # fmt: skip
+
+
+def _distances(result: Result) -> list[float]:
+    """Largest distance of the mean velocity from that of the averaged equation, over b, for every friction of FROM_REST.
+
+    b w' = (1 + F- / F+) acos(w) / pi - 1 over the slow time, w over b: forces in the mean over a period of b cos(w t) + w.
+    """
+    ratio = WEAK["backward_friction"] / WEAK["forward_friction"]
+    averaged = solve_ivp(lambda s, w: (1.0 + ratio) * np.arccos(w) / np.pi - 1.0, (0.0, SLOW), [0.0], rtol=1e-10, atol=1e-12,
+                         dense_output=True).sol  # fmt: skip
+    found = []
+    for scale in FROM_REST:
+        slow = WEAK["forward_friction"] * scale / MASS / B * result.time
+        kept = slow <= SLOW
+        velocity = result[f"{_name(scale)}.velocity"] + B * np.cos(FREQUENCY * result.time)
+        found.append(float(np.abs(velocity[kept] / B - averaged(slow[kept])[0]).max()))
+    return found
+
+
+def _slope(scales: tuple[float, ...], sizes: list[float]) -> float:
+    return float(np.polyfit(np.log(scales), np.log(sizes), 1)[0])
+
+
+def _forced() -> dict[str, dict[str, float]]:
+    robots = {"level": shaken(20.0), "weak": shaken(1.5), "turns": shaken(20.0, route__slope=math.asin(TURNS)),
+              "stronger": shaken(40.0, route__slope=math.asin(TURNS)), "towing": shaken(20.0, tow__force=-1.0)}  # fmt: skip
+    return robots | {_name(s): shaken(20.0, route__slope=math.asin(s)) for s in FORCED}
+
+
+def _prescribed(runs: Mapping[str, Result]) -> dict[str, float]:
+    speeds = [last_speed(runs["weak friction"], _name(s), 100) for s in SCALES]
+    found = {f"weak.{s:g}": v for s, v in zip(SCALES, speeds, strict=True)}
+    found["limit"] = speeds[-1] + (speeds[-1] - speeds[-2]) / 3.0  # Richardson, second order
+    limit = B * math.cos(0.25 * math.pi)
+    found["order"] = _slope(SCALES, [limit - v for v in speeds])
+    on_slopes = {s: last_speed(runs["slope"], _name(s), 50) for s in SINES}
+    found |= {f"slope.{s:g}": v for s, v in on_slopes.items()}
+    low, high = 0.098, 0.102
+    found["turns"] = low + (high - low) * on_slopes[low] / (on_slopes[low] - on_slopes[high])
+    return found
+
+
+def _by_force(runs: Mapping[str, Result]) -> dict[str, float]:
+    found = {f"force.{n}": last_speed(runs["force"], n) for n in ("level", "weak", "turns", "stronger", "towing")}
+    found |= {f"force.{s:g}": last_speed(runs["force"], _name(s)) for s in FORCED}
+    late = slice(-10 * SEEN, None)
+    modes = np.round(runs["two robots"]["weak.mode"][late])
+    found |= {"rest": float(np.mean(modes == 0.0)), "backwards": float(np.mean(modes < 0.0))}
+    strong = np.round(runs["two robots"]["strong.mode"][late])
+    found["switches"] = float(np.count_nonzero(np.diff(strong))) / 10.0
+    return found
+
+
+def _limit_chart(measured: Mapping[str, float], distances: list[float]) -> Chart:
+    epsilon = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in SCALES]
+    limit = B * math.cos(0.25 * math.pi)
+    errors = [limit - measured[f"weak.{s:g}"] for s in SCALES]
+    fine = np.geomspace(min(SCALES), max(SCALES), 40)
+    closed = [limit - _exact(s) for s in fine]
+    ripple = [0.1 * GRAVITY * s / (AMPLITUDE * FREQUENCY**2) for s in FROM_REST]
+    panels = (
+        Panel("b cos(pi/4) - V, m/s", (Series("exact", epsilon[0] * fine, closed), Series("runs", epsilon, errors, "points")),
+              logarithmic=True, y_range=(1e-6, 1e-3), x_label="ε = μ+ g / (a ω²), 1", title="periodic motion: second order"),
+        Panel("distance from the averaged motion over b, 1", (Series("runs", ripple, distances, "line+points"),),
+              logarithmic=True, y_range=(1e-3, 1.0), x_label="ε, 1", title="from rest: first order"),
+    )
+    return Chart("Approach to the limit of weak friction", "", panels, "Prescribed motion, friction 1 : 3.", columns=2)
+
+
+def _slope_chart(measured: Mapping[str, float]) -> Chart:
+    sines = np.linspace(0.0, 0.13, 60)
+    closed = [_exact(1.0, s) for s in sines]
+    runs = Series("runs", SINES, [measured[f"slope.{s:g}"] for s in SINES], "points")
+    by_force = {0.0: measured["force.level"], TURNS: measured["force.turns"], **{s: measured[f"force.{s:g}"] for s in FORCED}}
+    at = sorted(by_force)
+    panels = (
+        Panel("mean speed, m/s", (Series("exact", sines, closed), runs), title="prescribed motion",
+              x_label="sine of the slope, 1"),
+        Panel("mean speed, m/s", (Series("runs", at, [by_force[s] for s in at], "line+points"),), title="force of 20 N",
+              x_label="sine of the slope, 1", x_marks=((TURNS, "turns back"),)),
+    )  # fmt: skip
+    return Chart("Mean speed on a slope", "", panels, "The robot turns back where the line passes zero.", columns=2)
+
+
+CASE = Case(
+    NAME,
+    "Mean speed of a pipe robot",
+    "Robots whose friction is weaker forwards than backwards, with a prescribed motion of the inner mass and with a harmonic "
+    "force: mean speed against the exact periodic solution and its limit of weak friction, b cos(pi F+ / (F+ + F-)), against an "
+    "independent solution of the piecewise linear equations, on slopes up to the one at which the robot turns back, and the "
+    "share of true standstill. It says nothing of the robot that Matuliauskas and Spruogis built, whose equations and numbers "
+    "are not known to us.",
+    "pipe_robot",
+    findings,
+)

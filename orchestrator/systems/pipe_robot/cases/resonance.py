@@ -1,0 +1,154 @@
+"""Resonance of a pipe robot: response without friction and with a body that sticks, mean speed, and a motor caught there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, load_scene, read_scene
+from ..robots import BODY, DAMPING, FREE, INNER, STIFFNESS, STUCK, TURN, component_at, last_speed, shaken, side_by_side
+
+NAME = "pipe-robot-resonance"
+FREQUENCIES = (30.0, 40.0, 50.0, 60.0, 70.0, 77.46, 85.0, 95.0, 110.0, 130.0)  # rad/s
+NEAR = (74.0, 76.0, 78.0)  # rad/s, for the largest amplitude of the free robot
+REDUCED = BODY * INNER / (BODY + INNER)  # kg
+QUIET = 0.3  # N: below the threshold of motion at every frequency
+PERIODS, SEEN = 120, 8
+FRICTIONLESS = {"forward_friction": 0.0, "backward_friction": 0.0}
+# motor-driven unbalance: kg m, kg m², and the motor's Ohm, N.m/A; V
+UNBALANCE, INERTIA, BEARING, RESISTANCE, CONSTANT = 0.1 * 0.02, 1e-3 + 0.1 * 0.02**2, 1e-5, 8.0, 0.1
+VOLTAGES = (12.0, 14.4, 15.0, 16.0)
+SETTLED, MEAN = 40.0, 10.0  # s, of a start; of the mean of a speed at its end
+STEP = 2e-3  # s
+
+
+def findings(options: Options) -> Findings:
+    """Amplitudes at steady frequencies, mean speeds, and where motors of several voltages end up."""
+    runs: dict[str, Result] = {}
+    scenes = {f"{w:g} rad/s": _at(w) for w in (*FREQUENCIES, *NEAR, STUCK)}
+    scenes |= {"motors": _motors(), "motor start": load_scene("pipe-robot-motor-start")}
+    for label, scene in scenes.items():
+        runs[label] = result = run(scene, in_process=options.in_process)
+        if result.outcome != "done":
+            return Findings((), {label: result}, notes=(result.message,), complete=False)
+    measured: dict[str, float] = {}
+    for w in (*FREQUENCIES, *NEAR, STUCK):
+        measured |= _response(runs[f"{w:g} rad/s"], w)
+    # 1 / amplitude² is a parabola in w²
+    squares, inverse = [w * w for w in NEAR], [measured[f"free.{w:g}"] ** -2 for w in NEAR]
+    bend, slope, _ = np.polyfit(squares, inverse, 2)
+    measured["peak"] = math.sqrt(-slope / (2.0 * bend))
+    measured |= {f"motor.{v:g}": _mean_rate(runs["motors"], f"robot_{_name(v)}") for v in VOLTAGES}
+    measured |= {f"mean.{v:g}": measured[f"motor.{v:g}"] for v in VOLTAGES}
+    start = runs["motor start"]
+    late = start.time >= 0.5 * start.time[-1]
+    measured |= {f"start.{n}": float(start[f"{n}.unbalance.rate"][late].mean()) for n in ("caught", "passing")}
+    rows = compare(load_table(NAME).rows, measured)
+    speeds = {n: float(np.ptp(start[f"{n}.position"][late]) / np.ptp(start.time[late])) for n in ("caught", "passing")}
+    note = (f"The motor of {VOLTAGES[1]:g} V is caught at {measured['motor.14.4']:.1f} rad/s, below the resonance; with "
+            f"{VOLTAGES[2]:g} V it passes and reaches {measured['motor.15']:.1f} rad/s: the resonance takes "
+            f"{_voltage(np.linspace(70.0, 85.0, 3001)).max():.2f} V. With friction the caught robot is the faster one: "
+            f"{speeds['caught']:.3f} m/s against {speeds['passing']:.3f} m/s.")  # fmt: skip
+    charts = (_response_chart(measured), _speed_chart(measured), _motor_chart(measured))
+    return Findings(rows, {"motor start": start}, charts, (note,))
+
+
+def _name(value: float) -> str:
+    return f"{value:g}".replace(".", "_")
+
+
+def _at(frequency: float) -> Scene:
+    """Robots without friction, with a body that stays at rest, and with the friction of the defaults."""
+    robots = {"free": shaken(20.0, frequency, **FRICTIONLESS), "stuck": shaken(QUIET, frequency),
+              "rubbing": shaken(20.0, frequency)}  # fmt: skip
+    return side_by_side(NAME, f"Force of {frequency:g} rad/s", robots, TURN / frequency / SEEN, PERIODS * SEEN,
+                        signals=("position", "velocity", "inner_position"))  # fmt: skip
+
+
+def _response(result: Result, frequency: float) -> dict[str, float]:
+    found = {"speed": last_speed(result, "rubbing", SEEN)}
+    last = slice(-1 - SEEN, -1)
+    for name in ("free", "stuck"):
+        stretch = result[f"{name}.inner_position"] - result[f"{name}.position"]
+        found[name] = abs(component_at(result.time[last], stretch[last], frequency))
+    found["rest"] = float(np.ptp(result["stuck.position"]))
+    return {f"{n}.{frequency:g}": v for n, v in found.items()}
+
+
+def _motors() -> Scene:
+    """Frictionless robots, whose unbalances motors of several voltages start."""
+    units, connections = {}, []
+    for v in VOLTAGES:
+        robot, motor = f"robot_{_name(v)}", f"motor_{_name(v)}"
+        units[robot] = {"component": "PipeRobot", "effects": ["unbalance"],
+                        "parameters": {"unbalance.inertia": 1e-3, **FRICTIONLESS}}  # fmt: skip
+        units[motor] = {"component": "TorqueMotor", "parameters": {"resistance": RESISTANCE, "constant": CONSTANT, "voltage": v}}
+        connections += [f"{robot}.unbalance.rate -> {motor}.rate", f"{motor}.torque -> {robot}.unbalance.torque"]
+    data = {"title": "Motors of several voltages", "stop_time": SETTLED, "units": units, "connections": connections,
+            "master": {"step": STEP}, "record": {"interval": 0.1, "signals": [
+                f"robot_{_name(v)}.unbalance.{n}" for v in VOLTAGES for n in ("rate", "angle")]}}  # fmt: skip
+    return read_scene(data, NAME)
+
+
+def _mean_rate(result: Result, unit: str) -> float:
+    first = int(np.searchsorted(result.time, SETTLED - MEAN - 1e-9))
+    angle = result[f"{unit}.unbalance.angle"]
+    return float((angle[-1] - angle[first]) / (result.time[-1] - result.time[first]))
+
+
+def _amplitude(w: np.ndarray) -> np.ndarray:
+    """Of the spring's stretch, without friction, under the force of 20 N, m."""
+    return 20.0 / np.abs(STIFFNESS - REDUCED * w * w + 1j * DAMPING * w)
+
+
+def _voltage(w: np.ndarray) -> np.ndarray:
+    """Voltage that holds the unbalance at a speed, in the mean over a turn, V: damper and bearing take what the motor gives."""
+    stretch = UNBALANCE * w * w * REDUCED / INNER / np.abs(STIFFNESS - REDUCED * w * w + 1j * DAMPING * w)
+    torque = BEARING * w + 0.5 * DAMPING * w * stretch**2
+    return CONSTANT * w + RESISTANCE / CONSTANT * torque
+
+
+def _response_chart(measured: Mapping[str, float]) -> Chart:
+    w = np.linspace(25.0, 135.0, 400)
+    stuck = QUIET * 1e3 / np.abs(STIFFNESS - INNER * w * w + 1j * DAMPING * w)
+    at = (*FREQUENCIES, *NEAR)
+    panels = (
+        Panel("stretch of the spring, mm", (Series("closed form", w, 1e3 * _amplitude(w)),
+              Series("runs", at, [1e3 * measured[f"free.{v:g}"] for v in at], "points")), title="20 N, no friction"),
+        Panel("stretch of the spring, mm", (Series("closed form", w, stuck),
+              Series("runs", at, [1e3 * measured[f"stuck.{v:g}"] for v in at], "points")), title=f"{QUIET:g} N, the body sticks"),
+    )  # fmt: skip
+    return Chart("Amplitude over the frequency", "exciter, rad/s", panels, columns=2)
+
+
+def _speed_chart(measured: Mapping[str, float]) -> Chart:
+    runs = Series("runs", FREQUENCIES, [measured[f"speed.{w:g}"] for w in FREQUENCIES], "line+points")
+    panel = Panel("mean speed, m/s", (runs,), x_marks=((FREE, "free"), (STUCK, "stuck")))
+    return Chart("Mean speed over the frequency", "exciter, rad/s", (panel,), "Force of 20 N; resonances as thin lines.")
+
+
+def _motor_chart(measured: Mapping[str, float]) -> Chart:
+    w = np.linspace(50.0, 160.0, 600)
+    runs = Series("runs from rest", [measured[f"motor.{v:g}"] for v in VOLTAGES], VOLTAGES, "points")
+    panel = Panel("voltage, V", (Series("steady speeds", w, _voltage(w)), runs))
+    return Chart("Steady speeds of the motor", "unbalance, rad/s", (panel,),
+                 "Where the curve falls, a speed is not stable: from rest the motor stays at the first point on its voltage.")
+
+
+CASE = Case(
+    NAME,
+    "Resonance of a pipe robot and capture of its motor",
+    "The inner mass resonates against the free body and against one that sticks: amplitudes against closed forms, mean speeds "
+    "with friction against an independent solution. A motor of limited power that drives an unbalance is caught below the "
+    "resonance or passes it (Sommerfeld effect): steady speeds against an independent integration and against the balance of "
+    "powers in the mean.",
+    "pipe_robot",
+    findings,
+)

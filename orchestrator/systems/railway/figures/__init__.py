@@ -1,0 +1,88 @@
+"""Figures and statistics of pantographs under a catenary, from a run and, where there are any, its rows of a reference table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .....components.core.errors import BadInput
+from ....harness.analysis.signals import Filter
+from ....harness.charts.style import number
+from ....harness.report.page import Block, Cells, Figure, Text
+from ....harness.report.windows import fault_windows, shaded
+from ..records import Passage, passages, statistics
+from .force import force_figure, spectrum_figure
+from .wire import uplift_figure, waves_figure, wire_figure
+
+if TYPE_CHECKING:
+    from ....harness.validation.case import Row
+    from ....results import Result
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """The figures and, where no reference table takes its place, a table of the statistics."""
+    made: list[Block] = list(figures(result, rows))
+    if made and not rows:
+        try:
+            made.append(statistics_table(result))
+        except BadInput as error:
+            made.append(Text([f"There are no statistics, and figures are of what there is: {error}"], "warning"))
+    return made
+
+
+def statistics_table(result: Result) -> Cells:
+    """Statistics of every pantograph of a run, with their settings."""
+    names = [p.pantograph for p in passages(result)]
+    columns = [statistics(result, pantograph=i) for i in range(len(names))]
+    rows = [(quantity, unit, *(number(value(s)) for s in columns)) for quantity, unit, value in QUANTITIES]
+    right = frozenset(range(2, 2 + len(names)))
+    return Cells("Statistics in the analysis window", ("quantity", "unit", *names), rows, columns[0].settings + ".", right)
+
+
+QUANTITIES = (
+    ("mean force", "N", lambda s: s.mean),
+    ("standard deviation", "N", lambda s: s.std),
+    ("standard deviation 0-5 Hz", "N", lambda s: s.std_0_5),
+    ("standard deviation 5-20 Hz", "N", lambda s: s.std_5_20),
+    ("statistical maximum, mean + 3 σ", "N", lambda s: s.statistical_max),
+    ("statistical minimum, mean - 3 σ", "N", lambda s: s.statistical_min),
+    ("actual maximum", "N", lambda s: s.max),
+    ("actual minimum", "N", lambda s: s.min),
+    ("contact loss, unfiltered force", "%", lambda s: s.loss_raw),
+    ("contact loss, filtered force", "%", lambda s: s.loss_filtered),
+    ("range of the contact point's height", "mm", lambda s: 1e3 * s.height_range),
+    ("maximum uplift at a support", "mm", lambda s: 1e3 * s.max_uplift),
+)
+
+
+def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = None) -> list[Figure]:
+    """All figures the run has the data for; none if no contact force was recorded."""
+    found = passages(result)
+    if not found:
+        return []
+    low_pass = low_pass or Filter()
+    made: list[Figure | None] = [_with_faults(result, found, force_figure(result, found, rows, low_pass))]
+    if found[0].supports:
+        made.append(uplift_figure(result, found, rows))
+    made.append(spectrum_figure(result, found, low_pass))
+    name = f"{found[0].catenary}.wire_profile.height"
+    if name in result.snapshots:
+        made += [wire_figure(result, found[0], name), waves_figure(result, found[0], name)]
+    return [figure for figure in made if figure is not None]
+
+
+def _with_faults(result: Result, found: Sequence[Passage], figure: Figure) -> Figure:
+    """The force with the windows of faults, at the positions where the pantograph then is; with several, it has no one place."""
+    if len(found) > 1:
+        return figure
+    axis = figure.figure["layout"]["xaxis"]
+    low, high = axis["range"]
+    record, windows = found[0].record, []
+    for window in fault_windows(result):
+        begin, end = np.interp((window.begin, window.end), record.time, record.position).clip(low, high).tolist()
+        if begin < end:
+            windows.append(replace(window, begin=begin, end=end))
+    return shaded(figure, windows, (low, high), axis["title"]["text"])

@@ -1,0 +1,120 @@
+"""What of a run of pantographs under a catenary goes into the statistics, found by the scene's connections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....components.catalogue import component_class
+from ....components.core.errors import BadInput
+from ...harness.analysis.signals import Filter
+from .contact import ContactRecord, ContactStatistics
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Passage:
+    """One pantograph of a run. supports: position in m of each uplift in `record.uplifts`."""
+
+    pantograph: str
+    catenary: str
+    speed: float  # m/s
+    record: ContactRecord
+    supports: tuple[float, ...]
+
+
+def parameters(scene: Scene, unit: str) -> dict[str, Any]:
+    """All settled parameters of a unit that is a component of the catalogue."""
+    given = scene.units[unit]
+    return component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
+
+
+def analysis_window(scene: Scene) -> tuple[float, float]:
+    """The scene's window of analysis, m along the track."""
+    try:
+        start, end = scene.analysis["window"]
+    except (KeyError, TypeError, ValueError):
+        raise BadInput(
+            f"{scene.name}: analysis.window",
+            repr(scene.analysis.get("window")),
+            "two positions in m",
+            "Add window = [from, to] to [analysis].",
+        ) from None
+    return float(start), float(end)
+
+
+def passages(result: Result) -> list[Passage]:
+    """The pantographs of a run, foremost first: units whose contact force and wire height are recorded."""
+    found = []
+    for connection in result.scene.arrows:
+        source, target = (part.strip() for part in connection.split("->"))
+        unit, _, name = target.rpartition(".")
+        if name != "wire_height":
+            continue
+        needed = [f"{unit}.contact_force", f"{unit}.contact_position", source]
+        if any(n not in result.columns for n in needed):
+            continue
+        force, position, height = (result.columns[n] for n in needed)
+        catenary = source.rpartition(".")[0]
+        watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
+        speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
+        record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
+        found.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
+    return sorted(found, key=lambda p: -p.record.position[0])
+
+
+def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:
+    if not watched:
+        return ()
+    values = result.info["units"][catenary]["parameters"]
+    for name in ("span_length", "first_watched_support"):
+        if name not in values:
+            raise BadInput(f"units.{catenary}", f"no parameter {name!r}", "what tells where the supports of its uplifts are",
+                           f"Or do not record {catenary}.support_uplift.")
+    first = values["first_watched_support"]
+    return tuple(values["span_length"] * (first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
+
+
+def statistics(result: Result, low_pass: Filter | None = None, pantograph: int = 0) -> ContactStatistics:
+    """Statistics of a pantograph (0: the foremost) over the scene's window; uplifts of the supports in it, ends included."""
+    found = passages(result)
+    if not found:
+        raise BadInput(
+            result.scene.name, "no recorded contact force with its wire height", "a run of a pantograph under a catenary"
+        )
+    passage = found[pantograph]
+    start, end = analysis_window(result.scene)
+    inside = [u for u, x in zip(passage.record.uplifts, passage.supports, strict=True) if start - 1e-6 <= x <= end + 1e-6]
+    r = passage.record
+    return ContactRecord(r.time, r.position, r.force, r.height, tuple(inside)).statistics((start, end), low_pass)
+
+
+def measured(s: ContactStatistics) -> dict[str, float]:
+    """Statistics under the names and in the units of the reference tables."""
+    return {
+        "mean": s.mean,
+        "std": s.std,
+        "statistical_max": s.statistical_max,
+        "statistical_min": s.statistical_min,
+        "max": s.max,
+        "min": s.min,
+        "std_0_5": s.std_0_5,
+        "std_5_20": s.std_5_20,
+        "loss_raw": s.loss_raw,
+        "uplift_mm": 1e3 * s.max_uplift,
+        "height_range_mm": 1e3 * s.height_range,
+    }
+
+
+def dropper_spacing(scene: Scene) -> float:
+    """The commonest distance of neighbouring droppers, m; NaN if the scene names none."""
+    gaps = np.diff(np.asarray(scene.analysis.get("droppers", []), dtype=float))
+    if not gaps.size:
+        return float("nan")
+    values, counts = np.unique(gaps.round(3), return_counts=True)
+    return float(values[np.argmax(counts)])

@@ -1,0 +1,74 @@
+"""Runs that several cases and studies share, kept for the life of the process."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from ....components.catalogue import component_class
+from ...harness.analysis.signals import Filter
+from ...harness.validation.case import Options
+from ...results import Result
+from ...run import run
+from ...scene.scene import Scene, load_scene
+from .records import measured, parameters, statistics
+
+KMH = 1.0 / 3.6  # m/s
+WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": (), "record.snapshot_interval": None}
+FORCE_PER_MEAN = 1.09  # first guess of static force over mean force: the base spring takes about 8 % of the lift
+
+
+def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = None) -> Scene:
+    """The scene at another speed (km/h) over the same distance, with further changes."""
+    given = parameters(scene, "pantograph")["speed"]
+    steps = scene.stop_time * given / (speed * KMH) / scene.master.step
+    stop = round(steps) * scene.master.step
+    always = {"units.pantograph.parameters.speed": speed * KMH, "stop_time": stop}
+    return scene.with_changes({**always, **(changes or {})})
+
+
+def with_stable_substep(scene: Scene) -> Scene:
+    """The scene with a shorter internal step of the catenary where its explicit method needs one."""
+    unit = scene.units["catenary"]
+    limit = component_class(unit.component)(unit.effects, unit.parameters, preset=unit.preset).stable_step()
+    if parameters(scene, "catenary")["substep"] <= limit:
+        return scene
+    return scene.with_changes(
+        {"units.catenary.parameters.substep": scene.master.step / math.ceil(scene.master.step / (0.9 * limit))}
+    )
+
+
+@cache
+def reference_run(speed: float, options: Options) -> Result:
+    """EN 50318:2002 at a speed in km/h."""
+    return run(at_speed(load_scene("en50318-2002"), speed), in_process=options.in_process, progress=options.progress)
+
+
+def target_mean(speed: float) -> float:
+    """Mean force to be set at a speed in km/h, N: 0.00097 v² + 70, AC."""
+    return 0.00097 * speed**2 + 70.0
+
+
+@cache
+def ac_simple_run(speed: float, options: Options) -> tuple[Result, float, float]:
+    """EN 50318:2018 AC simple at a speed in km/h: the run, its static force in N, and the mean force in N of the trial.
+
+    The mean force is a set quantity there. One trial in process with a guessed static force, which is then scaled by
+    target over mean; the base spring's share of the lift hardly changes in between, so that one trial is enough.
+    """
+    scene, target = load_scene("en50318-2018-ac-simple"), target_mean(speed)
+    force = "units.pantograph.parameters.static_force"
+    guess = FORCE_PER_MEAN * target
+    trial = run(at_speed(scene, speed, {force: guess}), in_process=True)
+    if trial.outcome != "done":
+        return trial, guess, float("nan")
+    mean = statistics(trial).mean
+    settled = guess * target / mean
+    return run(at_speed(scene, speed, {force: settled}), in_process=options.in_process, progress=options.progress), settled, mean
+
+
+def numbers(result: Result, low_pass: Filter | None = None) -> dict[str, float]:
+    """The run's statistics by the names of the reference tables; empty if it did not reach its end."""
+    return measured(statistics(result, low_pass)) if result.outcome == "done" else {}

@@ -1,0 +1,79 @@
+"""Figures of the rotors of a run: run-up, spectra, Campbell diagram, orbits and forces at the bearings.
+
+Read from [analysis], beside what `analysis.machines` and `analysis.whirl` say: orbit_windows = [[from, to], ...] in s,
+orders = [1, 2] (lines in the waterfall).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....harness.analysis.spectra import turns_steadily
+from ....harness.charts.charts import draw_chart
+from ....harness.report.page import Block
+from ...bearings.figures.heat import heat_chart
+from ...bearings.records import STEADY, RotorRecord, after_transient, rotors
+from ..whirl import whirl
+from .campbell import campbell_chart
+from .orbits import forces_chart, orbits_chart
+from .speed import history_chart, run_up_chart, spectrum_chart, waterfall_chart
+
+if TYPE_CHECKING:
+    from ....harness.validation.case import Row
+    from ....results import Result
+
+TURNS = 8  # in the record, below which nothing is followed; of an orbit
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures of every rotor of a run whose speed was recorded; none without one."""
+    found = rotors(result)
+    made = [b for record in found for b in _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")]
+    heat = heat_chart(result)
+    return [*made, draw_chart(heat)] if heat is not None else made
+
+
+def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
+    analysis = result.scene.analysis
+    begin = float(result.time[after_transient(result).start])
+    speed = record.signals["speed"][record.time >= begin]
+    diagram = whirl(result, record)
+    if diagram is not None:
+        critical = diagram.critical
+    else:
+        critical = np.asarray(analysis.get("critical_speeds", []), dtype=float)
+    varies = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
+    moves = {"x", "y"} <= record.signals.keys()
+    turns = "angle" in record.signals and _turns(record.signals["angle"][record.time >= begin]) >= TURNS
+    made: list[Block] = []
+    if moves:
+        made.append(draw_chart(history_chart(record, begin, who)))
+    if moves and turns and varies:
+        made.append(draw_chart(run_up_chart(record, begin, critical, who)))
+        made.append(draw_chart(waterfall_chart(record, begin, critical, tuple(analysis.get("orders", (1.0, 2.0))), who)))
+    elif moves and speed.any():
+        made.append(draw_chart(spectrum_chart(record, begin, who)))
+    if diagram is not None:
+        made.append(draw_chart(campbell_chart(diagram, who)))
+    made += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.get("orbit_windows"), record), who)]
+    if any("force_x" in p for p in record.ports.values()):
+        made.append(draw_chart(forces_chart(record, begin, who)))
+    return made
+
+
+def _turns(angle: np.ndarray) -> float:
+    """Turns of a recorded angle; 0 where it stands or turns back."""
+    return abs(float(np.ptp(np.unwrap(angle)))) / (2.0 * np.pi) if turns_steadily(angle) else 0.0
+
+
+def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord) -> list[tuple[float, float]]:
+    """Times of the orbits: the scene's, else the last turns at the last speed, else the last tenth."""
+    first, last = float(record.time[0]), float(record.time[-1])
+    if given is not None:
+        return [(float(a), float(b)) for a, b in given]
+    speed = abs(float(record.signals["speed"][-1]))
+    length = TURNS * 2.0 * np.pi / speed if speed > 0.0 else 0.1 * (last - first)
+    return [(max(first, last - length), last)]

@@ -1,0 +1,76 @@
+"""Whirl frequencies and critical speeds of a run's rotor, from its own matrices and its bearings' recorded tangents.
+
+A bearing's tangent comes from snapshots of what drives the port, such as "left.linearisation.stiffness" in [record].
+Read from [analysis]: critical_speeds = [rad/s ...], in place of the computed ones; campbell_speed = rad/s, end of the diagram.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....components.rotor.modal import campbell, critical_speeds
+from ..bearings.records import RotorRecord, after_transient, component_of, source
+
+if TYPE_CHECKING:
+    from ....components.rotor.model import Matrices
+    from ...results import Result
+
+MODES = 8  # in the diagram
+SPEEDS = 61
+BEYOND = 1.25  # the diagram's end over the highest speed of the run
+PLANE = (0, 1, 3, 4)  # of x, y, z, tilt_x, tilt_y: what a rotor without axial motion has
+
+
+@dataclass(frozen=True)
+class Whirl:
+    """Campbell diagram: speed (k,) rad/s, frequency (k, m) rad/s, direction (k, m): 1 forward, -1 backward, 0 neither.
+
+    critical: synchronous critical speeds, rad/s.  bearings: what was taken for the bearings, a sentence.
+    """
+
+    speed: np.ndarray
+    frequency: np.ndarray
+    direction: np.ndarray
+    critical: np.ndarray
+    bearings: str
+
+
+def whirl(result: Result, record: RotorRecord) -> Whirl | None:
+    """The diagram of a rotor that offers its matrices; None without them, or where a bearing's tangent was not recorded."""
+    rotor: Any = component_of(result.scene, record.unit)
+    if rotor is None or not hasattr(rotor, "matrices"):
+        return None
+    rotor.initialize(0.0)
+    matrices: Matrices = rotor.matrices()
+    tangents = {port: _tangent(result, record.unit, port) for port in rotor.on if port.startswith("bearing_")}
+    if any(t is None for t in tangents.values()):
+        return None
+    stiffness = matrices.stiffness.copy()
+    for port, tangent in tangents.items():
+        first = 4 * int(np.abs(rotor.nodes - rotor.parameters[f"{port}.position"]).argmin())
+        stiffness[first : first + 4, first : first + 4] += tangent
+    matrices = matrices._replace(stiffness=stiffness)
+    highest = BEYOND * float(np.abs(record.signals["speed"]).max())
+    highest = float(result.scene.analysis.get("campbell_speed", highest))
+    if not highest > 0.0:
+        return None
+    speed = np.linspace(0.0, highest, SPEEDS)
+    frequency, direction = campbell(matrices, speed, MODES)
+    given = result.scene.analysis.get("critical_speeds")
+    critical = critical_speeds(matrices) if given is None else np.asarray(given, dtype=float)
+    text = ("Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "
+            "may stand above its line.") if tangents else ""
+    return Whirl(speed, frequency, direction, critical[critical <= highest], text)
+
+
+def _tangent(result: Result, unit: str, port: str) -> np.ndarray | None:
+    """Mean stiffness (4, 4) in x, y, tilt_x, tilt_y that a port was given after the transient; None if no snapshots hold it."""
+    array = source(result.scene, unit, f"{port}.stiffness[1]").removesuffix("[1]")
+    if array not in result.snapshots:
+        return None
+    snapshot, begin = result.snapshots[array], result.time[after_transient(result).start]
+    mean = snapshot.values[snapshot.time >= begin].mean(axis=0).reshape(5, 5)
+    return mean[np.ix_(PLANE, PLANE)]

@@ -1,0 +1,1 @@
+"""Validation cases of the system, each beside its table."""

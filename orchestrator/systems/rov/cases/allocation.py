@@ -1,0 +1,71 @@
+"""Six thrusters in the Y-arrangement: what wrenches they can give, all six together and without one of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .....components.rov.allocation import allocate, allocations
+from .....components.rov.arrangement import HORIZONTAL_HEIGHT, HORIZONTAL_RADIUS, VERTICAL_RADIUS, wrench_matrix, y_arrangement
+from ....harness.charts.chart import Grid
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+
+FORWARD, REVERSE = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
+AXES = ("X", "Y", "Z", "K", "M", "N")
+UNITS = ("N",) * 3 + ("N.m",) * 3
+ASKED = 1e3  # N or N.m, beyond every limit
+
+
+def findings(options: Options) -> Findings:
+    """Nothing is simulated: the matrix from thrusts to the wrench, its inverse and its limits."""
+    matrix = wrench_matrix(*y_arrangement(), "rov-allocation")
+    values = np.linalg.svd(matrix, compute_uv=False)
+    measured = {"determinant": abs(float(np.linalg.det(matrix))), "condition": float(values[0] / values[-1])}
+    measured |= {f"singular.{i}": float(v) for i, v in enumerate(values, 1)}
+    ranks = [int(np.linalg.matrix_rank(np.delete(matrix, i, axis=1))) for i in range(6)]
+    measured |= {"rank": float(np.linalg.matrix_rank(matrix)), "rank.least": float(min(ranks)), "rank.most": float(max(ranks))}
+    article = printed()
+    measured |= {"printed.determinant": float(np.linalg.det(article)), "printed.condition": float(np.linalg.cond(article))}
+    reach = {}
+    for j, axis in enumerate(AXES):
+        for sign, word in ((1.0, "plus"), (-1.0, "minus")):
+            reach[axis, word] = measured[f"{axis}.{word}"] = largest(matrix, j, sign)
+    grid = Grid("Largest force or moment along one axis alone", ("axis", "unit", "ahead", "back"),
+                tuple((a, u, round(reach[a, "plus"], 3), round(reach[a, "minus"], 3)) for a, u in zip(AXES, UNITS, strict=True)),
+                "The other five components stay zero; the first thruster at its limit ends it.")
+    notes = ("The columns as the article prints them, with the magnitudes of its table, are no arrangement of 120 degrees: their "
+             "condition is three times worse. The matrix is built from positions and directions instead.",)
+    return Findings(compare(load_table("rov-allocation").rows, measured), charts=(grid,), notes=notes)
+
+
+def largest(matrix: np.ndarray, axis: int, sign: float) -> float:
+    """Component that comes of asking far too much along one axis: the wrench is scaled as a whole."""
+    wrench, thrust, given = np.zeros(6), np.zeros(6), np.zeros(6)
+    wrench[axis] = sign * ASKED
+    allocate(wrench, allocations(matrix, np.ones(6))[-1], matrix, FORWARD, REVERSE, thrust, given)
+    return float(given[axis])
+
+
+def printed() -> np.ndarray:
+    """The columns of the article's equation (9) with the magnitudes of its table of positions, (6, 6)."""
+    c, s = math.cos(math.pi / 6.0), 0.5
+    far, near = (HORIZONTAL_RADIUS, VERTICAL_RADIUS), (0.5 * HORIZONTAL_RADIUS, 0.5 * VERTICAL_RADIUS)
+    aside, z = (c * HORIZONTAL_RADIUS, c * VERTICAL_RADIUS), HORIZONTAL_HEIGHT
+    return np.array([
+        [0.0, 1.0, 0.0, z, 0.0, far[0]], [c, s, 0.0, s * z, c * z, s * near[0] + c * aside[0]],
+        [c, -s, 0.0, -s * z, c * z, -s * near[0] - c * aside[0]], [0.0, 0.0, 1.0, 0.0, far[1], 0.0],
+        [0.0, 0.0, 1.0, -aside[1], -near[1], 0.0], [0.0, 0.0, 1.0, aside[1], -near[1], 0.0],
+    ]).T
+
+
+CASE = Case(
+    "rov-allocation",
+    "Thruster allocation of the Y-arrangement",
+    "Determinant, singular values and rank of the matrix from six thrusts to the wrench, and the largest force or moment "
+    "along each axis within the limits of a T200 thruster, against closed forms. Six thrusters give six degrees of freedom; "
+    "without any one of them it is five. Says nothing on the water: thrusters that draw each other's wake are not in it.",
+    "rov",
+    findings,
+)

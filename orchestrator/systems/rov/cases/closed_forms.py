@@ -1,0 +1,142 @@
+"""Hull of an underwater vehicle against closed forms: speed, roll and pitch, a tumbling body, moving water."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .....components.rov.hull import WATER, RovHull
+from ....harness.analysis.sections import swing_frequency
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, load_scene, read_scene
+from ..records import QUATERNION, vehicles
+
+BENZON = RovHull.presets["von Benzon 2022, BlueROV2 Heavy"].parameters
+MASS, LINEAR, QUADRATIC = 17.0, 4.03, 18.18  # surge of Wu's vehicle with its added mass: kg, N.s/m, N.s2/m2
+FORCES = (10.0, 40.0)  # N
+LEVEL = {"centre_of_gravity_z": 0.0}
+FLOW = {"north": 0.4, "east": -0.7, "down": 0.2}  # m/s
+THRUSTS = [2.0, -1.5, 3.0, 1.0, -2.5, 1.5]  # N
+
+
+def findings(options: Options) -> Findings:
+    """One run for each closed form."""
+    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
+    for name, result in runs.items():
+        if result.outcome != "done":
+            return Findings((), {name: result}, notes=(result.message,), complete=False)
+    measured: dict[str, float] = {}
+    for force in FORCES:
+        result = runs[f"{force:g} N ahead"]
+        measured |= {f"speed.{force:g}": result["hull.surge"][-1],
+                     f"start.{force:g}": float(np.abs(result["hull.surge"] - start_up(result.time, force)).max())}
+    measured |= {n: swing_frequency(runs[n].time, runs[n][f"hull.{n}"]) for n in ("roll", "pitch")}
+    small, large = (swing_frequency(r.time, r["hull.roll"]) for r in (runs[f"roll from {d} degrees"] for d in ("10^-4", "90")))
+    measured["period"] = small / large
+    tumbling = runs["tumbling"]
+    for name, values in vehicles(tumbling)[0].constants.items():
+        change = np.linalg.norm(values - values[:, :1], axis=0).max() / np.linalg.norm(values[:, 0])
+        measured[f"drift.{name.replace(' ', '_')}"] = float(change)
+    norms = np.linalg.norm([tumbling[f"hull.{n}"] for n in QUATERNION], axis=0)
+    measured["norm"] = float(np.abs(norms - 1.0).max())
+    munk = runs["ahead, slightly disturbed"]
+    measured["munk"] = float(np.polyfit(munk.time, np.log(munk["hull.pitch_rate"]), 1)[0])
+    measured["galileo"] = apart(runs["in still and in moving water"])
+    shown = {name: runs[name] for name in ("roll from 90 degrees", "tumbling")}
+    return Findings(compare(load_table("rov-closed-forms").rows, measured), shown, (_start_chart(runs), _munk_chart(munk)))
+
+
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
+    surge = ["added_mass", "linear_drag", "quadratic_drag", "external"]
+    made = {f"{force:g} N ahead": _scene(40.0, 0.05, surge, {**LEVEL, "external.force_x": force}, ["surge"]) for force in FORCES}
+    plain = {n: v for n, v in BENZON.items() if "drag" not in n}
+    for name in ("roll", "pitch"):
+        made[name] = _scene(40.0, 0.01, ["added_mass", "restoring"], {**plain, f"start_{name}": 1e-5, "substep": 2e-3}, [name])
+    hanging = {**LEVEL, "restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02, "substep": 2e-3}
+    for degrees, label in ((90.0, "90"), (1e-4, "10^-4")):
+        start = {**hanging, "start_roll": math.radians(degrees)}
+        made[f"roll from {label} degrees"] = _scene(
+            30.0, 0.01, ["added_mass", "coriolis", "restoring"], start,
+            ["roll", "pitch", "yaw", "roll_rate", *QUATERNION, "position_north", "position_east", "depth"])
+    made["tumbling"] = load_scene("rov-tumbling")
+    rate, small = _munk_rate(), 1e-7
+    made["ahead, slightly disturbed"] = _scene(
+        2.0, 0.01, ["added_mass", "coriolis"], {**LEVEL, "start_surge": 1.0, "start_pitch_rate": small, "substep": 2e-3,
+                                               "start_heave": small * 17.0 / (26.07 * rate)}, ["pitch_rate"])
+    pose = {"start_roll": 0.0, "start_pitch": 0.0, "start_yaw": 0.0, "start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
+    signals = ["position_north", "position_east", "depth", "roll", "pitch"]
+    still = _unit(list(WATER), pose)
+    drift = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
+    moved = _unit([*WATER, "current"], {**pose, **drift, **{f"current.velocity_{n}": v for n, v in FLOW.items()}})
+    made["in still and in moving water"] = read_scene(
+        {"title": "The same thrusts in still and in moving water", "stop_time": 20.0, "units": {"still": still, "moved": moved},
+         "master": {"step": 0.02}, "record": {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]}}, "rov")
+    return made
+
+
+def _unit(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, Any]:
+    return {"component": "RovHull", "effects": list(effects), "parameters": dict(parameters)}
+
+
+def _scene(stop: float, step: float, effects: Sequence[str], parameters: Mapping[str, Any], signals: Sequence[str]) -> Scene:
+    data = {"title": "Hull of an underwater vehicle", "stop_time": stop, "units": {"hull": _unit(effects, parameters)},
+            "master": {"step": step}, "record": {"signals": [f"hull.{s}" for s in signals]}}
+    return read_scene(data, "rov")
+
+
+def start_up(t: np.ndarray, force: float) -> np.ndarray:
+    """Speed from rest under a constant force, m/s: Riccati's equation."""
+    delta = math.sqrt(LINEAR**2 + 4.0 * QUADRATIC * force)
+    u1, u2 = (delta - LINEAR) / (2.0 * QUADRATIC), (delta + LINEAR) / (2.0 * QUADRATIC)
+    decay = np.exp(-delta / MASS * np.asarray(t))
+    return u1 * (1.0 - decay) / (1.0 + u1 / u2 * decay)
+
+
+def apart(result: Result) -> float:
+    """Largest distance of the two tracks once the water's way is taken off, and of the angles, m and rad."""
+    t = np.asarray(result.time)
+    ways = [result[f"moved.{p}"] - result[f"still.{p}"] - t * v
+            for p, v in zip(("position_north", "position_east", "depth"), FLOW.values(), strict=True)]
+    angles = [result[f"moved.{a}"] - result[f"still.{a}"] for a in ("roll", "pitch")]
+    return float(np.abs([*ways, *angles]).max())
+
+
+def _munk_rate() -> float:
+    return math.sqrt(17.0 * (26.07 - 17.0) / (26.07 * 0.28))
+
+
+def _start_chart(runs: Mapping[str, Result]) -> Chart:
+    series = []
+    for force in FORCES:
+        result = runs[f"{force:g} N ahead"]
+        kept = slice(0, np.searchsorted(result.time, 8.0), 8)
+        series += [Series(f"{force:g} N, closed form", result.time[: kept.stop], start_up(result.time[: kept.stop], force)),
+                   Series(f"{force:g} N, run", result.time[kept], result["hull.surge"][kept], "points")]
+    return Chart("Start from rest", "time, s", (Panel("surge, m/s", tuple(series)),), "Force ahead, linear and quadratic drag.")
+
+
+def _munk_chart(result: Result) -> Chart:
+    t, q = result.time, result["hull.pitch_rate"]
+    series = (Series("closed form", t, q[0] * np.exp(_munk_rate() * t)), Series("run", t[::10], q[::10], "points"))
+    return Chart("Ahead at 1 m/s, slightly disturbed", "time, s", (Panel("pitch rate, rad/s", series, logarithmic=True),),
+                 "Munk's moment turns a body broadside to its way.")
+
+
+CASE = Case(
+    "rov-closed-forms",
+    "Hull of an underwater vehicle against closed forms",
+    "Terminal speeds and the start from rest, frequencies of roll and pitch, the period of a large roll, energy and impulse "
+    "of a tumbling body in a perfect fluid, the growth of Munk's instability, and the same motion in still and in moving "
+    "water. A check of the equations and their integration. Whether coefficients of drag are those of a vehicle is another "
+    "question: published sets of one and the same vehicle differ eightfold.",
+    "rov",
+    findings,
+)

@@ -1,0 +1,139 @@
+"""What of a run belongs to its underwater vehicles: track, attitude, thrusts and commands, errors, what should stay constant.
+
+A unit is a vehicle if its position_north, position_east and depth were recorded. Its thrusters and its controller are found by
+the scene's connections: what drives thrust[1] ..., what drives that unit's command, and the errors the latter tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..bearings.records import component_of, recorded, source
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+POSITION = ("position_north", "position_east", "depth")
+ANGLES = ("roll", "pitch", "yaw")
+SPEEDS = ("surge", "sway", "heave")
+RATES = ("roll_rate", "pitch_rate", "yaw_rate")
+ACCELERATIONS = tuple(f"external.acceleration_{a}" for a in "xyz")
+QUATERNION = tuple(f"quaternion_{n}" for n in "wxyz")
+ERRORS = ("error_north", "error_east", "error_down", "error_roll", "error_pitch", "error_yaw")
+WATER = ("north", "east", "down")
+THRUSTERS = 6
+FULL = 1.0 - 1e-9  # of the command, from which on a thruster gives all it can
+CONSERVING = {"added_mass", "coriolis", "external", "tether"}  # without forces through the latter two
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """The recorded part of a vehicle of a run.
+
+    position: (3, n) north, east, down, m.  axes: (3, 3, n), column j the body's axis j in north, east, down; None where the
+    quaternion was not recorded.  signals: angles, speeds, rates, accelerations by name, in SI units; angles are NaN where roll
+    and yaw cannot be told.  thrusts: number of the thruster -> (n,) as the hull receives it, N; commands: likewise.
+    errors, scale: what its controller tells.  water: velocity of the water, north, east, down, m/s, those that were recorded
+    where they come from.  constants: what the equations keep, by name: (k, n).
+    """
+
+    unit: str
+    time: np.ndarray
+    position: np.ndarray
+    axes: np.ndarray | None
+    signals: Mapping[str, np.ndarray]
+    thrusts: Mapping[int, np.ndarray]
+    commands: Mapping[int, np.ndarray]
+    errors: Mapping[str, np.ndarray]
+    scale: np.ndarray | None
+    water: Mapping[str, np.ndarray]
+    constants: Mapping[str, np.ndarray]
+
+    @property
+    def wanted(self) -> np.ndarray | None:
+        """Track of the set point, (3, n), m; None where the controller's errors were not recorded."""
+        if not set(ERRORS[:3]) <= self.errors.keys():
+            return None
+        return self.position + np.array([self.errors[n] for n in ERRORS[:3]])
+
+    def at_limit(self, number: int) -> np.ndarray:
+        """Where the thruster's command is at or beyond its limit, (n,)."""
+        command = self.commands.get(number)
+        return np.zeros(self.time.size, dtype=bool) if command is None else np.abs(command) >= FULL
+
+
+def vehicles(result: Result) -> list[Vehicle]:
+    """The vehicles of a run whose position was recorded, in the order of the scene."""
+    return [_vehicle(result, u) for u in result.scene.units if all(f"{u}.{n}" in result.columns for n in POSITION)]
+
+
+def _vehicle(result: Result, unit: str) -> Vehicle:
+    def own(names: tuple[str, ...]) -> dict[str, np.ndarray]:
+        return {n: np.asarray(result.columns[f"{unit}.{n}"]) for n in names if f"{unit}.{n}" in result.columns}
+
+    signals = own((*ANGLES, *SPEEDS, *RATES, *ACCELERATIONS))
+    told = own(("attitude_valid",)).get("attitude_valid")
+    if told is not None:
+        signals |= {n: np.where(told > 0.5, signals[n], np.nan) for n in ("roll", "yaw") if n in signals}
+    thrusts, commands, controllers = {}, {}, []
+    for k in range(1, THRUSTERS + 1):
+        driving = source(result.scene, unit, f"thrust[{k}]")
+        if column := recorded(result, unit, f"thrust[{k}]"):
+            thrusts[k] = _arrived(result, np.asarray(result.columns[column], dtype=float), {driving, f"{unit}.thrust[{k}]"})
+        thruster = driving.partition(".")[0]
+        if thruster and (column := recorded(result, thruster, "command")):
+            commands[k] = np.asarray(result.columns[column])
+        controllers += [source(result.scene, thruster, "command").partition(".")[0]] if thruster else []
+    controller = next((c for c in controllers if c), "")
+    errors = {n: np.asarray(result.columns[c]) for n in ERRORS if (c := f"{controller}.{n}") in result.columns}
+    scale = result.columns.get(f"{controller}.scale")
+    sources = {a: source(result.scene, unit, f"current.velocity_{a}") for a in WATER}
+    water = {a: np.asarray(result.columns[c]) for a, c in sources.items() if c in result.columns}
+    position, quaternion = np.array(list(own(POSITION).values())), own(QUATERNION)
+    axes = _axes(*quaternion.values()) if len(quaternion) == len(QUATERNION) else None
+    constants = {} if axes is None else _constants(result, unit, position, axes, signals)
+    return Vehicle(unit, result.time, position, axes, signals, thrusts, commands, errors, scale, water, constants)
+
+
+def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:
+    """What arrives of a signal that is recorded where it begins: faults change it on its way from one of `ends` to the other."""
+    made, t = values.copy(), np.asarray(result.time)
+    for fault in result.scene.faults:
+        inside = (t >= fault.begin) & (t < (np.inf if fault.end is None else fault.end))
+        if fault.signal not in ends or not inside.any():
+            continue
+        if fault.kind == "offset":
+            made[inside] += fault.value
+        else:  # a dropped thrust is that of an input nobody drives
+            made[inside] = {"override": fault.value, "freeze": made[np.argmax(inside)], "drop": 0.0}[fault.kind]
+    return made
+
+
+def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Rotation matrices of unit quaternions, (3, 3, n)."""
+    return np.array([[1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+                     [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+                     [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)]])
+
+
+def _constants(result: Result, unit: str, position: np.ndarray, axes: np.ndarray,
+               signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Kinetic energy, (1, n), impulse and its moment about the origin of the world's axes, (3, n), of a body in a perfect fluid.
+
+    Empty for a vehicle with drag, weight, current, or anything driven, and where velocities were not recorded.
+    """
+    component: Any = component_of(result.scene, unit)
+    driven = any(source(result.scene, unit, n) for n in component.inputs) if component is not None else True
+    if driven or "coriolis" not in component.on or not set(component.on) <= CONSERVING or component.u.any():
+        return {}
+    if not {*SPEEDS, *RATES} <= signals.keys() or not hasattr(component, "masses"):
+        return {}
+    velocity = np.array([signals[n] for n in (*SPEEDS, *RATES)])
+    momentum = sum(component.masses()) @ velocity
+    impulse, moment = (np.einsum("ijn,jn->in", axes, part) for part in (momentum[:3], momentum[3:]))
+    energy = 0.5 * np.einsum("in,in->n", velocity, momentum)[None]
+    return {"energy": energy, "impulse": impulse, "moment of impulse": moment + np.cross(position.T, impulse.T).T}

@@ -1,0 +1,176 @@
+"""The two-link chain and the single link against closed forms: small motion, damping, invariants, periods, dry friction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from .....components.two_axis_joint.chain import TwoLinkChain
+from .....components.two_axis_joint.closed_forms import damped_motion, friction_turning_points, small_motion
+from ....harness.analysis.sections import swing_frequency
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, read_scene
+
+ANGLES = ("first_angle", "second_angle")
+MOTION = (*ANGLES, "first_rate", "second_rate")
+STARTS = tuple(f"start_{n}" for n in MOTION)
+SMALL = 1e-5  # rad and rad/s: what is left of the sines' curvature is below 1e-9 of it
+ROOT = math.sqrt(7.0)
+SHAPES = {"equal point masses": ((1.0, math.sqrt(2.0)), (1.0, -math.sqrt(2.0))),
+          "equal rods": ((1.0, (2.0 * ROOT - 1.0) / 3.0), (1.0, -(2.0 * ROOT + 1.0) / 3.0))}
+FREE = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
+        "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}  # fmt: skip
+AMPLITUDES = {"small": 0.1, "quarter": math.pi / 2.0, "high": 3.0}  # rad
+FRICTION, MOMENT = 0.8, 9.81  # N.m
+OVER = 0.25  # s, over which the propagator of small motion is taken: below half a turn of either mode
+DAMPED = {"viscous.first": 0.1, "viscous.second": 0.05}
+LARGE = (0.1, -0.2, 0.3, 0.1)  # start of the damped motions that are shown, in units of SMALL
+
+
+def findings(options: Options) -> Findings:
+    """One run for each closed form; what needs no connection shares one."""
+    runs = {name: run(scene, in_process=options.in_process) for name, scene in scenes().items()}
+    for name, result in runs.items():
+        if result.outcome != "done":
+            return Findings((), {name: result}, notes=(result.message,), complete=False)
+    measured: dict[str, float] = {}
+    modes = runs["modes of small motion"]
+    for k, (preset, mode) in enumerate((p, m) for p in SHAPES for m in (1, 2)):
+        angle = modes[f"mode{k + 1}.first_angle"]
+        measured[f"frequency.{preset.split()[-1]}.{mode}"] = swing_frequency(modes.time, angle)
+    values = propagated(runs["damped, one start each"], "hanging")
+    for mode, value in enumerate(sorted(values[values.imag > 0.0], key=lambda v: v.imag), 1):
+        measured |= {f"damped.frequency.{mode}": value.imag, f"damped.decay.{mode}": -value.real}
+    values = np.sort(propagated(runs["damped, one start each"], "coasting").real)
+    measured |= {"coasting.decay.2": -values[0], "coasting.decay.1": -values[1]}
+    exact = runs["damped, exact solution"]
+    measured |= {f"exact.{n}": float(np.abs(motion_of(exact, n) - solution(n, exact.time)).max()) / SMALL for n in EXACT}
+    free = runs["free motion"]
+    for name in ("mechanical_energy", "angular_momentum"):
+        values = np.asarray(free[f"chain.{name}"])
+        measured[f"drift.{name}"] = float(np.abs(values / values[0] - 1.0).max())
+    swings = runs["large swings"]
+    for name in AMPLITUDES:
+        frequency = swing_frequency(swings.time, swings[f"{name}.angle"])
+        measured[f"period.{name}"] = math.sqrt(1.5 * 9.81) / frequency  # against small swings of a uniform rod of 1 m
+    rubbed = runs["swings with dry friction"]
+    found, closed = turns(rubbed), friction_turning_points(1.0, FRICTION, MOMENT)
+    measured["turns"] = float(len(found))
+    same = min(len(found), len(closed))
+    measured["turn"] = float(np.abs(np.abs(found[:same]) - np.abs(closed[:same])).max())
+    measured |= {"rest": rubbed["chain.first_angle"][-1], "rest.rate": abs(rubbed["chain.first_rate"][-1])}
+    shown = {name: runs[name] for name in ("free motion", "swings with dry friction")}
+    charts = (_damped_chart(exact), _friction_chart(rubbed, closed))
+    return Findings(compare(load_table("chain-closed-forms").rows, measured), shown, charts)
+
+
+def scenes() -> dict[str, Scene]:
+    """Every run by its name."""
+    modes = {}
+    for k, (preset, shape) in enumerate((p, s) for p, shapes in SHAPES.items() for s in shapes):
+        start = dict(zip(STARTS[:2], SMALL * np.array(shape), strict=True))
+        modes[f"mode{k + 1}"] = _chain([], start, preset)
+    starts = {}
+    for k, name in enumerate(STARTS):
+        starts[f"hanging{k + 1}"] = _chain(["gravity", "viscous"], {**DAMPED, name: SMALL, "substep": 2e-4})
+        starts[f"coasting{k + 1}"] = _chain(["viscous"], {**DAMPED, name: SMALL})
+    start = dict(zip(STARTS, SMALL * np.array(LARGE), strict=True))
+    exact = {name: _chain(effects, {**given, **start}) for name, (effects, given) in EXACT.items()}
+    free = _chain([], {**FREE, "start_first_angle": 0.3, "start_second_angle": 2.0, "start_first_rate": 5.0,
+                       "start_second_rate": -7.0, "substep": 1e-4})  # fmt: skip
+    swings = {n: {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": a}}
+              for n, a in AMPLITUDES.items()}  # fmt: skip
+    rubbed = _chain(["gravity", "stick_friction"], {
+        "second_mass": 0.0, "second_inertia": 1.0, "start_first_angle": 1.0, "stick_friction.first_level": FRICTION,
+        "stick_friction.second_level": 0.0})  # fmt: skip
+    return {
+        "modes of small motion": _scene(modes, 40.0, 0.005, ["first_angle"]),
+        "damped, one start each": _scene(starts, OVER, OVER, MOTION),
+        "damped, exact solution": _scene(exact, 10.0, 0.02, ANGLES),
+        "free motion": _scene({"chain": free}, 20.0, 0.02, [*MOTION, "tip_x", "tip_y", "angular_momentum", "mechanical_energy"]),
+        "large swings": _scene(swings, 60.0, 0.002, ["angle", "rate"]),
+        "swings with dry friction": _scene({"chain": rubbed}, 12.0, 0.002, MOTION),
+    }
+
+
+def _chain(effects: Sequence[str], parameters: Mapping[str, float], preset: str = "") -> dict[str, Any]:
+    unit = {"component": "TwoLinkChain", "effects": list(effects), "parameters": {k: float(v) for k, v in parameters.items()}}
+    return {**unit, "preset": preset} if preset else unit
+
+
+def _scene(units: Mapping[str, Any], stop: float, step: float, signals: Sequence[str]) -> Scene:
+    data = {"title": "Chain of two links", "stop_time": stop, "units": dict(units), "master": {"step": step},
+            "record": {"signals": [f"{u}.{s}" for u in units for s in signals]}}
+    return read_scene(data, "chain")
+
+
+EXACT: dict[str, tuple[list[str], dict[str, float]]] = {
+    "proportional": (["gravity", "viscous"], {"viscous.first": 0.3, "viscous.second": 0.3}),
+    "strong": (["gravity", "viscous"], {"viscous.first": 6.0, "viscous.second": 6.0}),
+    "coasting": (["viscous"], DAMPED),
+}
+
+
+def solution(name: str, t) -> np.ndarray:
+    """Exact small motion of one of the damped chains, both angles, rad, (2, n)."""
+    effects, parameters = EXACT[name]
+    start = SMALL * np.array(LARGE)
+    return damped_motion(small_motion(TwoLinkChain(effects, parameters)), start[:2], start[2:], t)[0]
+
+
+def motion_of(result: Result, unit: str) -> np.ndarray:
+    """Both angles of one unit, rad, (2, n)."""
+    return np.array([result[f"{unit}.{n}"] for n in ANGLES])
+
+
+def propagated(result: Result, unit: str) -> np.ndarray:
+    """Eigenvalues of small motion, 1/s, (4,): logarithms of those of what four starts become over the run."""
+    ends = np.array([[result[f"{unit}{k}.{n}"][-1] for k in range(1, 5)] for n in MOTION]) / SMALL
+    return np.log(np.linalg.eigvals(ends).astype(complex)) / OVER
+
+
+def turns(result: Result) -> np.ndarray:
+    """Angles of rest between half swings, rad: the start, then the extreme of every stretch without change of direction."""
+    angle, rate = np.asarray(result["chain.first_angle"]), np.sign(result["chain.first_rate"])
+    moving = np.flatnonzero(rate)
+    ends = np.append(moving[:-1][rate[moving[:-1]] != rate[moving[1:]]], moving[-1])
+    last = len(angle) - 1
+    return np.array([angle[0], *(max(angle[k], angle[min(k + 1, last)], key=abs) for k in ends[:-1]), angle[-1]])
+
+
+def _damped_chart(result: Result) -> Chart:
+    panels = []
+    titles = {"proportional": "proportional damping", "strong": "strong proportional damping", "coasting": "no gravity"}
+    for name, title in titles.items():
+        series = []
+        for label, run_, closed in zip(("first", "second"), motion_of(result, name), solution(name, result.time), strict=True):
+            series += [Series(f"{label}, closed form", result.time, closed / SMALL),
+                       Series(f"{label}, run", result.time[::10], run_[::10] / SMALL, "points")]  # fmt: skip
+        panels.append(Panel(f"{title}, 1e-5 rad", tuple(series)))
+    return Chart("Damped small motion", "time, s", tuple(panels), "Exact solution of the linear chain beside the runs.")
+
+
+def _friction_chart(result: Result, closed: list[float]) -> Chart:
+    found = turns(result)
+    k = np.arange(len(closed))
+    series = (Series("closed form", k, np.abs(closed)), Series("run", np.arange(len(found)), np.abs(found), "points"))
+    text = f"A pendulum of 9.81 N.m with {FRICTION:g} N.m of dry friction, released at 1 rad; it rests where friction bears it."
+    return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)
+
+
+CASE = Case(
+    "chain-closed-forms",
+    "Chain of two links against closed forms",
+    "Frequencies of small motion, eigenvalues and the exact solution of the damped chain, energy and angular momentum of a "
+    "large free motion, the pendulum's period at large amplitudes, turning points and rest of a pendulum with dry friction. A "
+    "check of equations, integration and events. The double pendulum's chaos has no closed form; of it only energy is kept.",
+    "two_axis_joint",
+    findings,
+)

@@ -1,0 +1,94 @@
+"""Operating points of a wind pump with an inertial converter: runs from standstill against a root found elsewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, read_scene
+
+WINDS = (2.0, 2.5, 3.0, 6.0)  # m/s
+MEAN_TORQUE = 13.2435  # N.m, of a piston pump of 60 mm and 150 mm stroke at 20 m
+SETTLED = 150.0  # s, more than a dozen of the slowest time constants
+SIGNALS = ("wind.speed", "turbine.speed", "turbine.power", "turbine.power_coefficient", "converter.speed",
+           "converter.turbine_torque", "converter.driving_torque")  # fmt: skip
+
+
+def findings(options: Options) -> Findings:
+    """Speeds, ratio, power coefficient and power balance at the end of a run a wind."""
+    measured: dict[str, float] = {}
+    runs: dict[str, Result] = {}
+    for wind in WINDS:
+        label = f"{wind:g} m/s"
+        runs[label] = result = run(scene(wind), in_process=options.in_process)
+        if result.outcome != "done":
+            return Findings((), {label: result}, notes=(result.message,), complete=False)
+        turbine, pump = (float(result[f"{unit}.speed"][-1]) for unit in ("turbine", "converter"))
+        measured |= {
+            f"turbine_speed.{wind:g}": turbine,
+            f"pump_speed.{wind:g}": pump,
+            f"ratio.{wind:g}": turbine / pump if pump > 0.0 else float("nan"),
+            f"cp.{wind:g}": float(result["turbine.power_coefficient"][-1]),
+            f"power_ratio.{wind:g}": MEAN_TORQUE * pump / float(result["turbine.power"][-1]),
+        }
+    rows = compare(load_table("wind-pump-equilibrium").rows, measured)
+    span, least = measured["ratio.2"] / measured["ratio.6"], min(measured[f"cp.{v:g}"] for v in WINDS[1:])
+    note = (f"From 2 to 6 m/s the ratio of the speeds changes by a factor of {span:.1f}, by itself, while from 2.5 m/s on the "
+            f"power coefficient is {least:.3f} or more; the largest of this rotor is 0.3.")
+    return Findings(rows, runs, (_chart(measured),), (note,))
+
+
+def scene(wind: float) -> Scene:
+    """Turbine and converter of the defaults from standstill in a steady wind, under a load that does not pulsate."""
+    data = {
+        "title": f"Wind pump with an averaged inertial converter at {wind:g} m/s",
+        "stop_time": SETTLED,
+        "connections": ["wind.speed -> turbine.wind", "turbine.speed -> converter.turbine_speed",
+                        "converter.turbine_torque -> turbine.torque"],
+        "units": {
+            "wind": {"component": "Wind", "parameters": {"mean_speed": wind}},
+            "turbine": {"component": "WindTurbine", "preset": "farm windmill"},
+            "converter": {"component": "AveragedConverter", "parameters": {"load_torque": MEAN_TORQUE}},
+        },
+        "master": {"step": 0.05},
+        "record": {"signals": SIGNALS, "interval": 0.5},
+    }
+    return read_scene(data, "wind-pump-equilibrium")
+
+
+def _chart(measured: dict[str, float]) -> Chart:
+    """Points of the runs on the curves of the closed form, solved for the wind at given turbine speeds."""
+    gear, k1, k2, area = 6.0, 0.2 / np.pi, 0.10125 / np.pi, np.pi * 1.5**2
+    crank = gear * np.linspace(2.42, 4.2, 400)
+    pump = (k1 * crank**2 - MEAN_TORQUE) / (k2 * crank)
+    turbine, torque = crank / gear, gear * MEAN_TORQUE * pump / crank
+    # rho/2 A R C_0 (v² - w R v / ratio_0) = T1, the larger root
+    half = turbine * 1.5 / (2.0 * 2.4)
+    wind = half + np.sqrt(half**2 + torque / (0.5 * 1.225 * area * 1.5 * 0.5))
+    cp = torque * turbine / (0.5 * 1.225 * area * wind**3)
+    panels = []
+    for label, values, name in (
+        ("turbine speed, rad/s", turbine, "turbine_speed"),
+        ("pump speed, rad/s", pump, "pump_speed"),
+        ("turbine speed over pump speed, 1", turbine / pump, "ratio"),
+        ("power coefficient Cp, 1", cp, "cp"),
+    ):
+        points = Series("runs", WINDS, [measured[f"{name}.{v:g}"] for v in WINDS], "points")
+        panels.append(Panel(label, (Series("closed form", wind, values), points), logarithmic=name == "ratio"))
+    return Chart("Operating points", "wind, m/s", tuple(panels), "The ratio follows the wind without any control.", columns=2)
+
+
+CASE = Case(
+    "wind-pump-equilibrium",
+    "Operating points of a wind pump whose ratio adjusts itself",
+    "A farm windmill and the cycle-averaged inertial converter under the mean torque of a piston pump, coupled units that start "
+    "at rest: speeds, ratio, power coefficient and power balance in a steady wind of 2 to 6 m/s against the root of the two "
+    "equilibrium equations, found outside of this project. It checks causality, signs and powers of the coupling; that the "
+    "averaged converter is the mean of the full one is for another case.",
+    "wind_pump",
+    findings,
+)

@@ -1,0 +1,110 @@
+"""Start and stop of a piston pump in the wind: closed forms in a wind that changes slowly, and a whole rise and fall."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ....harness.charts.chart import Chart, Panel, Series
+from ....harness.validation.case import Case, Findings, Options, compare
+from ....harness.validation.reference import load_table
+from ....results import Result
+from ....run import run
+from ....scene.scene import Scene, load_scene, read_scene
+from ..records import chains, runnings
+
+MEAN_TORQUE = 13.2435  # N.m, of the piston pump at 20 m; its peak is pi times that
+KINDS = {"fixed": "FixedTransmission", "converter": "AveragedConverter"}
+FREE = 2.4 / 1.5  # 1/m, speed of the unloaded turbine over the wind
+# from, to in m/s, rate in m/s², speed of both shafts at the start in rad/s; what remains of the lag is the rate times some 4 s
+STARTING: dict[str, tuple[float, float, float]] = {"fixed": (0.0, 3.75, 0.03), "converter": (2.55, 2.75, 1e-3)}
+STOPPING: dict[str, tuple[float, float, float]] = {"fixed": (2.2, 1.95, 1e-3), "converter": (1.65, 1.45, 1e-3)}
+
+
+def findings(options: Options) -> Findings:
+    """Winds at which the pump's shaft begins to turn and comes to rest, for both transmissions, and those of the scene."""
+    measured: dict[str, float] = {}
+    runs: dict[str, Result] = {}
+    for kind in KINDS:
+        for what in ("start", "stop"):
+            runs[f"{kind}, {what}"] = result = run(scene(kind, what), in_process=options.in_process)
+            if result.outcome != "done":
+                return Findings((), {kind: result}, notes=(result.message,), complete=False)
+            measured[f"{what}.{kind}"] = turning_point(result, what)
+        measured[f"hysteresis.{kind}"] = measured[f"start.{kind}"] / measured[f"stop.{kind}"]
+    free = runs["converter, start"]
+    middle = free.time.size // 2  # the turbine has settled, and the pump has not started
+    measured["free"] = float(free["turbine.speed"][middle] / (FREE * free["wind.speed"][middle]))
+    loop = run(load_scene("wind-pump-start"), in_process=options.in_process, progress=options.progress)
+    if loop.outcome != "done":
+        return Findings((), {"rise and fall": loop}, notes=(loop.message,), complete=False)
+    for chain in chains(loop):
+        found = runnings(chain)
+        if found:
+            measured[f"loop.start.{chain.name}"] = found[0].begin_wind or math.nan
+            measured[f"loop.stop.{chain.name}"] = found[-1].end_wind or math.nan
+        measured[f"loop.litres.{chain.name}"] = 1e3 * float(chain.signals["delivered"][-1])
+    runs["rise and fall"] = loop
+    notes = (
+        "A wind that changes at a finite rate is ahead of the turbine: by the rate times the turbine's time constant, inertia "
+        "over the slope of its torque, some 3 to 5 s here. The closed forms know no lag.",
+        "The turbine of the converter turns in any wind, for a converter that stalls takes no torque: before its pump starts it "
+        f"has {measured['free']:.4f} of its runaway speed.",
+    )
+    return Findings(compare(load_table("wind-pump-start").rows, measured), runs, (_chart(measured),), notes)
+
+
+def scene(kind: str, what: str) -> Scene:
+    """A turbine, a transmission and, for the start, a pump that stands at its peak; for the stop, the pump's mean torque."""
+    first, last, rate = (STARTING if what == "start" else STOPPING)[kind]
+    ramp = {"end_speed": last, "rate": rate}
+    transmission: dict[str, Any] = {"component": KINDS[kind]}
+    turbine: dict[str, Any] = {"component": "WindTurbine", "preset": "farm windmill", "parameters": {"start_speed": 0.0}}
+    wind = {"component": "Wind", "effects": ["ramp"], "parameters": {"mean_speed": first, "ramp": ramp}}
+    units: dict[str, Any] = {"wind": wind, "turbine": turbine, "transmission": transmission}
+    connections = ["wind.speed -> turbine.wind", "turbine.speed -> transmission.turbine_speed",
+                   "transmission.turbine_torque -> turbine.torque"]  # fmt: skip
+    if what == "start":
+        units["pump"] = {"component": "PistonPump", "parameters": {"start_angle": 0.5 * math.pi}}
+        connections += ["transmission.speed -> pump.speed", "pump.torque -> transmission.load_torque"]
+    else:
+        transmission["parameters"] = {"load_torque": MEAN_TORQUE, "start_speed": 0.5}
+        turbine["parameters"]["start_speed"] = 0.5 if kind == "fixed" else FREE * first
+    data = {
+        "title": f"{kind} transmission, {what} in a slow wind",
+        "stop_time": abs(last - first) / rate,
+        "connections": connections,
+        "units": units,
+        "master": {"step": 0.01 if kind == "fixed" else 0.05},
+        "record": {"signals": ["wind.speed", "turbine.speed", "transmission.speed"], "interval": 0.05},
+    }
+    return read_scene(data, "wind-pump-start")
+
+
+def turning_point(result: Result, what: str) -> float:
+    """The wind, m/s, at which the pump's shaft first turns or at last stands; NaN if it never does."""
+    turning = result["transmission.speed"] > 0.0
+    changed = turning[1:] != turning[:-1]
+    wanted = changed & (turning[1:] if what == "start" else ~turning[1:])
+    return float(result["wind.speed"][1:][wanted][0 if what == "start" else -1]) if wanted.any() else math.nan
+
+
+def _chart(measured: dict[str, float]) -> Chart:
+    places = {"start": "start, slow wind", "stop": "stop, slow wind"}
+    places |= {f"loop.{n}": f"{n}, rise and fall" for n in ("start", "stop")}
+    found = {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}
+    series = [Series(kind, list(places.values()), values, "points") for kind, values in found.items()]
+    text = "In the slow wind the start is against the peak torque, the stop against the mean; else piston and flywheel decide."
+    return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
+
+
+CASE = Case(
+    "wind-pump-start",
+    "Start and stop wind of a piston pump, fixed ratio against inertial converter",
+    "A single-acting piston takes pi times its mean torque at the peak of its stroke, so that a pump that stands needs sqrt(pi) "
+    "times the wind that keeps it running. Start and stop winds of both transmissions in a slow wind against closed forms, and a "
+    "whole rise and fall of the wind, where piston and flywheel decide, against an integration of the same equations by SciPy "
+    "outside of this project. Turbine, pump and flywheel are the same for both; the numbers are no statement about real pumps.",
+    "wind_pump",
+    findings,
+)

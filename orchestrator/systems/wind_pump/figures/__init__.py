@@ -1,0 +1,50 @@
+"""Figures of the wind pumps of a run: speeds, ratio, Cp and power over time and against the wind, starts and stops, water.
+
+Read from [analysis]: average, standstill, pause, transient; see `analysis.wind_pump`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ....harness.charts.charts import draw_chart
+from ....harness.report.page import Block
+from ...bearings.records import after_transient
+from ..records import PAUSE, STANDSTILL, branches, chains, moving_mean
+from .against_wind import bins_chart, branches_chart
+from .course import course_chart, water_chart
+from .shown import Shown
+from .tables import efficiency_table, runs_table
+
+if TYPE_CHECKING:
+    from ....harness.validation.case import Row
+    from ....results import Result
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures and tables of every chain of turbine, transmission and pump whose speeds were recorded; none without one."""
+    found = chains(result)
+    if not found:
+        return []
+    analysis = result.scene.analysis
+    average = float(analysis.get("average", 0.0))
+    standstill, pause = float(analysis.get("standstill", STANDSTILL)), float(analysis.get("pause", PAUSE))
+    shown = [Shown.of(c, average, standstill, pause, f"{c.name}: " if len(found) > 1 else "") for c in found]
+    made: list[Block] = [draw_chart(course_chart(shown))]
+    wind = found[0].wind
+    if wind is not None:
+        smooth = moving_mean(result.time, wind, average)
+        start = after_transient(result).start
+        followed = branches(result.time[start:], smooth[start:])
+        if followed:
+            made.append(draw_chart(branches_chart(shown, followed, start)))
+        elif (binned := bins_chart(shown, start)) is not None:
+            made.append(draw_chart(binned))
+    made.append(runs_table(shown))
+    water = water_chart(shown)
+    if water is not None:
+        made.append(draw_chart(water))
+    if any(c.powers for c in found):
+        made.append(efficiency_table(result, shown, after_transient(result).start))
+    return made

@@ -1,0 +1,41 @@
+"""Figures of wrists: motion of hand and rows, postures with the row rule, muscles, ligaments, four-bar linkages.
+
+Read from [analysis]: transient, s, left out of paths and postures; postures, s, instants that are tabulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ....harness.charts.charts import draw_chart
+from ....harness.report.page import Block
+from ...bearings.records import after_transient
+from ..records import bundles, linkages, muscles, wrists
+from .four_bars import linkage_chart
+from .motion import motion_chart, paths_chart
+from .parts import ligaments_chart, muscles_chart
+from .postures import difference_table, posture_table
+
+if TYPE_CHECKING:
+    from ....harness.validation.case import Row
+    from ....results import Result
+
+
+def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
+    """Figures and tables of the wrists and four-bar linkages of a run that were recorded; several wrists are compared."""
+    made: list[Block] = []
+    begin = after_transient(result).start
+    found = wrists(result)
+    if found:
+        instants = tuple(result.scene.analysis.get("postures", ()))
+        made += [draw_chart(motion_chart(found, instants)), draw_chart(paths_chart(found, instants, begin))]
+        made.append(posture_table(found, instants, begin))
+        if len(found) > 1 and instants:
+            made.append(difference_table(found, instants))
+    pulled, bound = muscles(result), bundles(result)
+    made += [draw_chart(muscles_chart(m, len(pulled) > 1)) for m in pulled[:1]]  # those of compared wrists have one programme
+    if bound:
+        made.append(draw_chart(ligaments_chart(bound)))
+    made += [draw_chart(linkage_chart(record)) for record in linkages(result)]
+    return made

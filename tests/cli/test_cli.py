@@ -1,0 +1,148 @@
+"""The command line: what it prints for people and for programs, and its exit codes."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from cosimo.components.catalogue import CATALOGUE
+from cosimo.orchestrator.cli import main
+
+SCENE = """
+title = "pantograph under a rigid wire"
+stop_time = 0.1
+[units.pantograph]
+component = "Pantograph"
+[master]
+step = 1e-3
+"""
+FAILING = """
+stop_time = 1.0
+[units.p]
+component = "cosimo.tests.support:Probe"
+parameters = { fail_at = 0.45 }
+[master]
+step = 0.1
+"""
+
+
+def cosimo(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    return end.value.code or 0
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "rigid.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.mark.parametrize("command", ["list", "build", "check", "run", "validate"])
+def test_help_shows_an_example(command, capsys):
+    assert cosimo(command, "--help") == 0
+    assert f"Example: cosimo {command}" in " ".join(capsys.readouterr().out.split())
+
+
+def test_help_imports_nothing_heavy():
+    code = "import sys, orchestrator.cli; print([m for m in ('numpy', 'numba', 'fmpy', 'pydantic', 'scipy') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_list_for_programs(capsys):
+    assert cosimo("list", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found) == {"components", "fmus", "scenes", "cases"}
+    assert {c["name"] for c in found["components"]} == set(CATALOGUE)
+    pantograph = next(c for c in found["components"] if c["name"] == "Pantograph")
+    assert pantograph["system"] == "railway"
+    assert "contact_loss" in pantograph["effects"]
+    assert {"name", "causality", "unit"} <= pantograph["variables"][0].keys()
+    for entries in found.values():
+        assert all(e["name"] and e["title"] for e in entries)
+
+
+def test_list_of_one_kind(capsys):
+    assert cosimo("list", "components") == 0
+    assert "Pantograph" in capsys.readouterr().out
+    assert cosimo("list", "component") == 2
+    assert "did you mean 'components'" in capsys.readouterr().err
+
+
+def test_schema_of_scenes(capsys):
+    assert cosimo("list", "--schema") == 0
+    assert "stop_time" in json.loads(capsys.readouterr().out)["properties"]
+
+
+def test_run_writes_its_results(scene, tmp_path, capsys):
+    assert cosimo("run", str(scene), "--in-process", "-o", str(tmp_path / "out"), "--set", "pantograph.static_force=90",
+                  "--step", "2e-3", "--stop", "0.05") == 0
+    assert "pantograph.contact_force" in capsys.readouterr().out
+    info = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert info["units"]["pantograph"]["parameters"]["static_force"] == 90.0
+    assert (info["outcome"], info["counters"]["master"]["steps"]) == ("done", 25)
+    rows = (tmp_path / "out" / "result.csv").read_text().splitlines()
+    assert rows[0].startswith('"time","pantograph.contact_force"')
+    assert len(rows) == 1 + 26
+    assert float(rows[-1].split(",")[0]) == 0.05
+
+
+@pytest.mark.parametrize(("option", "value", "named"), [
+    ("--set", "pantograph.sped=1", "'speed'"), ("--set", "pantograph.speed", "unit.parameter=value"),
+    ("--set", "pantograf.speed=1", "'pantograph'"), ("--step", "0", "master.step"), ("--step", "nan", "master.step"),
+    ("--stop", "-1", "stop_time"), ("--algorithm", "newton", "'jacobi'"),
+])
+def test_bad_options_of_run(scene, option, value, named, capsys):
+    assert cosimo("run", str(scene), "--in-process", option, value) == 2
+    out, err = capsys.readouterr()
+    assert named in err
+    assert out == ""
+    assert err.count("\n") == 1
+
+
+def test_an_output_place_that_is_a_file(scene, capsys):
+    assert cosimo("run", str(scene), "--in-process", "-o", str(scene)) == 2
+    assert "output directory" in capsys.readouterr().err
+
+
+def test_a_failed_run_keeps_its_partial_result(tmp_path, capsys):
+    (tmp_path / "failing.toml").write_text(FAILING)
+    assert cosimo("run", str(tmp_path / "failing.toml"), "-o", str(tmp_path / "out")) == 3
+    assert "p failed at t = 0.4 s" in capsys.readouterr().err
+    assert len((tmp_path / "out" / "result.csv").read_text().splitlines()) == 1 + 5
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["outcome"] == "failed"
+
+
+def test_build_then_check(tmp_path, capsys):
+    assert cosimo("build", "Pantograph", "-o", str(tmp_path)) == 0
+    fmu = tmp_path / "Pantograph.fmu"
+    assert capsys.readouterr().out.split() == [str(fmu)]
+    assert cosimo("check", str(fmu), "--json") == 0
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    assert findings
+    assert all(f["ok"] for f in findings)
+    fmu.write_bytes(b"no zip file")
+    assert cosimo("check", str(fmu)) == 1
+    assert cosimo("check", str(tmp_path / "none.fmu")) == 2
+    assert cosimo("build", "Pantograf", "-o", str(tmp_path)) == 2
+
+
+def test_unknown_case(capsys):
+    assert cosimo("validate", "en50318-2003") == 2
+    assert "en50318-2002" in capsys.readouterr().err
+
+
+def test_places_that_cannot_be_written_are_one_message(scene, tmp_path, capsys):
+    """A file where a folder should be, a folder where a file should be; of a sweep before its runs."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "out" / "report.html").mkdir(parents=True)
+    taken = str(tmp_path / "file")
+    sweep = ["sweep", str(scene), "--over", "pantograph.static_force=1:2:2"]
+    for command in (["build", "Pantograph", "-o", taken], [*sweep, "-o", taken],
+                    ["run", str(scene), "--in-process", "--stop", "0.05", "-o", str(tmp_path / "out")]):
+        assert cosimo(*command) == 2
+        message = capsys.readouterr().err
+        assert message.startswith("cosimo: ")
+        assert message.count("\n") == 1
+        assert "expected a place that can be" in message

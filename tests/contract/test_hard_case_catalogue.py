@@ -1,0 +1,48 @@
+"""The declared hard cases of every component: each claim within its limit, each refusal in its words and sharp.
+
+The catalogue runs in plain Python; tests/test_plain_python.py starts the session for it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.hard_cases import Refused
+from cosimo.orchestrator.harness.studies.hard_cases import declared, verdicts
+from cosimo.tests.contract.configurations import in_plain_python
+
+DECLARED = declared()
+CASES = [(name, case) for name, cases in DECLARED.items() for case in cases]
+FEWEST = 2
+
+
+@pytest.mark.parametrize(("name", "case"), in_plain_python(CASES), ids=lambda v: v if isinstance(v, str) else v.name)
+def test_hard_case(name, case):
+    for verdict in verdicts(name, case):
+        assert verdict.holds, f"{verdict.claim}: {verdict.reached:.3g} of {verdict.limit:.3g}. {verdict.said}"
+        assert math.isnan(verdict.margin) or verdict.margin >= 1.0
+
+
+@pytest.mark.parametrize("name", CATALOGUE)
+def test_every_component_has_its_cases(name):
+    cases = DECLARED[name]
+    assert len(cases) >= FEWEST
+    assert len({case.name for case in cases}) == len(cases)
+    assert any(not isinstance(case.holds, Refused) for case in cases)  # something that runs
+
+
+@pytest.mark.parametrize(("name", "case"), CASES, ids=lambda v: v if isinstance(v, str) else v.name)
+def test_what_a_case_names_exists(name, case):
+    cls = component_class(name)
+    accepted = case.holds.accepted if isinstance(case.holds, Refused) else {}
+    assert {*case.parameters, *case.inputs, *accepted} <= cls.variables.keys()
+    assert set(case.effects) <= cls.effects.keys()
+    assert case.text.endswith(".")
+    assert round(case.duration / case.step) >= 1
+    if isinstance(case.holds, Refused):
+        assert case.holds.when in ("construction", "initialize", "step")
+        assert case.holds.words
+    else:
+        assert case.holds

@@ -1,0 +1,37 @@
+"""The equations without the compiler: every configuration of every component, as a host without Numba would run it.
+
+Numba takes seconds over each combination of effects, and these tests run each for some milliseconds: in plain Python, in a
+process of their own, hundreds of combinations take less time than the compiler over a few.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cosimo.components.core.kernels import COMPILED
+
+ROOT = Path(__file__).resolve().parents[2]
+FILES = (
+    "tests/contract/test_steps.py",
+    "tests/contract/test_effects_absent.py",
+    "tests/contract/test_effect_strength.py",
+    "tests/contract/test_effects_free.py",
+    "tests/contract/test_hard_case_catalogue.py",
+    "tests/fmus/test_fmu_run.py",
+    "tests/run/test_run.py",
+    "tests/harness/studies/test_effects.py",
+    "tests/harness/studies/test_selection.py",
+)
+
+
+@pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
+@pytest.mark.parametrize("file", FILES)
+def test_without_the_compiler(file):
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", file], cwd=ROOT, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
+    assert done.returncode == 0, done.stdout[-20000:]
+    assert " passed" in done.stdout

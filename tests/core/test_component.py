@@ -1,0 +1,135 @@
+"""The contract's own rules: names of kernel tuples, limits, effects that need or exclude each other."""
+
+from importlib import import_module
+from pkgutil import walk_packages
+
+import numpy as np
+import pytest
+from cosimo import components
+from cosimo.components.catalogue import CATALOGUE
+from cosimo.components.core.component import Component, Effect
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import choice, input_, integer, output, parameter
+from cosimo.components.railway.catenary import Catenary
+from cosimo.components.rov.controller import RovController
+
+
+class Wind(Effect):
+    """Test effect."""
+
+    speed = parameter(3.0, "m/s", "speed of the wind", low=0.0)
+    gust = input_(0.0, "m/s", "gust on top")
+
+
+class Sail(Effect):
+    """Test effect that needs wind."""
+
+    requires = ("wind",)
+    pull = output("N", "pull of the sail", feedthrough=(".pull",))
+
+
+class Rain(Effect):
+    """Test effect that excludes sails."""
+
+    excludes = ("sail",)
+
+
+class Boat(Component):
+    """Test component."""
+
+    wind, sail, rain = Wind, Sail, Rain
+    mass = parameter(5.0, "kg", "mass", low=1.0, high=10.0)
+    mast = parameter((1.0, 2.0), "m", "height of a mast", size=2)
+    crew = integer(2, "people on board", low=0, high=9)
+    hull = choice("round", ("round", "flat"), "shape of the hull")
+    push = input_(0.5, "N", "push")
+    drift = output("m", "drift")
+
+
+def test_kernel_tuples_are_told_apart_by_their_bare_names():
+    """Numba looks at class name, field names and types only; several effects have the same fields."""
+    modules = [import_module(m.name) for m in walk_packages(components.__path__, "cosimo.components.")]
+    found = {c for m in modules for c in vars(m).values() if isinstance(c, type)}
+    tuples = {c for c in found if issubclass(c, tuple) and hasattr(c, "_fields")}
+    tuples |= {c.Values for c in found if issubclass(c, Component | Effect) and hasattr(c, "Values")}
+    assert len(tuples) > len(CATALOGUE)
+    assert len({c.__name__ for c in tuples}) == len(tuples)
+
+
+def test_declaration_order_and_arrays():
+    boat = Boat(["wind", "sail"])
+    assert list(boat.parameters) == ["mass", "mast[1]", "mast[2]", "crew", "hull", "wind.speed"]
+    assert boat.inputs == ("push", "wind.gust")
+    assert boat.outputs == ("drift", "sail.pull")
+    assert Boat.variables["sail.pull"].feedthrough == ("sail.pull",)
+    values, wind, sail, rain = boat._settled()
+    assert values.mast.tolist() == [1.0, 2.0]
+    assert values.hull == 0
+    assert wind._asdict() == {"u": 1, "speed": 3.0}
+    assert sail._asdict() == {"y": 1}
+    assert Boat(["rain"])._settled()[-1]._asdict() == {"on": True}
+    assert rain is None
+
+
+def test_off_is_absent():
+    boat = Boat()
+    assert not any(name.startswith(("wind", "sail", "rain")) for name in (*boat.parameters, *boat.inputs, *boat.outputs))
+    with pytest.raises(BadInput, match="needs the effect 'wind'"):
+        boat.set("wind.speed", 2.0)
+
+
+@pytest.mark.parametrize(
+    ("effects", "parameters", "message"),
+    [
+        (["wnd"], {}, "did you mean 'wind'"),
+        (["sail"], {}, "needs 'wind'"),
+        (["wind", "sail", "rain"], {}, "exclude each other"),
+        ([], {"mas": 3.0}, "did you mean"),
+        ([], {"mass": 0.5}, r"\[1, 10\] kg"),
+        ([], {"mass": "five"}, "a number in kg"),
+        ([], {"mass": float("nan")}, r"\[1, 10\]"),
+        ([], {"mass": True}, "a number"),
+        ([], {"crew": 1.5}, "a whole number"),
+        ([], {"hull": "square"}, "one of round, flat"),
+    ],
+)
+def test_bad_input_is_one_message(effects, parameters, message):
+    with pytest.raises(BadInput, match=message):
+        Boat(effects, parameters, name="boat")
+
+
+class Overloaded(Boat):
+    """Its start divides, overflows or inverts what has no inverse."""
+
+    load = parameter(0.0, "1", "what is too much")
+
+    def _initialize(self, t):
+        load = self.parameters["load"]
+        np.linalg.inv(np.diag([1.0, load]))
+        return int(1.0 / (load - 1.0) * load**4)
+
+
+@pytest.mark.parametrize("load", [0.0, 1.0, 1e300])
+def test_numbers_that_cannot_be_computed_with_are_bad_input(load):
+    with pytest.raises(BadInput, match=r"boat: .*numbers of a usual size"):
+        Overloaded(parameters={"load": load}, name="boat").initialize(0.0)
+
+
+def test_units_keep_their_letters_in_messages():
+    with pytest.raises(BadInput, match=r"Weight of an axis's error .* per N\.m\."):
+        RovController(parameters={"priority[1]": 0.0})
+
+
+def test_unit_strings_are_checked_where_they_are_declared():
+    with pytest.raises((BadInput, RuntimeError)) as caught:  # Python 3.11 wraps what __set_name__ raises
+        type("Bad", (Component,), {"x": parameter(0.0, "Newton", "wrong")})
+    assert "Newton" in str(caught.value) + str(caught.value.__cause__)
+
+
+def test_preset_sets_effects_and_parameters():
+    catenary = Catenary(["wire_profile"], {"spans": 4}, preset="EN 50318:2018 AC simple")
+    assert catenary["span_length"] == 55.0
+    assert catenary["spans"] == 4
+    assert {"pre_sag", "wire_profile"} <= set(catenary.on)
+    with pytest.raises(BadInput, match="did you mean 'EN 50318:2018 AC simple'"):
+        Catenary(preset="EN 50318:2018 AC simpel")

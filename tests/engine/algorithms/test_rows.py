@@ -1,0 +1,66 @@
+"""Wide ports: arrays instead of lists, and the same bits."""
+
+import numpy as np
+import pytest
+from cosimo.components.core.variables import input_, output
+from cosimo.orchestrator.engine.algorithms.polynomial import History
+from cosimo.orchestrator.engine.algorithms.rows import Arrays, Lists, rows_for
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.units.interface import WIDE
+from cosimo.tests.support import Integrals, OfTime
+
+N = WIDE + 6
+
+
+class Source(OfTime):
+    """Gives many functions of time."""
+
+    wave = output("m", "waves", size=N)
+
+    def _outputs(self, t):
+        self.y[:] = np.sin((1.0 + np.arange(N)) * t) * np.logspace(-3, 9, N)
+
+
+class Sink(Integrals):
+    """Integrates many inputs exactly."""
+
+    wave = input_(0.0, "m", "waves", size=N)
+    area = output("m.s", "integrals", size=N)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_lists_and_arrays_give_the_same_bits(degree):
+    rng = np.random.default_rng(1)
+    lists, arrays = History(degree, Lists), History(degree, Arrays)
+    for h in (0.0, 0.1, 0.07, 0.2):
+        values = rng.normal(size=N) * 10.0 ** rng.integers(-9, 9, size=N)
+        lists.push(values.tolist(), h)
+        arrays.push(values, h)
+        fresh = rng.normal(size=N)
+        for a, b in ((lists.ahead(), arrays.ahead()), (lists.towards(fresh.tolist(), 0.3), arrays.towards(fresh, 0.3))):
+            assert [row is None for row in a] == [row is None for row in b]
+            assert [row for row in a if row is not None] == [row.tolist() for row in b if row is not None]
+            assert Lists.end(*a, 0.3) == Arrays.end(*b, 0.3).tolist()
+    assert Lists.joined(None, values.tolist(), 3, N) == Arrays.joined(None, values, 3, N).tolist()
+    assert Lists.joined(values.tolist(), None, 3, N) == Arrays.joined(values, None, 3, N).tolist()
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_a_wide_connection_is_many_narrow_ones(algorithm, degree):
+    """Split over units with few inputs each, the same signals go as lists."""
+    here = "cosimo.tests.engine.algorithms.test_rows"
+    master = {"algorithm": algorithm, "step": 0.05, "extrapolation": degree}
+    wide = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, "b": {"component": f"{here}:Sink"}},
+                           "connections": ["a.wave* -> b.wave*"], "master": master, "record": {"signals": ["b.area"]}}))
+    halves = {f"b{k}": {"component": f"{here}:Sink"} for k in (0, 1)}
+    connections = [f"a.wave[{i}] -> b{i % 2}.wave[{i}]" for i in range(1, N + 1)]
+    signals = [f"b{i % 2}.area[{i}]" for i in range(1, N + 1)]
+    narrow = run(read_scene({"stop_time": 1.0, "units": {"a": {"component": f"{here}:Source"}, **halves},
+                             "connections": connections, "master": master, "record": {"signals": signals}}))
+    assert (wide.outcome, narrow.outcome) == ("done", "done")
+    assert rows_for(N) is Arrays
+    assert rows_for(N // 2) is Lists
+    for i in range(1, N + 1):
+        np.testing.assert_array_equal(wide[f"b.area[{i}]"], narrow[f"b{i % 2}.area[{i}]"])

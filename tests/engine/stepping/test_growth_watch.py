@@ -1,0 +1,120 @@
+"""Runs that become unstable are stopped on the way, with connection and limit; nothing else is."""
+
+import json
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.engine.algorithms.straight import StraightStretch
+from cosimo.orchestrator.engine.stepping.growth import Growth
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.tests.support import two_masses
+
+
+def spring(step, degree=0, d=4.0, steps=4000, ground=(0.0, 0.0), **more):
+    """1 kg on 100 N/m: held forces are stable up to d/50, the closed form of a mass on a spring and damper."""
+    return read_scene({
+        "stop_time": steps * step, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": ground[0], "c": ground[1]}},
+                  "s": {"component": "cosimo.tests.support:SpringDamper", "parameters": {"d": d}}},
+        "master": {"algorithm": "jacobi", "step": step, "extrapolation": degree} | more,
+    })
+
+
+@pytest.mark.parametrize(("degree", "limit"), [(0, 0.08), (1, 0.1213169), (2, 0.1301332)])
+def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree, limit):
+    """Limits: roots of the characteristic polynomials at a fifth of critical damping, ω = 10 rad/s."""
+    calm = run(spring(0.98 * limit, degree))
+    assert calm.outcome == "done", calm.message
+    wild = run(spring(1.02 * limit, degree))
+    assert wild.outcome == "failed"
+    assert "the coupling is unstable" in wild.message
+    assert f"m against s is stable up to {limit:.3g} s with master.extrapolation = {degree}" in wild.message
+    assert 0.0 < wild.time[-1] < 0.8 * 4000 * limit
+    assert np.abs(wild["m.x_out"]).max() < 1e10  # long before what no number can hold
+    assert len(wild.time) == round(wild.time[-1] / (1.02 * limit)) + 1  # all that was computed is kept
+
+
+def test_what_grows_too_fast_to_be_watched_names_the_limit_too():
+    result = run(spring(0.24))
+    assert result.outcome == "failed"
+    assert "has grown to" in result.message
+    assert "Reduce the macro step: m against s is stable up to 0.08 s" in result.message
+
+
+def test_a_coupling_without_a_stable_step_is_told_so():
+    result = run(spring(0.05, d=0.0))
+    assert "m against s is stable at no step" in result.message
+
+
+def test_a_motion_that_swings_up_and_is_followed_goes_on():
+    """A negative damper on the ground: e-fold in 2 s, by e^20 in all; the steps are a sixtieth of the period."""
+    result = run(spring(0.01, 1, d=0.0, ground=(0.0, -1.0)))
+    assert result.outcome == "done", result.message
+    assert np.abs(result["m.x_out"]).max() > 1e6
+
+
+def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
+    """By the account of the bond alone: the inputs' own growth is not looked at here."""
+    made = Growth.__init__
+
+    def without_inputs(self, *arguments):
+        made(self, *arguments)
+        self._free[:] = False
+
+    monkeypatch.setattr(Growth, "__init__", without_inputs)
+    data = two_masses("jacobi", 0.03, 1) | {"stop_time": 100.0}
+    wild = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",)}))
+    assert wild.outcome == "failed"
+    assert "the coupling makes energy at the bond" in wild.message
+    assert "a against b is stable up to" in wild.message
+    calm = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
+    assert calm.outcome == "done", calm.message
+
+
+@pytest.mark.parametrize("name", sorted(scene_files()))
+def test_no_shipped_scene_raises_an_alarm(name):
+    scene = load_scene(name)
+    stop = min(scene.stop_time, 500 * scene.master.step)
+    result = run(scene.with_changes({"stop_time": stop, "faults": (), "record.interval": None, "record.snapshot_interval": None}),
+                 in_process=True)
+    assert result.outcome == "done", result.message
+
+
+def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
+    """Counted: as many stretches with it as without it, and one look in 29 steps."""
+    stretches, looks = [], []
+    taken, looked = StraightStretch.run, Growth.__call__
+
+    def counted(self, times, h):
+        stretches.append(len(times))
+        return taken(self, times, h)
+
+    def seen(self, tick, t):
+        looks.append(tick)
+        looked(self, tick, t)
+
+    monkeypatch.setattr(StraightStretch, "run", counted)
+    scene = spring(0.01, 1, steps=6000)
+    monkeypatch.setattr(Growth, "__call__", seen)
+    run(scene)
+    with_it, stretches[:] = len(stretches), []
+    monkeypatch.setattr(Growth, "__call__", lambda self, tick, t: None)
+    monkeypatch.setattr(Growth, "idle", lambda self, tick, length: 1_000_000)
+    run(scene)
+    assert with_it == len(stretches)
+    assert len(looks) <= 6000 / 29 + 4
+
+
+def test_exit_code_and_results_of_a_run_that_became_unstable(tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["run", "mass-on-spring", "--in-process", "--step", "0.13", "--stop", "200", "-o", str(tmp_path)])
+    assert stopped.value.code == 3
+    error = capsys.readouterr().err
+    assert "unstable" in error
+    assert "mass against spring is stable up to 0.121 s" in error
+    info = json.loads((tmp_path / "run.json").read_text())
+    assert info["outcome"] == "failed"
+    assert (tmp_path / "result.csv").read_text().count("\n") > 100
+    assert (tmp_path / "report.html").exists()

@@ -1,0 +1,89 @@
+"""A report of a run that ended early shows what there is, and says what there is not."""
+
+from dataclasses import replace
+from html import unescape
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.harness import report
+from cosimo.orchestrator.harness.analysis.signals import FINER, uniform
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.tests.support import two_masses
+
+SCENES = sorted(scene_files())
+
+
+def page(result, directory):
+    return report.for_run(result, directory).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("name", SCENES)
+def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
+    if steps > 1:  # natural frequencies are of the scene, however long it runs
+        monkeypatch.setattr("cosimo.orchestrator.systems.rotor.figures.whirl", lambda result, record: None)
+    scene = load_scene(name)
+    step = scene.master.step
+    snapshots = {"record.snapshot_interval": step} if scene.record.snapshots else {}
+    every = {"record.interval": None, "faults": []}  # faults come later in a run, and a scene whose faults never come is refused
+    result = run(scene.with_changes({"stop_time": round(steps * step, 12), **snapshots, **every}), in_process=True)
+    assert result.time.size == steps + 1
+    html = page(result, tmp_path)
+    assert "Recorded signals" in html
+    wanted = scene.analysis.get("system", "")
+    short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
+             "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
+             "pipe_robot": "Way and speed", "friction_drive": "Way of the sleeve", "wrist": "Motion of the hand", "": "Settings"}
+    assert short[wanted] in html
+
+
+@pytest.mark.parametrize(("stop", "there", "not_there"), [
+    (2.0, "Uplift of the contact wire", "Shape of the contact wire"),
+    (4.0, "Shape of the contact wire", "Statistics in the analysis window"),
+])  # fmt: skip
+def test_a_run_that_ends_before_or_in_its_window_shows_what_there_is(stop, there, not_there, tmp_path):
+    html = page(run(load_scene("en50318-2002").with_changes({"stop_time": stop}), in_process=True), tmp_path)
+    assert there in html
+    assert not_there not in html
+    assert "There are no statistics" in html
+    assert "Contact force at 250 km/h" in html
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2])
+def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
+    for scene in (read_scene(two_masses()), load_scene("lumped-catenary").with_changes({"stop_time": 0.01})):
+        whole = run(scene, in_process=True)
+        columns = {name: values[:rows] for name, values in whole.columns.items()}
+        partial = replace(whole, time=whole.time[:rows], columns=columns, outcome="failed", message="it broke")
+        assert "it broke" in page(partial, tmp_path)
+
+
+def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
+    """An added mass above the mass, told as a force once a step: the acceleration grows from step to step."""
+    told = {"algorithm": "gauss-seidel", "feedthrough": "stale", "extrapolation": 0, "iteration": None}
+    result = run(load_scene("rov-added-mass").with_changes({f"master.{k}": v for k, v in told.items()}), in_process=True)
+    assert (result.outcome, result.time.size > 10) == ("failed", True)
+    html = page(result, tmp_path)
+    assert "This run failed" in html
+    assert "feedthrough" in result.message  # a shorter step fails earlier: it is not what to advise
+    assert "Reduce" not in " ".join([result.message, *result.info["warnings"]])
+    assert "Depth and attitude" in html
+
+
+def test_a_unit_that_fails_in_the_run_leaves_a_report(tmp_path):
+    scene = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.5}}},
+             "master": {"step": 0.1}}  # fmt: skip
+    result = run(read_scene(scene), in_process=True)
+    assert result.outcome == "failed"
+    html = page(result, tmp_path)
+    assert result.message in unescape(html)
+    assert 'class="badge failed"' in html
+
+
+def test_a_very_short_step_does_not_blow_up_a_record():
+    time = np.array([0.0, 0.1, 0.1 + 1e-9, 0.2, 0.3])
+    rate, even, (values,) = uniform(time, 2.0 * time)
+    assert even.size == FINER * 4 + 1
+    assert values == pytest.approx(2.0 * even)
+    assert rate == pytest.approx(FINER * 4 / 0.3)

@@ -1,0 +1,207 @@
+"""The accuracy study: orders and orderings on counted work, failures that stay in the picture, its table, components alone."""
+
+import csv
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, read_points, write_points
+from cosimo.orchestrator.harness.studies.alone import Alone, alone
+from cosimo.orchestrator.harness.studies.knobs import (
+    couplings,
+    macro_steps,
+    meshes,
+    pinned,
+    settings,
+    with_step,
+    without_effects,
+)
+from cosimo.orchestrator.scene.scene import load_scene, read_scene
+
+SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})
+
+
+PLENTY = 1000.0  # s: some are needed, and nothing is left out on a machine that is busy
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return accuracy(SCENE, budget=PLENTY, repeats=1)
+
+
+def line(measured, name):
+    return sorted((p for p in measured.points if p.line == name and p.outcome == "done"), key=lambda p: p.size)
+
+
+@pytest.mark.parametrize(("degree", "order"), [("held", 1), ("linear", 2), ("quadratic", 2)])
+def test_errors_fall_with_the_order_of_the_inputs(measured, degree, order):
+    """Parabolas give no third order here: a run begins without a past, and what its first step holds is wrong by h²."""
+    points = [p for p in line(measured, f"gauss-seidel, {degree}") if p.size <= 1e-2]
+    steps, errors = (np.log([getattr(p, key) for p in points]) for key in ("size", "error"))
+    assert np.polyfit(steps, errors, 1)[0] == pytest.approx(order, abs=0.35)
+
+
+def test_linear_inputs_need_at_most_half_the_macro_steps_of_held_ones_at_two_percent(measured):
+    def steps(name):
+        return min(p.work["macro_steps"] for p in line(measured, name) if p.held <= 0.02)
+
+    held = line(measured, "jacobi, held")
+    assert all(p.held > 0.02 or p.work["macro_steps"] >= 2 * steps("gauss-seidel, linear") for p in held)
+
+
+def test_what_became_unstable_stays_with_its_reason():
+    """A mass of 1 kg that gets a held force from spring and damper is stable up to min(2 d/k, 2 m/d), in closed form."""
+    given = SCENE.units["spring"].parameters
+    limit = min(2.0 * given["damping"] / given["stiffness"], 2.0 / given["damping"])
+    found = accuracy(SCENE.with_changes({"master.step": 0.5 * limit, "stop_time": 10.0}), budget=PLENTY, repeats=1)
+    unstable = [p for p in found.points if p.line == "jacobi, held" and p.size > 1.5 * limit]
+    stable = [p for p in found.points if p.line == "jacobi, held" and p.size < 0.9 * limit]
+    assert len(unstable) == len(stable) == 2
+    assert all(p.outcome in ("failed", "useless") and p.reason and p.held == math.inf for p in unstable)
+    assert all(p.outcome == "done" for p in stable)
+    assert not any(p in found.front(cost) for p in unstable for cost in ("seconds", "calls"))
+
+
+def test_the_front_has_nothing_that_is_dearer_and_worse(measured):
+    for cost in ("seconds", "calls"):
+        front = measured.front(cost)
+        assert [p.cost(cost) for p in front] == sorted(p.cost(cost) for p in front)
+        assert [p.held for p in front] == sorted((p.held for p in front), reverse=True)
+        for p in front:
+            assert not any(q.outcome == "done" and q.cost(cost) < p.cost(cost) and q.held < p.held for q in measured.points)
+
+
+def test_a_small_error_by_chance_is_not_held():
+    points = [Point("a", "coupling", size, {}, "done", error=error, held=error, seconds=1.0 / size)
+              for size, error in ((4.0, 0.001), (2.0, 0.1), (1.0, 0.05))]
+    from cosimo.orchestrator.harness.studies.accuracy import held
+
+    assert [p.held for p in held(points)] == [0.1, 0.1, 0.05]
+    assert [p.size for p in front_of(held(points), "seconds")] == [4.0, 1.0]
+
+
+def test_the_setting_as_it_is_comes_first(measured):
+    assert measured.points[0].line == OWN
+    assert measured.own.changes == pinned(SCENE)
+    other = SCENE.with_changes({"master.step": 1e-3, "master.algorithm": "jacobi", "units.mass.parameters.substep": 1e-4})
+    assert other.with_changes(measured.own.changes).master == SCENE.master
+    assert other.with_changes(measured.own.changes).units["mass"].parameters["substep"] == 1e-3
+    assert measured.own.outcome == "done"
+
+
+def test_what_the_budget_does_not_reach_is_named():
+    short = accuracy(SCENE, budget=1e-3, repeats=1)
+    assert {p.outcome for p in short.points[1:]} == {"skipped"}
+    assert "budget of 0.001 s" in short.points[-1].reason
+
+
+def test_the_table_has_names_with_units_and_gives_everything_back(measured, tmp_path):
+    path = measured.save(tmp_path)
+    with open(path, encoding="utf-8") as file:
+        header, *rows = list(csv.reader(file))
+    assert header[:4] == ["line", "knob", "size, s or tolerance", "outcome"]
+    assert "error of mass.base_x, course" in header
+    assert len(rows) == len(measured.points) + 1
+    assert {len(row) for row in rows} == {len(header)}
+    again = read_points(write_points(replace(measured, marks={"scene digest": "abc"}), tmp_path, "again.csv"))
+    assert again.marks == {"scene digest": "abc"}
+    assert again.how == measured.how
+    for ours, theirs in zip(measured.points, again.points, strict=True):
+        assert (ours.line, ours.size, ours.outcome) == (theirs.line, theirs.size, theirs.outcome)
+        assert theirs.changes == dict(ours.changes)
+        assert theirs.held == pytest.approx(ours.held, rel=1e-5)
+        assert theirs.work == dict(ours.work)
+    assert again.floor == pytest.approx(measured.floor, rel=1e-5)
+
+
+def test_a_file_that_is_no_table_is_named(tmp_path):
+    (tmp_path / "x.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    with pytest.raises(BadInput, match="no table of accuracy"):
+        read_points(tmp_path / "x.csv")
+
+
+def test_settings_make_sense_for_the_connections():
+    lone = read_scene({"stop_time": 1.0, "master": {"step": 1e-2}, "units": {"m": {"component": "cosimo.tests.support:Mass"}}})
+    assert [name for name, _ in couplings(lone)] == ["macro step"]
+    chain = read_scene({
+        "stop_time": 1.0, "master": {"step": 1e-2}, "connections": ["m.x_out -> s.position"],
+        "units": {"m": {"component": "cosimo.tests.support:Mass"}, "s": {"component": "cosimo.tests.support:SpringDamper"}}})
+    assert not any(name.startswith("iterative") for name, _ in couplings(chain))
+    assert any(name.startswith("iterative") for name, _ in couplings(SCENE))
+    sizes = macro_steps(SCENE)
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[-1] == SCENE.master.step / 2
+    assert all(SCENE.with_changes(s.changes).master for s in settings(SCENE))
+
+
+def test_samples_are_no_denser_than_steps():
+    scene = SCENE.with_changes({"record.interval": 1e-2})
+    assert with_step(scene, 2e-2) == {"master.step": 2e-2, "record.interval": 2e-2}
+    assert with_step(scene, 5e-3) == {"master.step": 5e-3}
+
+
+@pytest.mark.parametrize(("mesh", "word"), [
+    ("mass.base_x", "length"), ("mas.substep", "unit.parameter"), ("mass", "unit.parameter"),
+])
+def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
+    with pytest.raises(BadInput, match=word):
+        meshes(SCENE.with_changes({"study.mesh": [mesh]}))
+
+
+def test_a_mesh_has_its_own_line():
+    scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
+    assert [s.changes for s in settings(scene) if s.knob == "mesh"] == [
+        {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 5e-4}]
+
+
+def test_an_effect_less_is_shown_but_advised_by_no_front():
+    scene = load_scene("link-split").with_changes({"stop_time": 0.05})
+    named = {s.line: s.changes for s in without_effects(scene)}
+    assert named["without joint.rotation"] == {
+        "units.joint.effects": [], "units.joint.parameters": {"stiffness": 1e5, "damping": 100.0}}
+    assert scene.with_changes(named["without second.gravity"]).units["second"].effects == ()
+    cheap = Point("without a.gravity", "effect", 1.0, {}, "done", error=1e-9, held=1e-9, seconds=1e-9)
+    assert front_of([cheap], "seconds") == []
+
+
+def test_a_component_alone_has_the_order_of_its_integrator():
+    found = alone("BallBearing", stop=0.1, budget=10.0, repeats=1)
+    own = [p for p in found.points if p.knob == "substep" and 1e-6 < p.error < 5e-3]
+    assert len(own) >= 3
+    slope = np.polyfit(np.log([p.size for p in own]), np.log([p.error for p in own]), 1)[0]
+    assert slope == pytest.approx(4.0, abs=0.3)
+    assert found.least < 1e-7
+    assert {p.line for p in found.points} > {"SciPy DOP853", "SciPy Radau", OWN}
+    assert min(p.error for p in found.points if p.line == "SciPy DOP853") < 1e-3
+
+
+def test_the_inputs_of_a_component_alone_go_through_the_wave_it_is_told():
+    one = Alone("PlanarLink", ("gravity",), stop=1.0)
+    ends = np.einsum("j,kjm->km", one.step ** np.arange(3.0), one.inputs)
+    np.testing.assert_allclose(ends[:-1], one.inputs[1:, 0], rtol=1e-12, atol=1e-14)  # without a jump between steps
+    k = one.steps // 4  # a quarter of two waves: the top
+    nominal = one.make().variables[one.make().inputs[0]].nominal
+    assert one.inputs[k, 0, 0] == pytest.approx(0.05 * nominal, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["WaterCurrent", "RovController"])
+def test_what_integrates_nothing_is_refused(name):
+    with pytest.raises(BadInput, match="nothing that is integrated"):
+        alone(name)
+
+
+def test_an_accuracy_without_results_has_no_front():
+    empty = Accuracy("a", "a", (Point(OWN, "own", 1.0, {}, "failed", "why"),), "", "", {}, "", "")
+    assert empty.front() == []
+    assert empty.least == math.inf
+
+
+def test_a_scene_without_connections_is_measured():
+    """A degree of extrapolation would have no effect there, and a scene with one is refused."""
+    link = {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": 0.5}}
+    record = {"signals": ["link.angle"]}
+    scene = read_scene({"stop_time": 0.1, "units": {"link": link}, "master": {"step": 1e-2}, "record": record})
+    found = accuracy(scene, budget=PLENTY, repeats=1)
+    assert {p.outcome for p in found.points} == {"done"}

@@ -1,0 +1,168 @@
+"""Fronts: whose they are, where they are kept, what they advise, and that shipped ones belong to the shipped scenes."""
+
+import json
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.studies import fronts
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, read_points
+from cosimo.orchestrator.harness.studies.fronts import choose, components_digest, keep, known, scene_digest, verify
+from cosimo.orchestrator.scene.files import scene_files, shipped
+from cosimo.orchestrator.scene.scene import load_scene
+
+SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 0.5})
+FAST = {"master.algorithm": "gauss-seidel", "master.extrapolation": 1, "master.step": 1e-2}
+
+
+def front(*points, floor=1e-6):
+    made = [Point(OWN, "own", 5e-3, {}, "done", error=0.01, held=0.01, seconds=1.0)]
+    made += [Point(name, "coupling", size, changes, "done", error=error, held=error, seconds=seconds)
+             for name, size, changes, error, seconds in points]
+    return Accuracy("mass-on-spring", "", tuple(made), "by hand", "by hand", {"mass.base_x, course": floor}, "here", "now")
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "cache"))
+
+
+@pytest.mark.parametrize("changes", [
+    {"master.step": 1e-3}, {"master.algorithm": "jacobi"}, {"title": "x"}, {"units.mass.parameters.substep": 1e-4},
+])
+def test_a_front_is_that_of_the_physics(changes):
+    assert scene_digest(SCENE.with_changes(changes)) == scene_digest(SCENE)
+
+
+@pytest.mark.parametrize("changes", [
+    {"stop_time": 0.6}, {"units.spring.parameters.stiffness": 101.0}, {"study.quantities": ["mass.base_x, end"]},
+    {"units.mass.effects": ["gravity"]}, {"analysis.transient": 0.1},
+])
+def test_another_scene_has_another_front(changes):
+    assert scene_digest(SCENE.with_changes(changes)) != scene_digest(SCENE)
+
+
+def test_meshes_are_no_physics_where_they_are_named():
+    named = SCENE.with_changes({"study.mesh": ["mass.length"]})
+    assert scene_digest(named.with_changes({"units.mass.parameters.length": 2.0})) == scene_digest(named)
+
+
+def test_a_kept_front_is_found_again(cache):
+    assert known(SCENE) is None
+    path = keep(SCENE, front())
+    found = known(SCENE)
+    assert str(path) in found.origin
+    assert found.measured.own.held == 0.01
+    assert known(SCENE.with_changes({"stop_time": 0.6})) is None
+
+
+def test_other_components_make_a_kept_front_unknown(cache, monkeypatch):
+    keep(SCENE, front())
+    before = components_digest(SCENE)
+    monkeypatch.setattr(fronts, "sources", lambda module: {"x.py": b"changed"})
+    assert components_digest(SCENE) != before
+    assert known(SCENE) is None
+
+
+def test_the_quickest_setting_that_holds_is_chosen():
+    measured = front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 2e-3, {}, 1e-3, 3.0), ("c", 1e-3, {}, 1e-4, 2.0))
+    assert choose(measured, 0.05).line == "a"
+    assert choose(measured, 0.01).line == OWN
+    assert choose(measured, 1e-3).line == "c"  # quicker than b and better
+
+
+def test_more_than_was_measured_is_refused_with_what_there_is():
+    with pytest.raises(BadInput, match=r"the best setting measured has 1 %"):
+        choose(front(), 1e-3)
+
+
+def test_more_than_the_reference_knows_is_refused():
+    with pytest.raises(BadInput, match="the reference itself"):
+        choose(front(floor=1e-2), 1e-3)
+
+
+def test_a_finer_run_verifies():
+    """Linear inputs are of second order: the difference of two steps is three quarters of the error of the longer one."""
+    found = verify(SCENE.with_changes(FAST))
+    finer = verify(SCENE.with_changes({**FAST, "master.step": 5e-3}))
+    name = "mass.base_x, course"
+    assert found[name] / finer[name] == pytest.approx(4.0, rel=0.2)
+
+
+def test_the_command_runs_the_setting_and_says_so(cache, tmp_path, capsys):
+    scene = tmp_path / "short.toml"
+    text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
+    scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
+    keep(load_scene(scene), front(("gauss-seidel, linear", 1e-2, FAST, 0.02, 0.1)))
+    with pytest.raises(SystemExit) as exit_:
+        main(["run", str(scene), "--accuracy", "5%", "--verify", "--in-process", "-o", str(tmp_path / "out")])
+    out = capsys.readouterr().out
+    assert exit_.value.code == 0
+    assert "gauss-seidel, linear, 0.01" in out
+    assert "verified" in out
+    assert "NOT" not in out
+    told = json.loads((tmp_path / "out" / "run.json").read_text(encoding="utf-8"))
+    assert told["accuracy"]["changes"] == FAST
+    assert told["accuracy"]["asked"] == 0.05
+    assert "quickest" in told["accuracy"]["reason"]
+    assert told["settings"]["step"] == 1e-2
+
+
+def test_a_setting_that_does_not_hold_fails_the_check(cache, tmp_path, capsys):
+    scene = tmp_path / "short.toml"
+    text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
+    scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
+    keep(load_scene(scene), front(("too good", 4e-2, {**FAST, "master.step": 4e-2}, 1e-4, 0.1)))
+    with pytest.raises(SystemExit) as exit_:
+        main(["run", str(scene), "--accuracy", "0.1%", "--verify", "--in-process"])
+    assert exit_.value.code == 1
+    assert "NOT verified" in capsys.readouterr().out
+
+
+def test_nothing_known_is_measured_first(cache, tmp_path, capsys):
+    scene = tmp_path / "short.toml"
+    text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
+    scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
+    for _ in range(2):
+        with pytest.raises(SystemExit) as exit_:
+            main(["run", str(scene), "--accuracy", "1%", "--in-process"])
+        assert exit_.value.code == 0
+    captured = capsys.readouterr()
+    assert captured.err.count("measuring first") == 1
+    assert "measured on this machine" in captured.out
+
+
+@pytest.mark.parametrize(("options", "word"), [
+    (["--accuracy", "1%", "--step", "1e-3"], "--step"), (["--accuracy", "1%", "--algorithm", "jacobi"], "--algorithm"),
+    (["--accuracy", "0%"], "share above 0 %"), (["--accuracy", "120%"], "at most 100 %"), (["--accuracy", "x"], "1% or 0.01"),
+    (["--verify"], "--accuracy"),
+])
+def test_options_that_do_not_go_together(options, word, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main(["run", "mass-on-spring", "--in-process", *options])
+    assert exit_.value.code == 2
+    assert word in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", shipped("fronts", ".csv"))
+def test_shipped_tables_are_those_of_the_scenes(name):
+    """A scene whose physics or quantities change has to be measured again: accuracy.csv of cosimo accuracy NAME."""
+    measured = read_points(shipped("fronts", ".csv")[name])
+    scene = load_scene(name)
+    assert measured.marks[fronts.SCENE] == scene_digest(scene)
+    assert measured.machine
+    assert "numba" in measured.versions
+    assert measured.own.outcome == "done"
+    assert measured.own.size == scene.master.step
+
+
+@pytest.mark.parametrize("name", shipped("fronts", ".csv"))
+def test_scenes_run_at_a_setting_on_their_front(name):
+    """By counted work; a factor below 1.5 between neighbours turns with the quantity that is looked at."""
+    measured = read_points(shipped("fronts", ".csv")[name])
+    own, floor = measured.own, measured.least
+    for p in measured.points:
+        if p.outcome == "done" and p.knob != "effect":
+            calls, error = (own.work["calls"] / p.work["calls"], max(own.held, floor) / max(p.held, floor))
+            assert not (calls >= 1.0 and error > 1.5), f"{p.line} at {p.size:g} is more accurate"
+            assert not (error >= 1.0 and calls > 1.5), f"{p.line} at {p.size:g} is cheaper"

@@ -1,0 +1,128 @@
+"""Sweeps: every combination runs, what is measured is right, failures stay in their rows, bad input starts nothing."""
+
+import csv
+
+import numpy as np
+import pytest
+from cosimo.components.core.component import Component
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import DONE, hold_inputs
+from cosimo.components.core.variables import output, parameter
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.sweep import points, sweep
+from cosimo.orchestrator.scene.scene import read_scene
+
+MASS = {
+    "stop_time": 2.0,
+    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}},
+    "master": {"step": 1e-3},
+    "sweep": {"m": {"k": [400.0, 1600.0], "m": {"from": 1.0, "to": 4.0, "points": 3}}},
+}
+
+
+class Wheel(Component):
+    """Turns at a constant speed; a signal follows `multiple` times the angle."""
+
+    speed = parameter(7.0, "rad/s", "speed of turning")
+    multiple = parameter(1.0, "1", "periods of the signal in a turn")
+    angle = output("rad", "angle, from 0 to a full turn")
+    height = output("m", "cosine of the multiple of the angle")
+
+    def _initialize(self, t):
+        self.settled = self._settled()
+        return DONE
+
+    def _step(self, t, h):
+        hold_inputs(self.u, h)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t):
+        angle = self.parameters["speed"] * t
+        self.y[:] = angle % (2.0 * np.pi), np.cos(self.parameters["multiple"] * angle)
+
+
+def test_every_combination_is_run_and_measured():
+    found = sweep(read_scene(MASS))
+    k, m = found.varied["m.k"], found.varied["m.m"]
+    assert k.tolist() == [400.0] * 3 + [1600.0] * 3
+    assert m.tolist() == [1.0, 2.5, 4.0] * 2
+    # x = v0 / omega sin(omega t); the samples, 1 ms apart, miss the top by (omega h)^2 / 8 < 2e-4 at most
+    np.testing.assert_allclose(found.measures["m.x_out, maximum"], 2.0 / np.sqrt(k / m), rtol=2e-4)
+    assert set(found.outcomes) == {"done"}
+    assert found.units["m.x_out, maximum"] == "m"
+
+
+def test_a_section_takes_the_signal_at_equal_angles():
+    scene = {"stop_time": 9.0, "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}}, "master": {"step": 1e-2},
+             "sweep": {"w.multiple": [1.0, 0.5, 1.0 / 3.0]},
+             "analysis": {"transient": 1.0, "section": {"signal": "w.height", "angle": "w.angle", "turns": 1}}}
+    one, two, three = sweep(read_scene(scene)).section
+    assert one.size == two.size == three.size == 9  # whole turns from angle 7 to angle 63
+    # cubic interpolation of a cosine over steps of 0.07 rad: 0.07^4 / 384 * 9, below 1e-6
+    np.testing.assert_allclose(one, 1.0, atol=1e-6)
+    np.testing.assert_allclose(two, np.cos(np.pi * np.arange(2, 11)), atol=1e-6)
+    np.testing.assert_allclose(three, np.cos(2.0 / 3.0 * np.pi * np.arange(2, 11)), atol=1e-6)
+
+
+def test_a_failing_point_keeps_its_reason_and_the_others_go_on(tmp_path):
+    scene = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1},
+             "sweep": {"p.fail_at": [0.5, 9.0]}}
+    found = sweep(read_scene(scene))
+    assert "finite" in found.outcomes[0]
+    assert found.outcomes[1] == "done"
+    assert np.isnan(found.measures["p.time, maximum"][0])
+    assert found.measures["p.time, maximum"][1] == pytest.approx(1.0, rel=1e-15)
+    rows = list(csv.reader(found.save(tmp_path).open()))
+    assert rows[0][:2] == ["p.fail_at, s", "p.time, minimum, s"]
+    assert [row[-1] == "done" for row in rows[1:]] == [False, True]
+
+
+@pytest.mark.parametrize(("table", "named"), [
+    ({"m": {"kk": [1.0]}}, "'k'"), ({"n.k": [1.0]}, "unit 'n'"), ({"m": [1.0]}, "unit.parameter"), ({"m.k": []}, "at least one"),
+    ({"m.m": [1.0, -1.0]}, "m = -1.0"), ({"m.k": {"from": 0.0, "to": 1.0}}, "points"),
+    ({"m.k": {"from": 0.0, "to": 1.0, "points": 1}}, "points"), ({}, "sweep"),
+])
+def test_bad_sweeps_start_nothing(table, named):
+    with pytest.raises(BadInput, match=named):
+        points(read_scene(MASS | {"sweep": table}))
+
+
+@pytest.mark.parametrize(("analysis", "named"), [
+    ({"transient": 5.0}, "transient"), ({"section": {"signal": "m.x_out"}}, "section"), ({"section": "m.x_out"}, "section"),
+    ({"section": {"signal": "m.x_ot", "angle": "m.x_out"}}, "'m.x_out'"), ({"section": {"angle": "m.x_out"}}, "section.signal"),
+])
+def test_bad_analysis_is_named_before_the_first_run(analysis, named):
+    with pytest.raises(BadInput, match=named):
+        sweep(read_scene(MASS | {"analysis": analysis}))
+
+
+def test_a_point_without_a_section_keeps_its_measures():
+    scene = {"stop_time": 9.0, "units": {"w": {"component": "cosimo.tests.harness.test_sweep:Wheel"}}, "master": {"step": 1e-2},
+             "sweep": {"w.speed": [7.0, 0.0]}, "analysis": {"section": {"signal": "w.height", "angle": "w.angle"}}}
+    found = sweep(read_scene(scene))
+    assert found.outcomes[0] == "done"
+    assert "stands" in found.outcomes[1]
+    assert found.measures["w.height, maximum"].tolist() == pytest.approx([1.0, 1.0], abs=1e-3)  # samples 0.07 rad apart
+
+
+def test_a_point_that_cannot_start_keeps_its_reason():
+    scene = {"stop_time": 0.01, "units": {"b": {"component": "BallBearing"}}, "master": {"step": 1e-3},
+             "sweep": {"b.substep": [1e-5, 1.0]}}
+    found = sweep(read_scene(scene))
+    assert found.outcomes[0] == "done"
+    assert "substep" in found.outcomes[1]
+
+
+def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
+    scene = tmp_path / "mass.toml"
+    scene.write_text('stop_time = 1.0\nunits.m.component = "cosimo.tests.support:Mass"\nmaster.step = 1e-2\n', encoding="utf-8")
+    with pytest.raises(SystemExit) as caught:
+        main(["sweep", str(scene), "--over", "m.k=100:400:4", "-o", str(tmp_path / "out")])
+    assert not caught.value.code
+    assert "4 points, 0 failed" in capsys.readouterr().out
+    assert len((tmp_path / "out/sweep.csv").read_text(encoding="utf-8").splitlines()) == 5
+    assert "m.k" in (tmp_path / "out/report.html").read_text(encoding="utf-8")
+    with pytest.raises(SystemExit) as caught:
+        main(["sweep", str(scene), "--over", "m.k=100:400"])
+    assert caught.value.code == 2

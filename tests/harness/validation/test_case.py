@@ -1,0 +1,95 @@
+"""Outcomes follow from rows and their standing."""
+
+import json
+import math
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.validation import validate
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
+from cosimo.orchestrator.harness.validation.reference import TableRow
+
+
+def row(measured, standing="verbatim", low=0.0, high=10.0):
+    confidence = "high" if standing == "recalled" else ""
+    return Row(TableRow("force", "mean", "250 km/h", "N", low, high, standing, "a public table", confidence), measured)
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ([row(5), row(10)], "passed"),
+        ([row(5, "computed")], "passed"),
+        ([row(5), row(11)], "failed"),
+        ([row(5), row(5, "recalled")], "recalled"),
+        ([row(5), row(50, "recalled")], "recalled"),
+        ([row(50), row(5, "recalled")], "failed"),
+        ([row(5, "recalled")], "recalled"),
+        ([row(50, "recalled")], "recalled"),
+        ([row(5, "inferred")], "recalled"),
+        ([row(math.nan)], "failed"),
+        ([], "failed"),
+    ],
+)
+def test_outcome(rows, expected):
+    assert outcome(tuple(rows)) == expected
+
+
+def test_recalled_ranges_never_pass_whatever_is_measured():
+    for measured in (-1.0, 0.0, 5.0, 10.0, 11.0, math.nan):
+        for others in ((), (row(5),), (row(5, "computed"), row(1))):
+            assert outcome((row(measured, "recalled"), *others)) == "recalled"
+
+
+@pytest.mark.parametrize(
+    ("measured", "low", "high", "margin"),
+    [
+        (4.0, 0.0, 10.0, 4.0),
+        (9.0, 0.0, 10.0, 1.0),
+        (12.0, 0.0, 10.0, -2.0),
+        (0.0, 0.0, 0.0, 0.0),
+        (0.1, 0.0, 0.0, -0.1),
+        (7.0, None, 10.0, 3.0),
+        (7.0, 8.0, None, -1.0),
+    ],
+)
+def test_margin_is_the_distance_to_the_nearer_end(measured, low, high, margin):
+    r = row(measured, low=low, high=high)
+    assert r.margin == pytest.approx(margin)
+    assert r.inside == (margin >= 0.0)
+
+
+def test_what_was_not_measured_is_not_inside():
+    assert not compare((row(0).reference,), {"std": 3.0})[0].inside
+
+
+def case_result(rows, complete=True):
+    case = Case("a-case", "A case", "text", "railway", lambda options: Findings(()))
+    return CaseResult(case, Findings(tuple(rows), complete=complete))
+
+
+def test_a_broken_run_fails_the_case():
+    assert case_result([row(5)]).outcome == "passed"
+    assert case_result([row(5)], complete=False).outcome == "failed"
+
+
+def test_the_verdict_counts_by_standing():
+    text = case_result([row(5), row(5, "recalled"), row(50, "recalled")]).verdict
+    assert "1 of 1 rows inside the range" in text
+    assert "1 of 2 rows inside the recalled range" in text
+    assert "Passed" not in text
+
+
+def test_json_has_the_agreed_fields_and_is_strict():
+    document = json.loads(to_json([case_result([row(5), row(math.nan)])]), parse_constant=lambda c: pytest.fail(c))
+    (case,) = document["cases"]
+    assert (case["case"], case["outcome"]) == ("a-case", "failed")
+    assert {"quantity", "condition", "unit", "measured", "low", "high", "standing", "source", "inside"} <= set(case["rows"][0])
+    assert case["rows"][0]["inside"] is True
+    assert case["rows"][1]["measured"] is None
+
+
+def test_unknown_case_is_refused_before_anything_runs(tmp_path):
+    with pytest.raises(BadInput, match="a validation case"):
+        validate(["no-such-case"], tmp_path)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,216 @@
+"""Checkpoints: the rest of a run, from a file, is the same to the last bit; what does not fit is refused with one message."""
+
+import json
+import os
+import signal
+import zipfile
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import output
+from cosimo.orchestrator.checkpoint import check_wish
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.units import Interface
+from cosimo.tests.engine.algorithms.bonded import bonded
+from cosimo.tests.engine.stepping.test_event_location import relay
+from cosimo.tests.support import Linear, OfTime, two_masses
+
+
+def oscillator(algorithm: str = "jacobi", degree: int = 1, *, every: int = 1, record: dict | None = None, faults=(), **master):
+    scene = two_masses(algorithm, 5e-3, degree)
+    scene["master"] |= master
+    scene["units"]["b"] |= {"every": every} if every > 1 else {}
+    return read_scene({**scene, "record": record or {}, "faults": list(faults)})
+
+
+class Waves(OfTime):
+    """More outputs than go as lists."""
+
+    wave = output("m", "waves", size=30)
+
+    def _outputs(self, t):
+        self.y[:] = np.sin((1.0 + np.arange(30)) * t)
+
+
+def wide():
+    """More inputs than go as lists; whole arrays are recorded."""
+    return read_scene({
+        "stop_time": 1.0, "connections": ["a.wave* -> b.wave*"], "master": {"step": 0.01, "extrapolation": 2},
+        "units": {"a": {"component": f"{__name__}:Waves"}, "b": {"component": "cosimo.tests.engine.algorithms.test_rows:Sink"}},
+        "record": {"signals": ["b.area[1]"], "interval": 0.03, "snapshots": ["b.area"], "snapshot_interval": 0.07},
+    })
+
+
+def contact():
+    """Components of the catalogue, which run as FMUs."""
+    return read_scene({
+        "stop_time": 0.4, "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+        "units": {"pantograph": {"component": "Pantograph"},
+                  "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
+        "master": {"step": 2e-3},
+    })
+
+
+SCENES = {
+    "jacobi": lambda: oscillator(degree=2),
+    "gauss-seidel smoothed": lambda: oscillator("gauss-seidel", smoothing=True),
+    "iterative": lambda: oscillator("iterative"),
+    "a rate of its own": lambda: oscillator(every=4),
+    "intervals": lambda: oscillator(record={"interval": 0.0125}),
+    "milne": lambda: oscillator(control={"method": "milne", "absolute": 0.01}),
+    "doubling and events": lambda: oscillator(control={"method": "doubling"}, events=["a.v_out"]),
+    "energy, corrected": lambda: read_scene(bonded("Link", "jacobi", 0.05, 0, energy_correction=True,
+                                                   control={"method": "energy", "relative": 0.05})),
+    "events": lambda: read_scene(relay(0.07, 1, ["mass.x_out"], slope=0.3)),
+    "faults": lambda: oscillator(faults=[{"signal": "a.v_out", "kind": "freeze", "begin": 0.21, "end": 0.83},
+                                         {"signal": "b.force", "kind": "offset", "value": 3.0, "begin": 0.5},
+                                         {"unit": "b", "kind": "lost", "begin": 0.9}]),
+    "wide": wide,
+}
+
+
+def same(one, other):
+    """Times, columns and snapshots to the last bit, and the counters of the master."""
+    assert one.outcome == other.outcome == "done"
+    assert one.time.tobytes() == other.time.tobytes()
+    assert list(one.columns) == list(other.columns)
+    for name in one.columns:
+        assert one[name].tobytes() == other[name].tobytes(), name
+    for name, snapshot in one.snapshots.items():
+        assert snapshot.time.tobytes() == other.snapshots[name].time.tobytes()
+        assert snapshot.values.tobytes() == other.snapshots[name].values.tobytes()
+    for entry in ("input_misses", "energy"):
+        assert one.info.get(entry) == other.info.get(entry)
+    assert one.info["counters"].get("stepping") == other.info["counters"].get("stepping")
+    assert one.info["counters"]["master"]["steps"] == other.info["counters"]["master"]["steps"]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_resumed_run_gives_the_same_bits(name, tmp_path):
+    scene, file = SCENES[name](), tmp_path / "run.checkpoint"
+    whole = run(scene)
+    same(whole, run(scene, checkpoint_every=0.34 * scene.stop_time, checkpoint_to=file))
+    resumed = run(scene, resume=file)
+    same(whole, resumed)
+    assert 0.6 * scene.stop_time < resumed.info["resumed"]["at"] < 0.8 * scene.stop_time
+
+
+@pytest.mark.parametrize("in_process", [False, True])
+def test_fmus_and_components_go_on_from_their_own_states(in_process, tmp_path):
+    scene, file = contact(), tmp_path / "run.checkpoint"
+    whole = run(scene, in_process=in_process, checkpoint_every=0.15, checkpoint_to=file)
+    same(whole, run(scene, in_process=in_process, resume=file))
+    with pytest.raises(BadInput, match=r"a checkpoint of a run with pantograph as .* expected the same kind"):
+        run(scene, in_process=not in_process, resume=file)
+
+
+def test_a_resumed_run_writes_checkpoints_at_the_same_times(tmp_path):
+    scene, file, other = oscillator(), tmp_path / "a", tmp_path / "b"
+    whole = run(scene, checkpoint_every=0.25, checkpoint_to=file)
+    assert whole.info["checkpoints"] == {"every": 0.25, "to": "a", "written": 3, "last": 0.75}
+    resumed = run(scene, resume=file, checkpoint_every=0.2, checkpoint_to=other)
+    assert resumed.info["checkpoints"]["last"] == 0.8
+    same(whole, run(scene, resume=other))
+    assert run(scene).info.keys().isdisjoint({"checkpoints", "resumed"})
+
+
+def test_the_first_interrupt_leaves_a_checkpoint(tmp_path, monkeypatch):
+    scene, file = oscillator(), tmp_path / "run.checkpoint"
+    signals = []
+
+    def step(unit, t, h, _step=Linear._step):
+        if t > 0.3675 and not signals:  # in the step that ends at 0.375
+            signals.append(signal.raise_signal(signal.SIGINT))
+        return _step(unit, t, h)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Linear, "_step", step)
+        broken = run(scene, checkpoint_every=0.9, checkpoint_to=file)
+    assert broken.outcome == "failed"
+    assert broken.message.startswith("interrupted at t = 0.375 s")
+    same(run(scene), run(scene, resume=file))
+
+
+def test_a_file_holds_numbers_and_texts_only(tmp_path):
+    file = tmp_path / "run.checkpoint"
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    assert os.listdir(tmp_path) == ["run.checkpoint"]
+    with zipfile.ZipFile(file) as content:
+        assert all(name.endswith(".npy") for name in content.namelist())
+    with np.load(file, allow_pickle=False) as arrays:
+        assert all(array.dtype.kind in "fu" for array in arrays.values())
+        assert json.loads(arrays["text"].tobytes())
+
+
+@pytest.mark.parametrize("change", [{"master.step": 4e-3}, {"units.a.parameters.k": 11.0}, {"stop_time": 2.0},
+                                    {"record.interval": 0.1}])
+def test_a_checkpoint_of_another_scene_is_refused(change, tmp_path):
+    file = tmp_path / "run.checkpoint"
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    with pytest.raises(BadInput, match=r"of another scene or other settings \(scene\); expected a checkpoint of scene"):
+        run(oscillator().with_changes(change), resume=file)
+    run(oscillator().with_changes({"title": "Another name for the same"}), resume=file)
+
+
+def test_files_that_are_no_checkpoints_are_refused(tmp_path):
+    file = tmp_path / "run.checkpoint"
+    with pytest.raises(BadInput, match=r"resume: .*; expected a checkpoint that can be read\. No such file"):
+        run(oscillator(), resume=file)
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    whole = file.read_bytes()
+    np.savez(tmp_path / "other.npz", text=np.zeros(3))
+    for content in (b"", b"no checkpoint", whole[: len(whole) // 2], (tmp_path / "other.npz").read_bytes()):
+        file.write_bytes(content)
+        with pytest.raises(BadInput, match="expected a checkpoint that cosimo has written"):
+            run(oscillator(), resume=file)
+
+
+@pytest.mark.parametrize("key", ["version", "name", "digest", "kinds", "tick", "t", "units", "master", "parts"])
+@pytest.mark.parametrize("wrong", [[], ["abc"]], ids=["missing", "a text"])
+def test_a_checkpoint_with_something_else_in_it_never_gives_a_traceback(key, wrong, tmp_path):
+    file = tmp_path / "run.checkpoint"
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    with np.load(file) as found:
+        arrays = dict(found)
+    content = json.loads(arrays["text"].tobytes())
+    content["mapping"] = [[k, *wrong] if k == key else [k, v] for k, v in content["mapping"] if k != key or wrong]
+    arrays["text"] = np.frombuffer(json.dumps(content).encode(), dtype=np.uint8)
+    with open(file, "wb") as out:
+        np.savez(out, **arrays)
+    if key in ("name", "t") and wrong:  # which are for messages only
+        run(oscillator(), resume=file)
+    else:
+        with pytest.raises(BadInput, match="resume: "):
+            run(oscillator(), resume=file)
+
+
+@pytest.mark.parametrize(("every", "to", "message"), [
+    (0.5, None, "checkpoint_every: 0.5 alone; expected both"), (None, "a", "checkpoint_to: 'a' alone; expected both"),
+    (0.0, "a", "checkpoint_every: 0 s; expected a time within the run"), (1.0, "a", "checkpoint_every: 1 s; expected"),
+    (float("nan"), "a", "checkpoint_every: nan s; expected a time within"),
+    (0.5, "no/such/place", "checkpoint_to: 'no/such/place'; expected a file in a directory that can be written"),
+])
+def test_wishes_that_cannot_be_met_are_refused(every, to, message):
+    with pytest.raises(BadInput, match=message):
+        run(oscillator(), checkpoint_every=every, checkpoint_to=to)
+
+
+def test_units_that_cannot_pack_are_named(tmp_path):
+    interfaces = {"open": Interface("", {}, {}, {}), "shut": Interface("", {}, {}, {}, packs_state=False)}
+    with pytest.raises(BadInput, match=r"checkpoint_every: 0\.5 s; expected units whose state can go to a file; shut cannot"):
+        check_wish(0.5, tmp_path / "a", oscillator(), interfaces)
+
+
+def test_a_run_goes_on_where_a_checkpoint_cannot_be_written(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    result = run(oscillator(), checkpoint_every=0.2, checkpoint_to=tmp_path / "run.checkpoint")
+    assert result.outcome == "done"
+    assert [w for w in result.info["warnings"] if "the checkpoint at t = 0.2 s could not be written" in w]
+    assert len([w for w in result.info["warnings"] if "could not be written" in w]) == 1
+    assert result.info["checkpoints"]["written"] == 0
+    assert os.listdir(tmp_path) == []

@@ -1,0 +1,218 @@
+"""Runs: times, labels, recording, failures, and FMU against in-process."""
+
+import io
+import json
+import signal
+import sys
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import output
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.tests.contract.configurations import in_plain_python
+from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
+from cosimo.tests.support import OfTime, Probe, two_masses
+
+PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1}}
+
+
+def test_samples_carry_their_own_time():
+    result = run(read_scene(PROBE))
+    assert len(result.time) == 11
+    # t + h in the unit and the tick in the master are rounded separately: two roundings of numbers below 1
+    assert np.abs(result["p.time"] - result.time).max() <= 2 * np.finfo(float).eps
+
+
+def test_end_is_met_exactly_with_a_shorter_last_step():
+    result = run(read_scene({**PROBE, "stop_time": 1.05}))
+    assert result.time[-1] == 1.05
+    assert result.time[-2] == 1.0
+
+
+def test_recording_at_intervals_with_snapshots():
+    record = {"signals": ["p.time"], "interval": 0.25, "snapshots": ["p.profile"], "snapshot_interval": 0.5}
+    result = run(read_scene({**PROBE, "record": record, "units": {"p": {**PROBE["units"]["p"], "parameters": {"length": 4.0}}}}))
+    # multiples of 0.25 s, each at the first macro step not before it, and the end
+    assert result.time.tolist() == [0.0, 0.3, 0.5, 0.8, 1.0]
+    assert list(result.columns) == ["p.time"]
+    snapshot = result.snapshots["p.profile"]
+    assert snapshot.time.tolist() == [0.0, 0.5, 1.0]
+    assert snapshot.values.tolist() == [[4.0, 8.0, 12.0]] * 3
+
+
+def test_array_elements_are_recorded_only_on_request():
+    assert list(run(read_scene(PROBE)).columns) == ["p.time"]
+    result = run(read_scene({**PROBE, "record": {"signals": ["p.profile"]}}))
+    assert list(result.columns) == ["p.profile[1]", "p.profile[2]", "p.profile[3]"]
+    assert result.measures["p.profile[2]"] == "mm"
+
+
+def test_units_of_measure_are_converted():
+    scene = {**PROBE, "connections": ["m.x_out -> p.length"], "record": {"signals": ["m.x_out", "p.profile[1]"]},
+             "units": {**PROBE["units"], "m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}}}}
+    result = run(read_scene(scene))
+    # the mass moves freely: x = 2 t in m, and the probe sees it in mm; one rounding of the conversion
+    np.testing.assert_allclose(result["p.profile[1]"], 2000.0 * result.time, rtol=1e-14)
+    # an input that its polynomial has led to the fresh value but for rounding is left there
+    np.testing.assert_allclose(result["p.profile[1]"], 1000.0 * result["m.x_out"], rtol=1e-14)
+
+
+def test_a_failing_unit_leaves_a_partial_result(tmp_path):
+    scene = {**PROBE, "units": {"p": {**PROBE["units"]["p"], "parameters": {"fail_at": 0.45}}}}
+    result = run(read_scene(scene))
+    assert result.outcome == "failed"
+    assert "p failed at t = 0.4 s" in result.message
+    assert result.time.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4]
+    result.save(tmp_path)
+    assert json.loads((tmp_path / "run.json").read_text())["outcome"] == "failed"
+    assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + 5
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
+def test_a_diverging_coupling_is_reported_and_not_handed_out():
+    scene = read_scene({**two_masses("jacobi", 0.2, 2), "stop_time": 200.0})
+    result = run(scene)
+    assert result.outcome == "failed"
+    assert np.isfinite(np.array(list(result.columns.values()))).all()
+
+
+def test_interrupt_takes_effect_after_the_step_and_keeps_what_was_computed(monkeypatch):
+    steps, handler = iter(range(100)), signal.getsignal(signal.SIGINT)
+
+    def interrupted(self, t, h):
+        if next(steps) == 4:
+            signal.raise_signal(signal.SIGINT)
+        return 0
+
+    monkeypatch.setattr(Probe, "_step", interrupted)
+    result = run(read_scene(PROBE))
+    assert (result.outcome, result.message) == ("failed", "interrupted at t = 0.5 s")
+    assert len(result.time) == 6
+    assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_an_interrupt_with_a_checkpoint_says_from_which_file_the_run_goes_on(monkeypatch, tmp_path):
+    signals, file = [], tmp_path / "kept"
+
+    def interrupted(self, t, h):
+        if t > 0.35 and not signals:  # in the step that ends at 0.5
+            signals.append(signal.raise_signal(signal.SIGINT))
+        return 0
+
+    monkeypatch.setattr(Probe, "_step", interrupted)
+    message = run(read_scene(PROBE), checkpoint_every=0.9, checkpoint_to=file).message
+    assert message == f"interrupted at t = 0.5 s. resume = {str(file)!r} goes on from there"
+    assert file.is_file()
+
+
+def test_progress_shows_only_on_a_terminal(monkeypatch):
+    for terminal in (True, False):
+        stream = io.StringIO()
+        monkeypatch.setattr(stream, "isatty", lambda terminal=terminal: terminal)
+        monkeypatch.setattr(sys, "stderr", stream)
+        run(read_scene({**PROBE, "title": "a probe"}), progress=True)
+        assert ("a probe" in stream.getvalue()) == terminal
+        assert ("x real time" in stream.getvalue()) == terminal
+
+
+def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
+    """Each probe gives what it gets, and one way adds 1 mm: x = x + 1 mm has no solution."""
+    back = {"source": "q.profile[1]", "target": "p.length", "offset": 1.0}
+    result = run(read_scene({**PROBE, "units": {"p": PROBE["units"]["p"], "q": PROBE["units"]["p"]},
+                             "connections": ["p.profile[1] -> q.length", back]}))
+    assert result.outcome == "failed"
+    assert "did not settle in 30 sweeps" in result.message
+    assert "no common equilibrium" in result.message
+    assert result.info["counters"]["master"]["initial_residual"] > 1e-3
+    assert result.time.size == 0
+
+
+def test_csv_keeps_every_bit(tmp_path):
+    result = run(read_scene(two_masses()))
+    result.save(tmp_path)
+    with open(tmp_path / "result.csv") as file:
+        header = file.readline().replace('"', "").strip().split(",")
+    table = np.loadtxt(tmp_path / "result.csv", delimiter=",", skiprows=1)
+    assert header == ["time", *result.columns]
+    np.testing.assert_array_equal(table.T, [result.time, *result.columns.values()])
+
+
+def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
+    scene = {**PROBE, "units": {"q": {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"]}}}
+    info = json.loads(json.dumps(run(read_scene(scene), in_process=True).info))
+    assert info["effects"]["q"]["on"] == {"contact_loss": "named in the scene", "lower_frame": "preset 'EN 50318:2018'"}
+    assert "bump_stops" in info["effects"]["q"]["off"]
+    assert "q.wire_height" in info["settings"]["undriven_inputs"]
+    assert info["counters"]["master"]["steps"] == 10
+    assert info["counters"]["units"]["q"]["derivative_calls"] > 0
+    assert {"simulated", "start", "run"} == info["timing"].keys()
+    assert info["timing"]["simulated"] == 1.0
+
+
+def test_missing_column_names_the_near_ones():
+    with pytest.raises(BadInput, match=r"p\.time"):
+        run(read_scene(PROBE))["p.tine"]
+
+
+@pytest.mark.parametrize("name", in_plain_python(scene_files()))
+def test_shipped_scenes_run_alike_as_fmus_and_in_process(name):
+    scene = load_scene(name)
+    short = {"stop_time": max(0.05, 20 * scene.master.step), "record.interval": None, "faults": []}
+    assert_fmus_give_the_same_bits(scene.with_changes(short))
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_fmu_equals_in_process_to_the_last_bit(algorithm, degree):
+    """A mass under a pantograph's contact force, which moves the wire: the pantograph as FMU and in process."""
+    scene = read_scene({
+        "stop_time": 0.2,
+        "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
+        "units": {
+            "pantograph": {"component": "Pantograph", "effects": ["contact_loss", "bump_stops"],
+                           "parameters": {"bump_stops.travel": 0.03, "speed": 50.0}},
+            "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}},
+        },
+        "master": {"algorithm": algorithm, "step": 2e-3, "extrapolation": degree},
+    })
+    fmu, here = run(scene), run(scene, in_process=True)
+    assert fmu.outcome == here.outcome == "done"
+    for name in here.columns:
+        assert fmu[name].tobytes() == here[name].tobytes(), name
+    assert np.ptp(here["pantograph.contact_force"]) > 1.0  # N; something did move
+
+
+def test_missed_inputs_are_those_of_the_extrapolation():
+    """Free oscillation at 1 rad/s: a held input misses by the chord, 2 sin(h/2) of the amplitude, a linear one by its square."""
+    unit = {"component": "cosimo.tests.support:Mass", "parameters": {"k": 1.0, "v0": 1.0}}
+    for degree, power in ((0, 1), (1, 2), (2, 3)):
+        scene = {"stop_time": 400.0 * np.pi, "units": {"m": unit, "p": {"component": "cosimo.tests.support:Probe"}},
+                 "connections": ["m.x_out -> p.length"], "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": degree}}
+        missed = run(read_scene(scene)).info["input_misses"]
+        # whole periods, but one sample in 29 and a start of lower degree
+        assert missed["p.length"] == pytest.approx((2.0 * np.sin(0.05)) ** power, rel=0.05)
+
+
+class Forgetful(OfTime):
+    """Counts its steps where `save` does not look."""
+
+    steps = output("1", "steps")
+    taken = 0
+
+    def _outputs(self, t):
+        self.y[0] = self.taken
+
+    def _step(self, t, h):
+        self.taken += 1
+        return super()._step(t, h)
+
+
+def test_components_that_cannot_repeat_a_step_are_found_where_steps_are_repeated(tmp_path):
+    data = {"stop_time": 1.0, "units": {"f": {"component": "cosimo.tests.run.test_run:Forgetful"}}, "master": {"step": 0.1}}
+    scene = read_scene(data)
+    assert run(scene)["f.steps"][-1] == 10.0
+    located = read_scene({**data, "master": {"step": 0.1, "events": ["f.steps"]}})
+    for result in (run(located), run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "checkpoint")):
+        assert result.message.startswith("f failed at t = 0 s: a step that is repeated from the same state gives another result")

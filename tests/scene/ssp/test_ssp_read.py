@@ -1,0 +1,291 @@
+"""Reading .ssd files: what connections, units of measure and parameters come to, in numbers that follow from the standard.
+
+The FMU: x' = u, y = gain u + count + 100 flag + 1000 mode + 10000 letters of the text.
+"""
+
+import zipfile
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.run import run
+from cosimo.tests.scene.ssp import systems
+from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
+
+STEP = '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>' \
+       "</osp:Algorithm></ssc:Annotation>"
+PAIR = component("a") + component("b")
+
+
+def values(scene):
+    """Last value of each recorded output."""
+    result = run(scene)
+    assert result.outcome == "done", result.message
+    return {name: float(column[-1]) for name, column in result.columns.items()}
+
+
+def read(load, root, more="", experiment='stopTime="1"', annotations=STEP, **options):
+    return load(document(root, more, experiment, annotations), **options)
+
+
+def test_units_connections_and_experiment(load):
+    elements = component("b", inside=bindings("u=Real:3")) + component("a", "u<[m]")
+    scene = read(load, system("s", elements, connection("b.y", "a.u")), units("m"))
+    assert list(scene.units) == ["b", "a"]
+    assert scene.arrows == ("b.y -> a.u",)
+    assert (scene.stop_time, scene.master.step, scene.master.algorithm, scene.master.extrapolation) == (1.0, 0.5, "jacobi", 0)
+    assert (scene.title, scene.name, scene.remarks) == ("test", "test", ())
+    assert values(scene) == {"b.x": 3.0, "b.y": 3.0, "a.x": 3.0, "a.y": 3.0}
+
+
+def test_connections_go_by_the_kinds_of_their_ends_whichever_stands_first(load):
+    for link in (connection("a.y", "b.u"), connection("b.u", "a.y")):
+        assert read(load, system("s", PAIR, link)).arrows == ("a.y -> b.u",)
+
+
+@pytest.mark.parametrize(("given", "taken", "inside", "more", "link"), [
+    ("metres.fmu", "metres.fmu", "", "", (1.0, 0.0)),
+    ("metres.fmu", "mixed.fmu", "", "", (1000.0, 0.0)),  # the FMUs' own units
+    ("metres.fmu", "mixed.fmu", "", 'suppressUnitConversion="true"', (1.0, 0.0)),
+    ("metres.fmu", "adder.fmu", "", "", (1.0, 0.0)),  # unknown at one end: nothing to convert
+    ("metres.fmu", "metres.fmu", '<ssc:LinearTransformation factor="2" offset="-3"/>', "", (2.0, -3.0)),
+    ("metres.fmu", "mixed.fmu", '<ssc:LinearTransformation factor="2" offset="-3"/>', "", (2000.0, -3.0)),  # after the conversion
+    ("metres.fmu", "mixed.fmu", '<ssc:LinearTransformation factor="2"/>', 'suppressUnitConversion="true"', (2.0, 0.0)),
+])
+def test_conversion_comes_before_the_linear_transformation(load, given, taken, inside, more, link):
+    elements = component("a", source=given) + component("b", source=taken)
+    scene = read(load, system("s", elements, connection("a.y", "b.u", inside, more)))
+    found = settle(scene).links[0]
+    assert (found.factor, found.offset) == pytest.approx(link, rel=1e-15)  # one division, rounded
+
+
+def test_units_of_connectors_stand_in_where_the_fmus_have_none_and_may_have_any_name(load):
+    """68 degF is 293.15 K; the names mean what the file says."""
+    elements = component("a", "u< y>[degF]", bindings("u=Real:68")) + component("b", "u<[K]")
+    assert values(read(load, system("s", elements, connection("a.y", "b.u")), units("degF", "K")))["b.x"] == pytest.approx(293.15)
+
+
+def test_a_way_through_nested_systems_is_one_connection(load):
+    """1 m becomes 1000 mm at the inner system, doubled on the way in, and 0.001 m each again at the input."""
+    inner = system("in", component("b", source="metres.fmu"), connection("v", "b.u", '<ssc:LinearTransformation offset="0.5"/>'),
+                   "v<[mm]")
+    middle = system("mid", inner, connection("w", "in.v"), "w<")
+    source = component("a", inside=bindings("u=Real:1"), source="metres.fmu")
+    outer = connection("mid.w", "a.y", '<ssc:LinearTransformation factor="2"/>')
+    scene = read(load, system("s", source + middle, outer), units("mm"))
+    assert list(scene.units) == ["a", "mid.in.b"]
+    assert [c.source + c.target for c in scene.connections] == ["a.ymid.in.b.u"]
+    assert values(scene)["mid.in.b.x"] == pytest.approx(2.5, rel=1e-15)  # 1 m, times 2, as 2000 mm, as 2 m, plus 0.5
+
+
+def test_outputs_leave_systems_and_one_feeds_several(load):
+    inner = system("in", component("b", inside=bindings("u=Real:7")), connection("b.y", "out"), "out>")
+    scene = read(load, system("s", inner + component("c") + component("d"),
+                              connection("in.out", "c.u") + connection("in.out", "d.u")))
+    assert scene.arrows == ("in.b.y -> c.u", "in.b.y -> d.u")
+    assert {k: v for k, v in values(scene).items() if k.endswith("y")} == {"in.b.y": 7.0, "c.y": 7.0, "d.y": 7.0}
+
+
+def test_parameters_of_every_type_arrive(load):
+    given = bindings("u=Real:2 gain=Real:3 count=Integer:4 flag=Boolean:1 mode=Enumeration:high text=String:abc")
+    scene = read(load, system("s", component("a", inside=given)))
+    assert values(scene)["a.y"] == 6.0 + 4.0 + 100.0 + 4000.0 + 30000.0
+    assert scene.units["a"].parameters["mode"] == "high"
+
+
+@pytest.mark.parametrize(("outer", "inner", "own", "count"), [
+    ((), (), ("count=Integer:1",), 1), ((), (), ("count=Integer:1", "count=Integer:2"), 2),  # the later one
+    ((), ("a.count=Integer:3",), ("count=Integer:1",), 3),  # the higher one
+    (("in.a.count=Integer:4",), ("a.count=Integer:3",), ("count=Integer:1",), 4),
+    (("in.a.count=Integer:4", "in.a.count=Integer:5"), (), (), 5),
+])
+def test_higher_and_later_bindings_win(load, outer, inner, own, count):
+    def bound(texts):
+        return bindings(*texts) if texts else ""
+
+    nested = system("in", component("a", inside=bound(own)), bindings=bound(inner))
+    assert values(read(load, system("s", nested, bindings=bound(outer))))["in.a.y"] == count
+
+
+def test_a_value_at_a_systems_connector_reaches_all_that_it_feeds(load):
+    links = connection("p", "a.u") + connection("p", "b.u", '<ssc:LinearTransformation factor="10"/>')
+    inner = system("in", PAIR, links, "p<", bindings("p=Real:2 a.u=Real:99"))
+    found = values(read(load, system("s", inner, connection("q", "in.p"), "q<")))
+    assert (found["in.a.y"], found["in.b.y"]) == (2.0, 20.0)
+    found = values(read(load, system("s", inner, connection("q", "in.p"), "q<", bindings("q=Real:3"))))
+    assert (found["in.a.y"], found["in.b.y"]) == (3.0, 30.0)
+
+
+def test_a_parameter_of_a_system_reaches_the_parameters_it_is_connected_with(load):
+    inner = system("in", component("a", "gain!"), connection("p", "a.gain"), "p![m]", bindings("p=Real:2"))
+    found = read(load, system("s", inner, bindings=bindings("in.p=Real:3 in.a.gain=Real:5")), units("m"))
+    assert found.units["in.a"].parameters == {"gain": 3000.0}  # the connector is in m, the gain in mm; what feeds it wins
+
+
+def test_values_are_converted_from_the_unit_of_their_set(load):
+    """gain is in mm: 2 inch are 50.8 of them."""
+    given = bindings("gain=Real:2[inch] u=Real:1", units=systems.definitions("ssc:"))
+    scene = read(load, system("s", component("a", inside=given)))
+    assert values(scene)["a.y"] == pytest.approx(50.8, rel=1e-15)
+
+
+def test_a_mapping_renames_transforms_and_leaves_out_the_rest(load):
+    mapping = ('<ssm:MappingEntry source="x.n" target="b.count"/><ssm:MappingEntry source="x.n" target="a.count"/>'
+               '<ssm:MappingEntry source="x.g" target="a.gain"><ssc:LinearTransformation factor="2" offset="1"/>'
+               "</ssm:MappingEntry>"
+               '<ssm:MappingEntry source="x.g" target="b.gain" suppressUnitConversion="true"/>'
+               '<ssm:MappingEntry source="x.f" target="b.flag"><ssc:BooleanMappingTransformation>'
+               '<ssc:MapEntry source="false" target="true"/></ssc:BooleanMappingTransformation></ssm:MappingEntry>'
+               '<ssm:MappingEntry source="x.m" target="b.mode"><ssc:EnumerationMappingTransformation>'
+               '<ssc:MapEntry source="slow" target="low"/></ssc:EnumerationMappingTransformation></ssm:MappingEntry>')
+    given = bindings("n=Integer:5 g=Real:0.5[m] f=Boolean:false m=Enumeration:slow u=Real:8", mapping=mapping, prefix="x.",
+                     units=systems.definitions("ssc:", "m"))
+    scene = read(load, system("s", PAIR, bindings=given))
+    assert scene.units["a"].parameters == {"gain": 1001.0, "count": 5}  # 500 mm, times 2, plus 1; u is not mapped
+    assert scene.units["b"].parameters == {"gain": 0.5, "count": 5, "mode": "low", "flag": True}
+
+
+def test_sets_and_mappings_in_files_and_in_the_fmu(load, folder, library):
+    (folder / "sets").mkdir()
+    spaces = systems.SPACES
+    text = parameter_set("n=Integer:6", spaces=spaces)
+    systems.validated(text, "SystemStructureParameterValues.xsd")
+    (folder / "sets" / "a set.ssv").write_text(text)
+    text = f'<ssm:ParameterMapping version="1.0" {spaces}><ssm:MappingEntry source="n" target="count"/></ssm:ParameterMapping>'
+    systems.validated(text, "SystemStructureParameterMapping.xsd")
+    (folder / "names.ssm").write_text(text)
+    with zipfile.ZipFile(folder / "adder.fmu", "a") as file:
+        file.writestr("resources/own.ssv", parameter_set("gain=Real:4", spaces=spaces))
+    given = ('<ssd:ParameterBindings><ssd:ParameterBinding source="sets/a%20set.ssv"><ssd:ParameterMapping source="names.ssm"/>'
+             '</ssd:ParameterBinding><ssd:ParameterBinding source="resources/own.ssv" sourceBase="component"/>'
+             "</ssd:ParameterBindings>")
+    scene = read(load, system("s", component("a", inside=given)))
+    assert scene.units["a"].parameters == {"gain": 4.0, "count": 6}
+
+
+def test_what_fits_nothing_or_is_driven_is_left_out_with_a_remark(load):
+    many = " ".join(f"v{k}=Real:1" for k in range(9))
+    elements = component("a") + component("b", inside=bindings(f"u=Real:5 coutn=Integer:1 {many}"))
+    scene = read(load, system("s", elements, connection("a.y", "b.u")))
+    assert scene.units["b"].parameters == {}
+    vain, driven = scene.remarks
+    assert vain.endswith("values left out at 'b' because they fit no variable: 'coutn', 'v0', 'v1', 'v2', 'v3', ...")
+    assert driven.endswith("values left out at 'b' because they are of inputs that a connection drives: 'u'")
+    assert run(scene).info["warnings"][:2] == list(scene.remarks)
+    assert scene.with_changes({"stop_time": 2.0}).remarks == scene.remarks
+
+
+def test_components_may_be_systems_of_other_files_and_of_the_same_one(load, folder):
+    part = system("part", component("a", inside=bindings("count=Integer:1 gain=Real:2")), connection("u", "a.u"), "u<",
+                  bindings("a.count=Integer:2"))
+    (folder / "part.ssd").write_text(document(part))
+    with zipfile.ZipFile(folder / "part.ssp", "w") as file:
+        file.writestr("SystemStructure.ssd", document(part))
+        other = part.replace('name="a.count"><ssv:Integer value="2"', 'name="a.gain"><ssv:Real value="8"')
+        file.writestr("Other.ssd", document(other))
+        file.write(folder / "adder.fmu", "adder.fmu")
+    definition, package = "application/x-ssp-definition", "application/x-ssp-package"
+    four = system("four", component("a"), bindings=bindings("a.count=Integer:4")).replace("<ssd:System ", '<ssd:System id="f" ')
+    elements = (component("one", "u<", bindings("a.gain=Real:3"), "part.ssd", f'type="{definition}"')
+                + component("two", "u<", "", "part.ssp", f'type="{package}"')
+                + component("three", "u<", bindings("a.u=Real:0.5"), "part.ssp#Other.ssd", f'type="{package}"')
+                + four + component("five", "", "", "#f", f'type="{definition}"'))
+    scene = read(load, system("s", elements, bindings=bindings("one.u=Real:10")))
+    found = {name: v for name, v in values(scene).items() if name.endswith("y")}
+    assert found == {"one.a.y": 32.0, "two.a.y": 2.0, "three.a.y": 5.0, "four.a.y": 4.0, "five.a.y": 4.0}
+
+
+def test_names_become_names_of_units(load):
+    elements = "".join(component(n, "") for n in ("2 masses", "2_masses", "left.wheel", "größe"))
+    assert list(read(load, system("s", elements)).units) == ["u2_masses", "u2_masses_2", "left.wheel", "gr__e"]
+
+
+def test_an_experiment_that_is_not_told_is_taken_from_the_fmus_and_said(load):
+    scene = load(document(system("s", PAIR), experiment=""))
+    assert (scene.stop_time, scene.master.step) == (4.0, 0.5)
+    assert ["no stop time" in scene.remarks[0], "no macro step" in scene.remarks[1]] == [True, True]
+
+
+def test_steps_of_omsimulator_and_hints_of_open_simulation_platform(load):
+    hint = ('<ssd:Annotations><ssc:Annotation type="com.opensimulationplatform"><osp:StepSizeHint value="1.0"/></ssc:Annotation>'
+            "</ssd:Annotations>")
+    master = ('<ssd:Annotations><ssc:Annotation type="org.openmodelica"><oms:Annotations><oms:SimulationInformation>'
+              '<oms:FixedStepMaster description="oms-ma" stepSize="0.25"/></oms:SimulationInformation></oms:Annotations>'
+              "</ssc:Annotation></ssd:Annotations>")
+    root = system("s", component("a") + component("b", inside=hint)).replace("</ssd:Elements>", f"</ssd:Elements>{master}")
+    scene = load(document(root))
+    assert (scene.master.step, scene.units["a"].every, scene.units["b"].every) == (0.25, 1, 4)
+
+
+A = component("a")
+BINDING = "<ssd:ParameterBindings><ssd:ParameterBinding {}/></ssd:ParameterBindings>"
+OURS = '<ssc:Annotation type="cosimo"><x>{}</x></ssc:Annotation>'
+BAD = [  # (root, more, what the message must name)
+    (system("s", PAIR, connection("a.y", "c.u")), "", ["element 'c'", "'s'"]),
+    (system("s", PAIR, connection("a.z", "b.u")), "", ["connector 'z'", "'a'"]),
+    (system("s", PAIR, connection("a.u", "b.u")), "", ["a.u and b.u", "both take"]),
+    (system("s", PAIR, connection("a.y", "b.y")), "", ["both give"]),
+    (system("s", PAIR, connection("a.y", "b.u") + connection("b.y", "b.u")), "", ["b.u driven a second time", "a.y"]),
+    (system("s", PAIR, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+            "</ssc:BooleanMappingTransformation>")), "", ["mapping of Boolean", "LinearTransformation"]),
+    (system("s", A + A), "", ["second element 'a'"]),
+    (system("s", component("a", "v<")), "", ["connector a.v", "variable of the FMU"]),
+    (system("s", component("a", "y<")), "", ["connector a.y of kind 'input'", "'output'"]),
+    (system("s", component("a").replace("<ssc:Real/>", "<ssc:Integer/>", 1)), "", ["connector a.u of type Integer", "Real"]),
+    (system("s", component("a").replace("<ssc:Real/>", "<ssc:Binary/>", 1)), "", ["type Binary"]),
+    (system("s", component("a", "u<[inch]", source="metres.fmu")), units("inch"), ["connector a.u in 'inch'", "'m'"]),
+    (system("s", component("a", "y>[s]") + component("b", "u<[K]"), connection("a.y", "b.u")), units("s", "K"), ["'s'", "'K'"]),
+    (system("s", component("a", "y>[foo]") + component("b", "u<[K]"), connection("a.y", "b.u")), "", ["'foo'", "no definition"]),
+    (system("s", component("a", source="none.fmu")), "", ["none.fmu", "FMU file"]),
+    (system("s", component("a", more='type="application/x-else"')), "", ["application/x-else"]),
+    (system("s", component("a", source="#none")), "", ["'#none'"]),
+    (system("s", component("a", source="test.ssd", more='type="application/x-ssp-definition"')), "", ["nested more than"]),
+    (system("s", component("a", source="adder.fmu", more='type="application/x-ssp-package"')), "", ["SystemStructure.ssd"]),
+    (system("s", component("a", inside=bindings("count=Real:2.5"))), "", ["count = 2.5", "Integer"]),
+    (system("s", component("a", inside=bindings("mode=Enumeration:hihg"))), "", ["hihg", "'high'"]),
+    (system("s", component("a", inside=bindings("gain=Real:1[s]", units=systems.definitions("ssc:", "s")))), "", ["'s'", "'mm'"]),
+    (system("s", component("a", inside=bindings("gain=Real:INF"))), "", ["gain", "inf", "finite"]),
+    (system("s", component("a", inside=BINDING.format('source="no.ssv"'))), "", ["no.ssv", "No such file"]),
+    (system("s", component("a", inside=BINDING.format('source="adder.fmu"'))), "", ["adder.fmu", "syntax error"]),
+    (system("s", component("a", inside=BINDING.format(""))), "", ["ParameterBinding without values"]),
+    (system("s", A + '<ssd:SignalDictionaryReference name="d" dictionary="e"/>'), "", ["signal dictionary"]),
+]
+
+
+@pytest.mark.parametrize(("root", "more", "named"), BAD)
+def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
+    with pytest.raises(BadInput) as caught:
+        read(load, root, more)
+    message = str(caught.value)
+    assert [part for part in named if part not in message] == [], message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(("text", "named"), [
+    ("<a", ["test.ssd:1", "syntax error"]),
+    ("<a/>", ["SystemStructureDescription of SSP 1.0"]),
+    (document(system("s", A)).replace('version="1.0" name="test"', 'version="2.0" name="test"'), ["version '2.0'"]),
+    (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
+    (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
+    (document(system("s", A), experiment='startTime="1"'), ["startTime 1 s", "every run starts at 0"]),
+    (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
+    (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
+    (document(system("s", A), annotations=OURS.format("{")), ["no JSON"]),
+    (document(system("s", A), annotations=OURS.format('{"units": {"a": 1}}')), ["another form"]),
+    (document(system("s", A), annotations=OURS.format('{"scene": {"mster": {}}}')),
+     ["mster", "'master'"]),
+])
+def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, named):
+    with pytest.raises(BadInput) as caught:
+        load(text, valid=False)
+    message = str(caught.value)
+    assert [part for part in named if part not in message] == [], message
+
+
+def test_entities_are_refused(load, folder):
+    (folder / "secret").write_text("7")
+    text = document(system("s", component("a", inside=bindings("count=Integer:1"))))
+    text = text.replace("?>\n", '?>\n<!DOCTYPE d [<!ENTITY e SYSTEM "secret"><!ENTITY f "2">]>\n')
+    for bad in (text.replace("</ssd:System>", "&e;</ssd:System>"), text.replace('value="1"', 'value="&f;"')):
+        with pytest.raises(BadInput, match="entities"):
+            load(bad, valid=False)

@@ -1,0 +1,50 @@
+"""The cases of the ball bearing: their rows hold, and would not if the model or the method were another."""
+
+import numpy as np
+import pytest
+from cosimo.components.bearings.geometry import BallGeometry
+from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
+from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems.bearings.cases import defect_frequencies, lyapunov_sum, varying_compliance
+
+IN_PROCESS = Options(in_process=True)
+
+
+@pytest.mark.parametrize("name", ["varying-compliance", "lyapunov-sum", "defect-frequencies"])
+def test_every_row_is_inside(name):
+    found = CASES[name].function(IN_PROCESS)
+    assert found.complete
+    assert [r for r in found.rows if not r.inside] == []
+    assert outcome(found.rows) == "passed"
+    assert found.charts
+
+
+def test_lines_are_measured_not_assumed(monkeypatch):
+    """Balls that slip by 1 % pass a pit 1 % more seldom, and the case finds the line there."""
+    monkeypatch.setattr(BallGeometry, "cage_ratio", property(lambda g: 0.99 * 0.5 * (1.0 - g.gamma)))
+    seen = defect_frequencies.spectrum(run(defect_frequencies._scene("6205", "outer"), in_process=True))
+    assert seen.line(3.55 * 29.95) / 29.95 == pytest.approx(0.99 * 3.5848, rel=1e-4)
+
+
+def test_a_sound_bearing_has_the_line_of_the_outer_race_but_not_its_height():
+    """The passing balls alone make it, so that its place says nothing of a pit: the row on its height does."""
+    sound = defect_frequencies.spectrum(run(defect_frequencies._scene("6205", ""), in_process=True))
+    assert sound.line(3.5848 * 29.95) / 29.95 == pytest.approx(3.5848, rel=1e-4)
+    spectra = {("6205", "outer"): sound, ("6205", ""): sound}
+    rows = [r for r in load_table("defect-frequencies").rows if r.measure == "6205.outer.contrast"]
+    measured = {"6205.outer.contrast": defect_frequencies._contrast(spectra, "6205", "outer")}
+    assert outcome(compare(tuple(rows), measured)) == "failed"
+
+
+def test_clearance_brings_lines_that_a_periodic_motion_has_not():
+    assert varying_compliance.off_lines(2e-6, 1000.0) < 0.01  # %
+    assert varying_compliance.off_lines(30e-6, 1000.0) > 50.0
+
+
+def test_another_damping_has_another_sum():
+    """The sum follows c, so that the row's -2c/m is no constant of the method."""
+    found = lyapunov_sum.exponents(0.0, 400.0)
+    assert found.sum == pytest.approx(-40.0, rel=1e-4)
+    assert np.all(np.diff(found.exponents) <= 0.0)

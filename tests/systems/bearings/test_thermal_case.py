@@ -1,0 +1,42 @@
+"""The case on heat resistance: it passes, and its references are no copies of what they judge."""
+
+import pytest
+from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
+from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems.bearings.cases import thermal_scaling
+
+
+@pytest.fixture(scope="module")
+def findings():
+    return CASES["thermal-scaling"].function(Options(in_process=True))
+
+
+def test_it_passes(findings):
+    assert outcome(findings.rows) == "passed"
+    studies = len(thermal_scaling.SOLID_LOADS) + len(thermal_scaling.MENISCI) + 4
+    assert len(findings.rows) == len(load_table("thermal-scaling").rows) + studies
+
+
+def test_finite_volumes_are_another_route(findings):
+    """Equal to four digits they would be the same formula; all but one differ by more than a per mille."""
+    rows = [r for r in findings.rows if r.reference.quantity == "resistance of the lumped path"]
+    middle = [0.5 * (r.reference.low + r.reference.high) for r in rows]
+    assert sum(abs(r.measured / m - 1.0) > 1e-3 for r, m in zip(rows, middle, strict=True)) >= len(rows) - 2
+
+
+def test_the_table_is_sharp():
+    """Balls of another conductivity, or a ring that tilts an angle of 1 degree more, would not pass."""
+    rows = [r for r in load_table("thermal-scaling").rows if r.measure == "7008C.1000.0"]
+    for more in ({"ball_conductivity": 45.0}, {"contact_angle": 0.28}, {"modulus": 2.06e11}):
+        wrong = thermal_scaling.bearing("7008C", (), 1000.0, 0.0, more)
+        assert outcome(compare(tuple(rows), {"7008C.1000.0": 1.0 / wrong["conductance"]})) == "failed"
+
+
+def test_what_the_notes_say_of_oil_was_computed(findings):
+    """More resistance than in finite volumes, within the range that the note gives, and less than with air."""
+    rows = {r.reference.condition: r for r in findings.rows if r.reference.quantity == "resistance of the lumped path"}
+    oil = [r for condition, r in rows.items() if "oil" in condition]
+    over = [100.0 * (r.measured / (0.5 * (r.reference.low + r.reference.high)) - 1.0) for r in oil]
+    assert f"{min(over):+.1f} to {max(over):+.1f} %" in findings.notes[1]
+    assert all(r.measured < rows["7008C, 1000 N axial, air beside the contacts"].measured for r in oil)

@@ -1,0 +1,201 @@
+"""Behaviour of the whole catenary: superposition, slackening, window, second contact point, outputs."""
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.railway.catenary import PROFILE, Catenary
+from cosimo.components.railway.statics import elasticity
+
+REFERENCE = ("dropper_slackening", "gravity_sag", "damping")
+
+
+def passage(effects=REFERENCE, seconds=2.0, force=120.0, speed=69.4, **parameters) -> tuple[Catenary, np.ndarray]:
+    """A force moving along the wire; returns the catenary and the wire's height at the contact point per millisecond."""
+    catenary = Catenary(effects, {"first_watched_support": 1} | parameters)
+    catenary.set("contact_position", 30.0)
+    catenary.set("contact_force", force)
+    catenary.initialize(0.0)
+    heights = []
+    for i in range(round(seconds / 1e-3)):
+        catenary.u[:, 0] = 30.0 + speed * i * 1e-3, speed, 0.0
+        # a force with some life in it
+        catenary.u[0, 1] = force * (1.0 + 0.5 * np.sin(2.0 * np.pi * 3.0 * i * 1e-3))
+        catenary.step(i * 1e-3, 1e-3)
+        heights.append(catenary["wire_height"])
+    return catenary, np.array(heights)
+
+
+def test_explicit_and_implicit_agree():
+    """Two integrators and two mass matrices, one answer; the difference falls with the mesh."""
+    differences = []
+    for element, substep in ((1.0, 1e-3), (0.5, 5e-4)):
+        explicit = passage(element=element, substep=substep, spans=4)[1]
+        implicit = passage(element=element, substep=substep, spans=4, method="implicit")[1]
+        differences.append(np.abs(explicit - implicit).max() / np.ptp(explicit))
+    assert differences[1] < 0.01
+    assert differences[1] < 0.5 * differences[0]
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_two_forces_superpose_where_droppers_are_bilateral(method):
+    """Linear system: response to two contact points = sum of the responses to each."""
+
+    def displacement(first, second):
+        effects = ["damping", *(["second_pantograph"] if second is not None else [])]
+        catenary = Catenary(effects, {"spans": 4, "method": method, "first_watched_support": 0, "element": 1.0})
+        catenary.set("contact_position", 150.0)
+        if second is not None:
+            catenary.set("second_pantograph.contact_position", 50.0)
+        catenary.initialize(0.0)
+        for i in range(300):
+            catenary.u[:, 0] = 150.0 + 60.0 * i * 1e-3, 60.0, 0.0
+            catenary.u[0, 1] = first
+            if second is not None:
+                catenary.u[:, 2] = 50.0 + 60.0 * i * 1e-3, 60.0, 0.0
+                catenary.u[0, 3] = second
+            catenary.step(i * 1e-3, 1e-3)
+        return catenary.x[: catenary.mesh.mass.size].copy()
+
+    both = displacement(100.0, 80.0)
+    assert np.abs(displacement(100.0, 0.0) + displacement(0.0, 80.0) - both).max() < 1e-9 * np.abs(both).max()
+    assert np.abs(displacement(100.0, None) - displacement(100.0, 0.0)).max() < 1e-9 * np.abs(both).max()
+
+
+def test_a_slack_dropper_softens_the_wire():
+    """Off its droppers the wire meets less stiffness than bilateral droppers would give it; on them nothing changes."""
+    catenary = Catenary(REFERENCE, {"spans": 4})
+    catenary.initialize(0.0)
+    slack, bilateral = (elasticity(catenary.mesh, [150.0], 400.0, unilateral)[0] for unilateral in (True, False))
+    assert slack > 1.05 * bilateral
+    light = [passage(effects=e, force=5.0, spans=4)[1] for e in (REFERENCE, REFERENCE[1:])]
+    assert np.array_equal(*light)  # no dropper slackens under 5 N: the effect changes no bit
+
+
+def test_window_follows_the_contact_and_forgets_the_rest():
+    full, height = passage(spans=10, seconds=3.0)
+    windowed, near = passage((*REFERENCE, "moving_window"), spans=10, seconds=3.0)
+    assert np.abs(near - height).max() < 0.02 * np.ptp(height)
+    N, position = windowed.mesh.mass.size, windowed.mesh.position
+    outside = np.repeat((position < 30.0 + 69.4 * 3.0 - 185.0) | (position > 30.0 + 69.4 * 3.0 + 185.0), 2)
+    for part in range(3):
+        assert not windowed.x[part * N : (part + 1) * N][outside].any()
+    assert np.abs(full.x[:N][outside]).max() > 1e-4  # the full model still swings there
+
+
+@pytest.mark.parametrize(("first", "second"), [(350.0, 250.0), (250.0, 350.0)])
+def test_window_spans_both_contact_points(first, second):
+    """Its ends follow the foremost and the rearmost one, whichever input that is."""
+    def height(effects):
+        catenary = Catenary([*REFERENCE, "second_pantograph", *effects], {"spans": 12})
+        catenary.set("contact_position", first)
+        catenary.set("second_pantograph.contact_position", second)
+        catenary.set("contact_force", 120.0)
+        catenary.set("second_pantograph.contact_force", 90.0)
+        catenary.initialize(0.0)
+        found = []
+        for i in range(1500):
+            catenary.u[:2, 0] = first + 69.4 * i * 1e-3, 69.4
+            catenary.u[:2, 2] = second + 69.4 * i * 1e-3, 69.4
+            catenary.step(i * 1e-3, 1e-3)
+            found.append((catenary["wire_height"], catenary["second_pantograph.wire_height"]))
+        return np.array(found)
+
+    full, windowed = height([]), height(["moving_window"])
+    assert np.abs(windowed - full).max() < 0.02 * np.ptp(full)  # what the edges do not send back within 1.5 s
+
+
+def test_window_needs_the_explicit_method():
+    with pytest.raises(BadInput, match="explicit"):
+        Catenary(["moving_window"], {"method": "implicit"}).initialize(0.0)
+
+
+def test_profile_is_the_height_at_its_positions():
+    catenary, _ = passage((*REFERENCE, "wire_profile"), spans=6)
+    middle = catenary[f"wire_profile.height[{PROFILE // 2 + 1}]"]
+    assert middle == catenary["wire_height"]
+    at = catenary["contact_position"]
+    profile = [catenary[f"wire_profile.height[{k + 1}]"] for k in range(PROFILE)]
+    for k in (0, 40, 90):
+        catenary.set("contact_position", at + k - PROFILE // 2)
+        catenary.refresh()
+        assert catenary["wire_height"] == profile[k]
+
+
+def test_uplift_outputs_belong_to_the_watched_supports():
+    catenary = Catenary(["damping"], {"spans": 4, "first_watched_support": 1, "method": "implicit"})
+    catenary.set("contact_position", 120.0)
+    catenary.set("contact_force", 100.0)
+    catenary.initialize(0.0)
+    uplift = [catenary[f"support_uplift[{k + 1}]"] for k in range(5)]
+    assert np.argmax(uplift) == 1  # support 2 is at 120 m
+    assert uplift[3] == 0.0  # the fixed end of the wire
+    assert uplift[4] == 0.0
+
+
+def test_wire_velocity_is_the_rate_of_the_height_at_a_fixed_point():
+    catenary, _ = passage(spans=4)
+    catenary.set("contact_position", 110.0)  # a point that swings freely
+    catenary.set("contact_force", 0.0)
+    catenary.refresh()
+    before, rate_before, h = catenary["wire_height"], catenary["wire_velocity"], 1e-3
+    catenary.step(2.0, h)
+    mean = 0.5 * (rate_before + catenary["wire_velocity"])
+    assert abs(mean) > 1e-3
+    assert (catenary["wire_height"] - before) / h == pytest.approx(mean, rel=0.02)  # trapezoid of a wave a few steps long
+
+
+def test_end_of_the_wire_is_a_clear_failure():
+    catenary = Catenary(parameters={"spans": 1, "first_watched_support": 0})
+    catenary.initialize(0.0)
+
+    def drive():
+        for i in range(1000):
+            catenary.u[:, 0] = 30.0 + 60.0 * i * 1e-3, 60.0, 0.0
+            catenary.step(i * 1e-3, 1e-3)
+
+    with pytest.raises(StepFailed, match="range"):
+        drive()
+    assert catenary["contact_position"] > 55.0
+    assert np.isfinite(catenary.x).all()
+
+
+@pytest.mark.parametrize("beta", [0.0, 1e-3])
+@pytest.mark.parametrize("element", [0.25, 0.5, 1.0])
+def test_stable_step_is_the_limit(element, beta):
+    """At the limit the free wire decays or keeps its energy; 15 % above it blows up (the estimate errs to the safe side)."""
+    effects = ["damping"] if beta else []
+    values = {"spans": 2, "element": element, "substep": 1e-5, "first_watched_support": 0}
+    values |= {"damping.beta": beta} if beta else {}
+
+    def growth(factor):
+        catenary = Catenary(effects, values)
+        limit = catenary.stable_step()
+        catenary.set("contact_force", 50.0)
+        catenary.initialize(0.0)
+        catenary.settled = (catenary.settled[0]._replace(substep=1.0), *catenary.settled[1:])  # past the check at the start
+        catenary.set("contact_force", 0.0)
+        start = catenary.energy()
+        try:
+            for _ in range(3000):
+                catenary.step(0.0, factor * limit)
+        except StepFailed:
+            return np.inf
+        with np.errstate(over="ignore"):  # what has blown up may be beyond the largest number
+            return catenary.energy() / start
+
+    assert growth(1.0) < 1.1
+    assert growth(1.18) > 2.0
+
+
+def test_a_substep_beyond_the_limit_is_refused():
+    with pytest.raises(BadInput, match="explicit method's limit"):
+        Catenary(parameters={"element": 0.1, "substep": 1e-3}).initialize(0.0)
+
+
+def test_slack_droppers_cost_the_implicit_method_few_factorisations():
+    """Work, not seconds: one solve a step and a new factorisation only where a dropper changes state."""
+    catenary, _ = passage(method="implicit", spans=6)
+    work = catenary.work
+    assert work["steps"] == 2000
+    assert work["solves"] <= work["steps"] + 3 * work["factorizations"]
+    assert work["factorizations"] < 0.05 * work["steps"]

@@ -1,0 +1,146 @@
+"""Static equilibrium against a formulation without a mesh: Green's functions of strings joined by dropper forces."""
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.mesh import GRAVITY
+from cosimo.components.railway.statics import elasticity, loaded_equilibrium, messenger_shape, stiffness_series
+from cosimo.components.railway.wires import dropper_tension
+
+ROUNDING = 1e-9
+
+
+def green(x, y, length, tension):
+    """Deflection at x of a string fixed at both ends under a unit force at y, m/N."""
+    low, high = np.minimum(x, y), np.maximum(x, y)
+    return low * (length - high) / (length * tension)
+
+
+def force_method(catenary: Catenary, position: float) -> float:
+    """Uplift per force at a position with every dropper taut, from dropper and support forces as the unknowns."""
+    p = catenary.parameters
+    spans, span = p["spans"], p["span_length"]
+    length = spans * span
+    within = [p[f"dropper_position[{i + 1}]"] for i in range(p["droppers"])]
+    d = np.concatenate([span * k + np.array(within) for k in range(spans)])
+    s = span * np.arange(1, spans)
+    Gc = green(d[:, None], d, length, p["contact_wire_tension"])
+    Gm = green(d[:, None], d, length, p["messenger_tension"])
+    Gs = green(s[:, None], s, length, p["messenger_tension"])
+    Gds = green(d[:, None], s, length, p["messenger_tension"])
+    # droppers carry f (pull the contact wire down), supports r (pull the messenger down): both wires move as one
+    n = d.size
+    system = np.block([
+        [Gc + Gm + np.eye(n) / p["dropper_stiffness"], -Gds],
+        [-Gds.T, Gs + np.eye(s.size) / p["support_stiffness"]],
+    ])
+    load = np.concatenate((green(d, position, length, p["contact_wire_tension"]), np.zeros(s.size)))
+    f = np.linalg.solve(system, load)[:n]
+    own = green(position, position, length, p["contact_wire_tension"])
+    return own - green(position, d, length, p["contact_wire_tension"]) @ f
+
+
+@pytest.mark.parametrize("position", [120.0, 125.0, 127.13, 150.0, 161.7])
+def test_elasticity_equals_the_force_method(position):
+    """Exact at every point, between the nodes too: linear elements plus the local compliance are the exact string."""
+    catenary = Catenary(parameters={"spans": 4, "element": 2.0, "method": "implicit", "substep": 1e-3})
+    catenary.initialize(0.0)
+    measured = elasticity(catenary.mesh, [position], 100.0, unilateral=False)[0]
+    assert measured == pytest.approx(force_method(catenary, position), rel=ROUNDING)
+
+
+def test_bending_stiffness_lowers_the_compliance_by_the_boundary_layer():
+    """A long wire under tension deflects less by sqrt(EI/T) / (2 T) under a point load; converges with the element."""
+    errors = []
+    for element in (0.04, 0.02):
+        common = {"spans": 1, "span_length": 6.0, "droppers": 1, "element": element, "method": "implicit"}
+        common |= {"dropper_position[1]": 1.0, "dropper_stiffness": 1.0}
+        string, beam = Catenary(parameters=common), Catenary(["bending_stiffness"], common)
+        for catenary in (string, beam):
+            catenary.set("contact_position", 3.0)
+            catenary.initialize(0.0)
+        less = elasticity(string.mesh, [3.0], 1.0, False)[0] - elasticity(beam.mesh, [3.0], 1.0, False)[0]
+        exact = np.sqrt(195.0 / 20e3) / (2.0 * 20e3)  # the ends are 30 boundary layers away
+        errors.append(abs(less / exact - 1.0))
+    assert errors[1] < 0.02
+    assert 3.0 < errors[0] / errors[1] < 5.0  # second order
+
+
+def test_droppers_let_go_one_after_the_other():
+    """Under a large force the equilibrium has slack droppers with no tension, taut ones with some, and no residual."""
+    catenary = Catenary(["dropper_slackening"], {"spans": 3, "method": "implicit"})
+    catenary.initialize(0.0)
+    counts = []
+    for force in (0.0, 100.0, 300.0, 900.0):
+        q, taut, residual = loaded_equilibrium(catenary.mesh, [(90.0, force)], True)
+        tension = np.array([dropper_tension(k, q, catenary.mesh, None) for k in range(taut.size)])
+        assert np.array_equal(tension > 0.0, taut > 0.0)
+        assert residual < 1e-10
+        counts.append(int(np.sum(taut == 0.0)))
+    assert counts[0] == 0
+    assert counts == sorted(counts)
+    assert counts[-1] >= 3
+
+
+def test_sag_between_droppers_is_a_parabola():
+    catenary = Catenary(["gravity_sag"])
+    catenary.initialize(0.0)
+    for a, b in ((300.0 + 10.5, 300.0 + 17.0), (295.0, 305.0)):  # an inner gap, and the one over a support
+        middle = 0.5 * (a + b)
+        for x in (middle, a + 0.1 * (b - a)):
+            catenary.set("contact_position", x)
+            catenary.refresh()
+            exact = -1.35 * GRAVITY * (x - a) * (b - x) / (2.0 * 20e3)
+            assert catenary["wire_height"] == pytest.approx(exact, rel=1e-9)
+
+
+def test_level_support_raises_the_wire_to_dropper_level():
+    catenary = Catenary(["gravity_sag", "level_support"])
+    catenary.set("contact_position", 300.0)
+    catenary.initialize(0.0)
+    assert abs(catenary["wire_height"]) < 1e-15
+
+
+def test_droppers_carry_the_weight_and_the_pre_sag():
+    """A span's droppers carry its weight; pre-sag moves force from the inner droppers to the two at its ends.
+
+    Over the parabola the curvature 8 d / l² takes T 8 d / l² per length off the inner droppers.
+    """
+    catenary = Catenary(preset="EN 50318:2018 AC simple")
+    catenary.initialize(0.0)
+    preload = catenary.mesh.preload[9 * 5 : 9 * 6]
+    weight = GRAVITY * (1.35 * 55.0 + 9 * (0.165 + 0.5 * 0.117))
+    assert preload.sum() == pytest.approx(weight, rel=ROUNDING)
+    inner = GRAVITY * (1.35 * 5.75 + 0.165 + 0.5 * 0.117) - 22e3 * 8.0 * 0.055 / 46.0**2 * 5.75
+    # without bending the inner droppers are all alike; the beam's boundary layer spreads 1 N between neighbours
+    strings = Catenary(["pre_sag"], {n: v for n, v in catenary.parameters.items() if not n.startswith(("bending", "damping"))})
+    strings.initialize(0.0)
+    assert strings.mesh.preload[9 * 5 + 1 : 9 * 6 - 1] == pytest.approx(np.full(7, inner), rel=ROUNDING)
+
+
+def test_messenger_carries_everything_to_its_supports():
+    catenary = Catenary(["dropper_slackening"])
+    catenary.initialize(0.0)
+    p, mesh = catenary.settled[0], catenary.mesh
+    y = messenger_shape(p, mesh)
+    reaction = -p.support_stiffness * y[mesh.support[5]]  # the spring under a support in the middle
+    assert reaction == pytest.approx(GRAVITY * (1.35 + 1.07) * 60.0, rel=1e-6)  # the ends' influence decays over the spans
+    sag = y[mesh.support[5]] - y[np.searchsorted(mesh.position, 330.0)]
+    d, f = mesh.position[mesh.dropper[45:54]] - 300.0, mesh.preload[45:54]
+    moment = 0.5 * f.sum() * 30.0 - f[:4] @ (30.0 - d[:4]) + GRAVITY * 1.07 * 60.0**2 / 8.0
+    assert sag == pytest.approx(moment / 16e3, rel=1e-9)
+
+
+def test_dropper_that_would_push_is_refused():
+    with pytest.raises(BadInput, match="would carry"):
+        Catenary(["dropper_slackening", "pre_sag"], {"pre_sag.depth": 0.3}).initialize(0.0)
+
+
+def test_series_gives_back_its_own_stiffness():
+    x = np.linspace(0.0, 60.0, 120, endpoint=False)
+    a = np.array([0.37, 0.1, -0.02, -0.04])
+    k = 2800.0 * (1.0 + np.cos(2.0 * np.pi * x[:, None] * np.arange(1, 5) / 60.0) @ a)
+    k0, fitted = stiffness_series(x, k, 60.0, 6)
+    assert k0 == pytest.approx(2800.0, rel=ROUNDING)
+    assert fitted == pytest.approx([*a, 0.0, 0.0], abs=1e-9)

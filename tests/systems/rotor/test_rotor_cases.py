@@ -1,0 +1,42 @@
+"""The rotor cases pass, and would not if the rotor were another."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from cosimo.components.rotor.beam import BeamRotor
+from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems.rotor.cases import friswell, jeffcott
+
+
+@pytest.mark.parametrize("name", ["friswell-5.9.1", "jeffcott"])
+def test_rotor_cases_pass(name):
+    case = CASES[name]
+    found = case.function(Options(in_process=True))
+    assert outcome(found.rows) == "passed"
+    assert found.complete
+    assert case.system == "rotor"
+    assert found.charts
+    assert all(r.reference.standing == "computed" for r in found.rows)
+
+
+def test_a_rotor_without_gyroscopic_effect_fails(monkeypatch):
+    """Whirl does not split then: every row of the running rotor is outside."""
+    preset = BeamRotor.presets["Friswell 5.9.1"]
+    bare = dataclasses.replace(preset, effects=("disks", "linear_supports"))
+    monkeypatch.setitem(BeamRotor.presets, "Friswell 5.9.1", bare)
+    found = friswell.findings(Options(in_process=True))
+    assert outcome(found.rows) == "failed"
+    inside = {r.reference.condition: r.inside for r in found.rows}
+    assert inside == {"at rest": True, "1000 rpm": False, "4000 rpm": False, "synchronous": False}
+
+
+def test_a_sign_of_the_phase_would_show(monkeypatch):
+    """A response that leads instead of lags has the amplitudes, and not the phases."""
+    monkeypatch.setattr(jeffcott, "synchronous", lambda result, measure=jeffcott.synchronous: measure(result).conjugate())
+    found = jeffcott.findings(Options(in_process=True))
+    inside = {r.reference.measure: r.inside for r in found.rows}
+    assert all(value for name, value in inside.items() if name.startswith("amplitude"))
+    assert not any(value for name, value in inside.items() if name.startswith("lag"))

@@ -1,0 +1,60 @@
+"""The cases of the underwater vehicle pass, and would not if the vehicle were another."""
+
+from __future__ import annotations
+
+import pytest
+from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems.rov.cases import (
+    added_mass as rov_added_mass,
+)
+from cosimo.orchestrator.systems.rov.cases import (
+    allocation as rov_allocation,
+)
+from cosimo.orchestrator.systems.rov.cases import (
+    closed_forms as rov_closed_forms,
+)
+
+
+@pytest.mark.parametrize("name", ["rov-closed-forms", "rov-allocation", "rov-added-mass"])
+def test_rov_cases_pass(name):
+    case = CASES[name]
+    found = case.function(Options(in_process=True))
+    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
+    assert found.complete
+    assert case.system == "rov"
+    assert found.charts
+    assert all(r.reference.standing == "computed" for r in found.rows)
+
+
+def test_columns_as_printed_would_fail(monkeypatch):
+    monkeypatch.setattr(rov_allocation, "wrench_matrix", lambda *_: rov_allocation.printed())
+    found = rov_allocation.findings(Options())
+    inside = {r.reference.measure: r.inside for r in found.rows}
+    assert not inside["determinant"]
+    assert not inside["N.plus"]
+    assert inside["rank"]  # a poor matrix, but not a singular one
+
+
+@pytest.mark.parametrize(("name", "parameter", "value", "rows"), [
+    ("10 N ahead", "quadratic_drag.surge", 18.2, {"speed.10", "start.10"}),
+    ("ahead, slightly disturbed", "added_mass.heave", 14.6, {"munk"}),
+    ("roll", "added_mass.roll", 0.19, {"roll"}),
+])
+def test_another_vehicle_fails(monkeypatch, name, parameter, value, rows):
+    """Its own rows, and no others."""
+    scenes = rov_closed_forms.scenes()
+    scenes[name] = scenes[name].with_changes({f"units.hull.parameters.{parameter}": value})
+    monkeypatch.setattr(rov_closed_forms, "scenes", lambda: scenes)
+    found = rov_closed_forms.findings(Options(in_process=True))
+    assert {r.reference.measure for r in found.rows if not r.inside} == rows
+
+
+def test_a_force_told_once_a_step_ends_the_run_and_keeps_what_was_computed():
+    scene = rov_added_mass.load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
+    result = rov_added_mass.run(scene, in_process=True)
+    assert result.outcome == "failed"
+    assert "water failed at" in result.message
+    assert result.time.size > 100
+    assert abs(result["hull.external.acceleration_z"][-1]) > 1e9
+    assert result["whole.external.acceleration_z"][-1] == pytest.approx(10.0 / 26.07, rel=0.2)  # beside it, all is well

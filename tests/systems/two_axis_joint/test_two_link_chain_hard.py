@@ -1,0 +1,192 @@
+"""Hard cases of the two-link chain: chaos, standstill on the verge, links without mass, stops, steps that are too long."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.components.two_axis_joint.chain import TwoLinkChain
+from scipy.integrate import solve_ivp
+
+G = 9.81
+HIGH = {"start_first_angle": 2.5, "start_second_angle": 2.9}
+
+
+def started(effects=("gravity",), **parameters) -> TwoLinkChain:
+    made = TwoLinkChain(effects, parameters)
+    made.initialize(0.0)
+    return made
+
+
+def test_a_chaotic_chain_keeps_its_energy_and_loses_its_neighbour():
+    """1e-9 rad apart at the start: after 60 s nothing is left in common but the energy."""
+    one = started(**HIGH, substep=2e-4)
+    other = started(**HIGH | {"start_second_angle": 2.9 + 1e-9}, substep=2e-4)
+    apart = []
+    for k in range(60):
+        for chain in (one, other):
+            chain.step(float(k), 1.0)
+        apart.append(abs(one["first_angle"] - other["first_angle"]))
+    assert max(apart[:2]) < 1e-7
+    assert max(apart[30:]) > 0.1
+    # RK4 at some 12 rad/s: (w h)^5 / 100 a step of the energy scale, 3e5 steps
+    assert one.energy() == pytest.approx(started(**HIGH).energy(), rel=1e-8)
+
+
+def test_a_chaotic_chain_is_right_for_a_short_while():
+    """2 s against DOP853 on the textbook's equations; the exponent of separation, some 3 1/s, allows a factor of 400."""
+
+    def right(t, x):
+        d = x[0] - x[1]
+        b = [-math.sin(d) * x[3] ** 2 - 2.0 * G * math.sin(x[0]), math.sin(d) * x[2] ** 2 - G * math.sin(x[1])]
+        return [x[2], x[3], *np.linalg.solve([[2.0, math.cos(d)], [math.cos(d), 1.0]], b)]
+
+    exact = solve_ivp(right, (0.0, 2.0), [2.5, 2.9, 0.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    chain = started(**HIGH, substep=1e-4)
+    chain.step(0.0, 2.0)
+    np.testing.assert_allclose(chain.y[:4], exact, atol=1e-8)
+
+
+def test_a_chain_at_rest_on_top_stays_there_with_dry_friction_only():
+    """Upright, the equilibrium is unstable; rounding tips it without friction, a joint that stands bears it for ever."""
+    top = {"start_first_angle": math.pi, "start_second_angle": math.pi + 1e-9}
+    free, held = started(**top), started(("gravity", "stick_friction"), **top)
+    for chain in (free, held):
+        chain.step(0.0, 20.0)
+    assert abs(free["first_angle"] - math.pi) > 0.5
+    assert (held["first_angle"], held["second_angle"]) == (math.pi, math.pi + 1e-9)
+    assert held.work["events"] == 0
+
+
+@pytest.mark.parametrize("levels", [(0.5, 0.5), (0.3, 0.8), (0.0, 0.5), (0.5, 0.0), (0.0, 0.0)])
+@pytest.mark.parametrize("ratio", [1.0, 1.5])
+def test_every_swing_with_friction_ends_and_energy_never_grows(levels, ratio):
+    """Both joints stop and start again many times; where both rub, the chain is at rest in the end, to the last bit."""
+    friction = {"stick_friction.first_level": levels[0], "stick_friction.second_level": levels[1],
+                "stick_friction.static_ratio": ratio}
+    chain = started(("gravity", "stick_friction"), **friction, **HIGH, substep=2e-4)  # RK4 gains 1e-12 of the energy a second
+    energy = chain.energy()
+    for k in range(160):
+        chain.step(0.5 * k, 0.5)
+        assert chain.energy() <= energy * (1.0 + 1e-9) + 1e-12
+        energy = chain.energy()
+    if min(levels) > 0.0:
+        assert (chain["first_rate"], chain["relative_rate"]) == (0.0, 0.0)
+        place = chain.y[:2].copy()
+        chain.step(80.0, 50.0)
+        assert (chain.y[:2] == place).all()
+
+
+def test_two_joints_on_the_verge_of_standing():
+    """Torques of 0.3 N.m in both joints: the second one slides, and just then the first one bears exactly its level of 0.1."""
+    chain = TwoLinkChain(("stick_friction",))
+    chain.set("first_torque", 0.3)
+    chain.set("second_torque", 0.3)
+    chain.initialize(0.0)
+    chain.step(0.0, 0.01)
+    assert chain["first_rate"] == 0.0
+    # J = 1: (0.3 - 0.1) * 0.01; then the first joint's load grows as the second one's rate does, and pulls it backwards
+    assert chain["second_rate"] == pytest.approx(0.002, rel=1e-3)
+    chain.u[1] = 0.5
+    chain.step(0.01, 0.2)
+    assert chain["first_rate"] < 0.0
+    assert chain.work["events"] <= 4
+
+
+def test_torque_that_turns_many_times_while_friction_holds_some_of_it():
+    """A torque across the static level again and again: stick-slip with the motion of the closed form, one turn after another."""
+    chain = started(("stick_friction",), second_mass=0.0, second_inertia=1.0,
+                    **{"stick_friction.first_level": 1.0, "stick_friction.second_level": 0.0})
+    for k in range(50):  # 0.9, held, and 1.1, which moves it for 0.1 s: rate 0.01, and standing after another 0.01 / 1.9 s or so
+        chain.set("first_torque", 1.1)
+        chain.step(0.3 * k, 0.1)
+        assert chain["first_rate"] == pytest.approx(0.01, rel=1e-6)
+        chain.set("first_torque", 0.9)
+        chain.step(0.3 * k + 0.1, 0.2)
+        assert chain["first_rate"] == 0.0
+    once = 0.5 * 0.1 * 0.1**2 + 0.01**2 / (2.0 * 0.1)
+    assert chain["first_angle"] == pytest.approx(50 * once, rel=1e-6)
+
+
+@pytest.mark.parametrize("parameters", [{"first_mass": 0.0}, {"first_centre": 0.0}, {"second_mass": 0.0},
+                                        {"first_mass": 0.0, "second_mass": 0.0}])
+def test_links_without_inertia_are_refused(parameters):
+    """Two point masses, one of them nothing: stretched, the elbow has no equation of motion."""
+    with pytest.raises(BadInput, match="singular"):
+        started(**parameters)
+
+
+def test_a_nearly_massless_elbow_needs_and_gets_a_small_step():
+    """1e-6 kg between the ground and 1 kg: a string, whose transverse frequency is some sqrt(m2 g / m1) = 3 to 9 krad/s."""
+    with pytest.raises(BadInput, match=r"substep = 0.001 s"):
+        started(first_mass=1e-6, start_first_angle=0.3, start_second_angle=0.3)
+    chain = started(first_mass=1e-6, start_first_angle=0.3, start_second_angle=0.3, substep=1e-5)
+    energy = chain.energy()
+    chain.step(0.0, 2.0)
+    assert chain.energy() == pytest.approx(energy, rel=1e-6)
+    # a pendulum of 2 m in the mean
+    w = math.sqrt(G / 2.0)
+    swing = 0.3 * math.cos(w * (1.0 - 0.3**2 / 16.0) * 2.0)
+    assert 0.5 * (chain["first_angle"] + chain["second_angle"]) == pytest.approx(swing, abs=2e-3)
+
+
+@pytest.mark.parametrize(("effects", "parameters"), [
+    (("gravity", "stops"), {"stops.stiffness": 1e9}),
+    (("gravity", "lugre_friction"), {"lugre_friction.stiffness": 1e7}),
+    (("gravity", "smoothed_friction"), {"smoothed_friction.width": 1e-6}),
+    (("gravity", "viscous"), {"viscous.first": 1e4}),
+])  # fmt: skip
+def test_what_is_too_stiff_for_the_step_is_refused_and_runs_with_a_smaller_one(effects, parameters):
+    with pytest.raises(BadInput, match="limit of RK4"):
+        started(effects, **parameters)
+    limit = TwoLinkChain(effects, parameters).stable_step()
+    chain = started(effects, **parameters, substep=0.3 * limit, start_second_angle=0.1)
+    energy = chain.energy()
+    chain.step(0.0, 3e4 * limit)
+    assert math.isfinite(chain.energy())
+    assert chain.energy() <= energy * (1.0 + 1e-6)
+
+
+def test_stops_hold_the_weight_of_the_second_link():
+    """Folded upwards onto its stop and pressed into it by a motor: at rest, the spring bears the torque."""
+    chain = started(("gravity", "viscous", "smoothed_friction", "stops", "reactions"),
+                    **{"gravity.acceleration": 0.0, "smoothed_friction.first_level": 0.0, "smoothed_friction.second_level": 0.0,
+                       "stops.upper": 1.0, "viscous.first": 5.0, "viscous.second": 1.0})
+    chain.set("second_torque", 3.0)
+    chain.step(0.0, 120.0)
+    assert chain["relative_angle"] - 1.0 == pytest.approx(3.0 / 1000.0, rel=1e-6)
+    assert chain["relative_rate"] == pytest.approx(0.0, abs=1e-9)
+    assert chain.work["events"] < 100
+
+
+@pytest.mark.parametrize(("parameters", "message"), [
+    ({"stops.lower": 1.0, "stops.upper": 0.5}, "below the upper"),
+    ({"stops.lower": 0.5, "stops.upper": 0.5}, "below the upper"),
+    ({"start_second_angle": 2.0}, "between its stops"),
+])  # fmt: skip
+def test_stops_that_cannot_be_are_refused(parameters, message):
+    with pytest.raises(BadInput, match=message):
+        started(("stops",), **parameters)
+
+
+def test_narrow_stops_and_a_lossless_bounce_between_them():
+    """0.002 rad of play, 200 bounces and more a second: energy stays, and every bounce is located."""
+    chain = started(("stops",), **{"stops.lower": -1e-3, "stops.upper": 1e-3, "stops.dissipation": 0.0, "stops.stiffness": 1e5},
+                    substep=1e-4, start_second_rate=1.0)
+    energy = chain.energy()
+    chain.step(0.0, 1.0)
+    assert chain.energy() == pytest.approx(energy, rel=1e-5)
+    assert chain.work["events"] > 300
+
+
+def test_a_torque_that_is_not_a_number_fails_the_step_and_leaves_the_state_to_be_restored():
+    chain = started(**HIGH)
+    state = chain.save()
+    chain.set("first_torque", math.nan)
+    with pytest.raises(StepFailed, match="not finite"):
+        chain.step(0.0, 0.01)
+    chain.restore(state)
+    chain.step(0.0, 0.01)
+    assert np.isfinite(chain.y).all()

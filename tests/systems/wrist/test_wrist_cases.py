@@ -1,0 +1,63 @@
+"""The wrist cases pass, and would not with other axes, another linkage, or the stiffness turned the other way."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from cosimo.orchestrator.harness.validation.case import Options, outcome
+from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems.wrist.cases import four_bar
+from cosimo.orchestrator.systems.wrist.cases import rules as wrist_rules
+from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
+
+
+@pytest.mark.parametrize("name", ["wrist-rules", "four-bar", "wrist-stiffness"])
+def test_wrist_cases_pass(name):
+    case = CASES[name]
+    found = case.function(Options(in_process=True))
+    assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
+    assert found.complete
+    assert case.system == "wrist"
+    assert found.charts
+    assert len(found.rows) == len(load_table(name).rows)
+
+
+def test_an_axis_that_is_moved_by_a_degree_is_seen(monkeypatch):
+    """The signs stay, the angles of the rows and the roll do not."""
+    given = wrist_rules.scenes
+
+    def moved():
+        made = given()
+        tilts = {"morphology.distal_tilt": math.radians(46.0)}
+        changes = {f"units.{unit}.parameters.{n}": v for unit in wrist_rules.HELD for n, v in tilts.items()}
+        return made | {"held postures": made["held postures"].with_changes(changes)}
+
+    monkeypatch.setattr(wrist_rules, "scenes", moved)
+    inside = {r.reference.measure: r.inside for r in wrist_rules.findings(Options(in_process=True)).rows}
+    angles = [f"{u}.{n}" for u in ("flexion", "radial", "ulnar") for n in ("proximal_angle", "distal_angle", "roll")]
+    assert not any(inside[m] for m in angles)
+    assert all(inside[f"{u}.{row}_flexion"] for u in wrist_rules.HELD for row in ("proximal", "distal"))
+
+
+def test_a_coupler_of_another_length_is_another_linkage(monkeypatch):
+    monkeypatch.setitem(four_bar.CRANK_ROCKER, "coupler", 0.0501)
+    inside = {r.reference.measure: r.inside for r in four_bar.findings(Options(in_process=True)).rows}
+    assert not any(inside[m] for m in ("rocker.low", "rocker.high", "transmission.low", "transmission.high"))
+    assert inside["closure.equation"]
+    assert inside["work.energy"]
+
+
+def test_a_stiffness_that_is_turned_the_other_way_is_seen(monkeypatch):
+    """With the sign of the coupling the other way, the hand would be soft in radial flexion: 26.6 degrees on the wrong side."""
+    given = wrist_stiffness.scene
+
+    def mirrored(effects):
+        made = given(effects)
+        return made.with_changes({f"units.{unit}.parameters.coupling_stiffness": -5.736 for unit in made.units})
+
+    monkeypatch.setattr(wrist_stiffness, "scene", mirrored)
+    inside = {r.reference.measure: r.inside for r in wrist_stiffness.findings(Options(in_process=True)).rows}
+    assert not inside["orientation.sign"]
+    assert inside["orientation"]

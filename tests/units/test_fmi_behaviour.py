@@ -1,0 +1,412 @@
+"""FMUs written in C do what the Reference FMUs do: events, early return, rollback, strict communication points, failures."""
+
+import math
+import os
+import sys
+import zipfile
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.settings import UnitSettings
+from cosimo.orchestrator.units import describe, open_unit
+from cosimo.tests.units.native import EVENTS, STATE, native_fmu, started
+from scipy.integrate import solve_ivp
+
+VERSIONS = [(2, ""), (3, ""), (3, EVENTS)]
+G, E, H0, LIES = 9.81, 0.7, 1.0, 0.1  # m/s², restitution, m, m/s: the ball lies when it leaves slower
+
+
+def scene(model: str, fmi: int = 3, flags: str = "", step: float = 0.1, stop: float = 1.0, **parameters) -> dict:
+    return {"stop_time": stop, "units": {"f": {"fmu": native_fmu(model, fmi, flags), "parameters": parameters}},
+            "master": {"step": step}}
+
+
+def bounces() -> list[tuple[float, float]]:
+    """(time, speed upwards behind it) of every bounce of the ball."""
+    t, v = math.sqrt(2.0 * H0 / G), E * math.sqrt(2.0 * G * H0)
+    found = [(t, v)]
+    while v >= LIES:
+        t, v = t + 2.0 * v / G, E * v
+        found.append((t, v))
+    return found
+
+
+def ball(t: float) -> tuple[float, float]:
+    """Height and speed at t."""
+    behind = [b for b in bounces() if b[0] <= t]
+    if not behind:
+        return H0 - 0.5 * G * t * t, -G * t
+    at, v = behind[-1]
+    return (0.0, 0.0) if v < LIES else (v * (t - at) - 0.5 * G * (t - at) ** 2, v - G * (t - at))
+
+
+@pytest.mark.parametrize(("fmi", "flags"), VERSIONS)
+def test_a_bouncing_ball_bounces_whoever_handles_its_events(fmi, flags):
+    result = run(read_scene(scene("bouncing_ball", fmi, flags, step=0.05, stop=3.0)))
+    assert result.outcome == "done"
+    exact = np.array([ball(t) for t in result.time])
+    np.testing.assert_allclose(result["f.h"], exact[:, 0], atol=1e-13)
+    np.testing.assert_allclose(result["f.v"], exact[:, 1], atol=1e-12)
+
+
+def test_the_first_event_inside_a_step_is_told():
+    unit, step, told = started("bouncing_ball", 3, EVENTS), 0.05, {}
+    for k in range(60):
+        unit.step(step * k, step)
+        told[k] = unit.event
+    unit.close()
+    for k, event in told.items():
+        inside = [t for t, _ in bounces() if step * k < t <= step * (k + 1)]
+        assert event == (pytest.approx(inside[0], abs=1e-13) if inside else None)
+
+
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_with_rollback_all_units_meet_at_the_events_of_one(algorithm):
+    flags = f"{EVENTS} {STATE[3]}"
+    result = run(read_scene({
+        "stop_time": 3.0, "connections": ["ball.h -> other.Float64_continuous_input"],
+        "units": {"ball": {"fmu": native_fmu("bouncing_ball", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}},
+        "master": {"algorithm": algorithm, "step": 0.05}}))
+    late = [min(t for t in result.time if t >= at) - at for at, _ in bounces()]
+    assert max(late) < 1e-6 * 0.05  # a tick of the clock
+    np.testing.assert_allclose(result["ball.h"], [ball(t)[0] for t in result.time], atol=1e-13)
+    np.testing.assert_array_equal(result["other.Float64_continuous_output"], result["ball.h"])
+
+
+def test_without_event_mode_an_early_return_is_told_and_the_step_goes_on():
+    unit = started("moody", 3, 'mightReturnEarlyFromDoStep="true"', (), ("now",), early_at=0.25)
+    seen = []
+    for k in range(4):
+        unit.step(0.1 * k, 0.1)
+        seen.append((unit.event, unit.get()))
+    unit.close()
+    assert [event for event, _ in seen] == [None, None, 0.25, None]
+    assert [now for _, (now,) in seen] == [0.1 * k + 0.1 for k in range(4)]
+
+
+@pytest.mark.parametrize(("fmi", "flags"), VERSIONS)
+def test_a_stair_is_climbed_where_it_announces_its_steps(fmi, flags):
+    """Steps of 0.4 s meet every other stair only inside of a step: the FMU is stepped to it where it announces it."""
+    result = run(read_scene(scene("stair", fmi, flags, step=0.4, stop=8.0)))
+    np.testing.assert_array_equal(result["f.counter"], [1 + math.floor(t + 1e-9) for t in result.time])
+
+
+def test_an_fmu_that_wants_the_simulation_to_end_ends_it():
+    result = run(read_scene(scene("stair", 3, EVENTS, step=0.5, stop=20.0)))
+    assert result.outcome == "failed"
+    assert "f failed at t = 10 s: the FMU asked to end the simulation" in result.message
+    assert result.time[-1] == 9.5
+    for fmi in (2, 3):
+        with_flag = run(read_scene(scene("moody", fmi, end_at=0.35)))
+        assert "the FMU asked to end the simulation" in with_flag.message
+        assert with_flag.time[-1] == pytest.approx(0.3)
+
+
+def test_discrete_states_that_never_settle_are_said():
+    with pytest.raises(StepFailed, match="the discrete states do not settle in 100 iterations"):
+        started("moody", 3, EVENTS, restless=True)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_step_that_is_completed_in_part_tells_how_far(fmi):
+    result = run(read_scene(scene("moody", fmi, discard_at=0.35)))
+    assert result.outcome == "failed"
+    assert "f failed at t = 0.3 s: the FMU discarded the call and got to 0.35 s" in result.message
+    assert "A macro step of at most 0.05 s may help" in result.message
+    assert result.time[-1] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_after_a_failed_step_an_earlier_state_goes_on(fmi):
+    unit = started("moody", fmi, STATE[fmi], (), ("now",), discard_at=0.35)
+    unit.step(0.0, 0.3)
+    state = unit.save()
+    for _ in range(2):
+        with pytest.raises(StepFailed, match="got to"):
+            unit.step(0.3, 0.1)
+        unit.restore(state)
+    unit.step(0.3, 0.04)
+    assert unit.get() == [0.3 + 0.04]
+    unit.close()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_tolerance_of_a_scene_is_handed_over(fmi):
+    for given, told in ((None, -1.0), (1e-5, 1e-5)):  # the FMU's sign for none
+        result = run(read_scene({"stop_time": 0.1, "master": {"step": 0.1}, "units": {
+            "f": {"fmu": native_fmu("moody", fmi), **({} if given is None else {"tolerance": given})}}}))
+        assert result["f.tolerance"][-1] == told
+
+
+def test_a_step_that_goes_on_in_the_background_is_waited_for():
+    result = run(read_scene(scene("moody", 2, 'canRunAsynchronuously="true"', pause=1.0)))
+    assert result.outcome == "done"
+    np.testing.assert_allclose(result["f.now"], result.time, rtol=1e-15)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_communication_points_are_those_of_the_clock(fmi):
+    """The FMU refuses a point that is off by 1e-15 of itself, a few roundings; a sum of 1e4 steps of 0.1 s is off by 1.6e-13."""
+    result = run(read_scene(scene("dahlquist", fmi, step=0.1, stop=1000.0)))
+    assert result.outcome == "done", result.message
+    np.testing.assert_allclose(result["f.x"][:50], 0.9 ** np.arange(50), rtol=1e-14)  # Euler's method with its 0.1 s
+    unit = started("dahlquist", fmi)
+    with pytest.raises(StepFailed, match="log: not the present communication point"):
+        unit.step(0.1, 0.1)
+    unit.close()
+
+
+def test_steps_are_multiples_of_a_fixed_internal_step():
+    flags = 'fixedInternalStepSize="0.1"'
+    assert describe("f", UnitSettings(fmu=native_fmu("dahlquist", 3, flags))).fixed_step == 0.1
+    assert run(read_scene(scene("dahlquist", 3, flags, step=0.3, stop=1.0))).outcome == "done"
+    with pytest.raises(BadInput, match=r"master\.step: 0\.25 s; expected a multiple of 0\.1 s, .* of f"):
+        read_scene(scene("dahlquist", 3, flags, step=0.25))
+    with pytest.raises(BadInput, match=r"stop_time: 1\.05 s; expected a multiple of 0\.1 s"):
+        read_scene(scene("dahlquist", 3, flags, step=0.1, stop=1.05))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_van_der_pol_follows_the_equation(fmi):
+    result = run(read_scene(scene("van_der_pol", fmi, step=0.01, stop=10.0, mu=2.0)))
+    exact = solve_ivp(lambda _, x: [x[1], 2.0 * (1.0 - x[0] ** 2) * x[1] - x[0]], (0.0, 10.0), [2.0, 0.0], "DOP853",
+                      t_eval=result.time, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose([result["f.x0"], result["f.x1"]], exact.y, atol=1e-9)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_resources_are_found(fmi):
+    unit = started("resource", fmi)
+    assert unit.get() == [ord("a")]
+    unit.close()
+
+
+# Inputs inside a step
+
+ASKED = 'providesIntermediateUpdate="true"'
+INPUT = ('name="u" valueReference="1"', 'name="u" valueReference="1" intermediateUpdate="true"')
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_inputs_follow_their_polynomials_where_the_fmu_asks_for_them(asked):
+    """u = a + b s + c s² in steps of h: the integral is exact either way, the second one only if u is given inside."""
+    settings = UnitSettings(fmu=native_fmu("integrator", 3, ASKED, *[INPUT] * asked))
+    assert describe("f", settings).input_degree == (2 if asked else 0)
+    unit, h, (a, b, c) = open_unit("f", settings, in_process=False), 0.5, (1.0, 2.0, 3.0)
+    unit.wire(["u"], ["x", "z"])
+    unit.initialize(0.0, [a])
+    unit.start()
+    x = z = 0.0
+    for k in range(3):
+        unit.drive([a], [b], [c], h)
+        unit.step(k * h, h)
+        z += h * x + (a / 2.0 + b * h / 6.0 + c * h**2 / 12.0 if asked else a / 2.0 + b * h / 4.0 + c * h**2 / 6.0) * h**2
+        x += (a + b * h / 2.0 + c * h**2 / 3.0) * h
+        np.testing.assert_allclose(unit.get(), [x, z], rtol=1e-14)
+    unit.drive([7.0], None, None, h)  # held: what was given for the last step is over
+    unit.step(3 * h, h)
+    assert unit.get()[0] == pytest.approx(x + 7.0 * h, rel=1e-14)
+    unit.close()
+
+
+# States
+
+MODELS = [("bouncing_ball", 2, ""), ("bouncing_ball", 3, ""), ("bouncing_ball", 3, EVENTS), ("dahlquist", 2, ""),
+          ("stair", 3, EVENTS), ("van_der_pol", 2, ""), ("van_der_pol", 3, ""), ("state_space", 3, "")]
+
+
+def walk(unit, first: int, steps: int) -> list:
+    seen = []
+    for k in range(first, first + steps):
+        unit.drive([0.5 * k] * len(unit._input_names), [1.0] * len(unit._input_names), None, 0.3)
+        unit.step(0.3 * k, 0.3)
+        seen.append((unit.event, *unit.get()))
+    return seen
+
+
+@pytest.mark.parametrize(("model", "fmi", "flags"), MODELS)
+def test_a_restored_fmu_repeats_its_steps_to_the_last_bit(model, fmi, flags):
+    unit = started(model, fmi, f"{flags} {STATE[fmi]}", ("u[1]", "u[3]") if model == "state_space" else ())
+    walk(unit, 0, 3)
+    state = unit.save()
+    once = walk(unit, 3, 5)
+    unit.restore(state)
+    assert walk(unit, 3, 5) == once
+    assert len(set(once)) > 1
+    unit.restore(state)
+    again = unit.save(state)  # its memory may be used again
+    assert walk(unit, 3, 5) == once
+    unit.restore(again)
+    assert walk(unit, 3, 5) == once
+    unit.release(again)
+    unit.close()
+
+
+@pytest.mark.parametrize(("model", "fmi", "flags"), MODELS)
+def test_a_packed_state_goes_on_in_another_instance_to_the_last_bit(model, fmi, flags):
+    inputs = ("u[1]", "u[3]") if model == "state_space" else ()
+    unit = started(model, fmi, f"{flags} {STATE[fmi]}", inputs)
+    walk(unit, 0, 3)
+    packed = unit.pack(unit.save())
+    once = walk(unit, 3, 5)
+    unit.close()
+    other = started(model, fmi, f"{flags} {STATE[fmi]}", inputs)
+    other.restore(other.unpack(packed))
+    assert walk(other, 3, 5) == once
+    other.close()
+
+
+def test_held_inputs_belong_to_a_state():
+    unit = started("feedthrough", 3, f"{EVENTS} {STATE[3]}", ("Int32_in",), ("Int32_out",))
+    unit.wire_texts(["String_in"], ["String_out"])
+    unit.update([1.0])
+    unit.set_texts(["one"])
+    state = unit.save()
+    unit.update([2.0])
+    unit.set_texts(["two"])
+    unit.restore(state)
+    assert (unit.get(), unit.get_texts()) == ([1.0], ["one"])
+    unit.update([2.0])  # as before: it must reach the FMU again
+    unit.set_texts(["two"])
+    assert (unit.get(), unit.get_texts()) == ([2.0], ["two"])
+    unit.close()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_is_told_whether_its_past_may_come_back(fmi):
+    """It refuses a state from before a step whose call said that no such state would come."""
+    unit = started("dahlquist", fmi, STATE[fmi])
+    state = unit.save()
+    packed = unit.pack(state)
+    for _ in range(2):
+        unit.step(0.0, 0.1)
+        unit.step(0.1, 0.1)
+        unit.restore(state)
+    unit.release(state)
+    unit.step(0.0, 0.1)  # nothing is kept
+    unit.step(0.1, 0.1)
+    with pytest.raises(StepFailed, match="log: a state that was given up"):
+        unit.restore(unit.unpack(packed))
+    unit.close()
+
+
+def test_what_an_fmu_cannot_is_known_before_the_run():
+    plain, able = (describe("f", UnitSettings(fmu=native_fmu("dahlquist", 3, flags))) for flags in ("", STATE[3]))
+    assert (plain.saves_state, plain.packs_state) == (False, False)
+    assert (able.saves_state, able.packs_state) == (True, True)
+    with pytest.raises(BadInput, match=r"master\.control\.method: 'doubling'.*save their state; .*f"):
+        read_scene({**scene("feedthrough"), "connections": ["f.Float64_continuous_output -> g.Float64_continuous_input"],
+                    "units": {n: {"fmu": native_fmu("feedthrough", 3)} for n in "fg"},
+                    "master": {"step": 0.1, "control": {"method": "doubling"}}})
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_directional_derivatives_make_the_jacobian(fmi):
+    flag = 'providesDirectionalDerivative="true"' if fmi == 2 else 'providesDirectionalDerivatives="true"'
+    inputs = ("Int32_in", "Float64_continuous_input", *(("Float32_continuous_input",) if fmi == 3 else ()))
+    outputs = ("Float64_continuous_output", "Int32_out", *(("Float32_continuous_output",) if fmi == 3 else ()))
+    assert describe("f", UnitSettings(fmu=native_fmu("feedthrough", fmi, flag))).gives_jacobian
+    unit = started("feedthrough", fmi, flag, inputs, outputs)
+    np.testing.assert_array_equal(unit.jacobian(), np.array([[0, 1, 0], [0, 0, 0], [0, 0, 1]])[: len(outputs), : len(inputs)])
+    unit.close()
+
+
+def test_derivatives_of_arrays():
+    unit = started("state_space", 3, "", ("u[3]", "u[1]"), ("y[2]", "y[1]", "y[3]"), **{"D[2,3]": 5.0, "D[1,3]": -2.0})
+    np.testing.assert_array_equal(unit.jacobian(), [[5.0, 0.0], [-2.0, 1.0], [1.0, 0.0]])
+    unit.close()
+
+
+# What cannot start
+
+def changed(model: str, fmi: int, old: str, new: str) -> UnitSettings:
+    return UnitSettings(fmu=native_fmu(model, fmi, "", (old, new)))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_library_that_refuses_to_start_is_bad_input_with_its_log(fmi):
+    with pytest.raises(BadInput, match=r"(?s)units\.f: .* cannot be started.*log: wrong instantiation token"):
+        open_unit("f", changed("dahlquist", fmi, "{native}", "{another}"), in_process=False)
+
+
+def test_a_broken_library_leaves_the_working_directory_alone(tmp_path):
+    path = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(native_fmu("dahlquist", 2)) as whole, zipfile.ZipFile(path, "w") as broken:
+        for name in whole.namelist():
+            broken.writestr(name, b"no library" if name.endswith(".so") else whole.read(name))
+    here = os.getcwd()
+    with pytest.raises(BadInput, match="cannot be started"):
+        open_unit("f", UnitSettings(fmu=str(path)), in_process=False)
+    assert os.getcwd() == here
+
+
+def test_a_file_that_cannot_be_unpacked_is_bad_input_and_leaves_no_folder(tmp_path, monkeypatch):
+    path = tmp_path / "damaged.fmu"
+    content = bytearray(Path(native_fmu("dahlquist", 2)).read_bytes())
+    with zipfile.ZipFile(native_fmu("dahlquist", 2)) as whole:
+        library = next(i for i in whole.infolist() if i.filename.endswith(".so"))
+    content[library.header_offset + 1000] ^= 0xFF
+    path.write_bytes(content)
+    before = read_scene({"stop_time": 1.0, "units": {"f": {"fmu": str(path)}}, "master": {"step": 0.1}})
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    with pytest.raises(BadInput, match=r"units\.f: .* cannot be unpacked: Bad CRC-32"):
+        run(before)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1000))
+    fresh = tmp_path / "fresh.fmu"  # one that no other test has unpacked
+    fresh.write_bytes(Path(native_fmu("dahlquist", 2)).read_bytes())
+    with pytest.raises(BadInput, match=r"cannot be unpacked: .*it unpacks to \d+ bytes"):
+        open_unit("f", UnitSettings(fmu=str(fresh)), in_process=False)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(("old", "new", "named"), [
+    ('start="1"', 'start="one"', "start of 'h' is 'one'"), ('nominal="5"', 'nominal="x"', "nominal of 'Length' is 'x'"),
+    ('min="0.5"', 'min="0,5"', "min of 'e' is '0,5'"),
+])
+def test_numbers_that_are_none_in_a_description_are_told_with_their_variable(old, new, named):
+    with pytest.raises(BadInput, match=named):
+        describe("f", changed("bouncing_ball", 3, old, new))
+
+
+def test_fmus_that_allow_one_instance_get_one():
+    settings = UnitSettings(fmu=native_fmu("dahlquist", 3, 'canBeInstantiatedOnlyOncePerProcess="true"'))
+    first = open_unit("a", settings, in_process=False)
+    with pytest.raises(BadInput, match=r"units\.b: a second instance of .*isolation = \"process\""):
+        open_unit("b", settings, in_process=False)
+    first.close()
+    open_unit("b", settings, in_process=False).close()
+
+
+def test_scheduled_execution_and_clocks_to_tick_are_refused():
+    with pytest.raises(BadInput, match="for scheduled execution only"):
+        describe("f", changed("dahlquist", 3, "<CoSimulation ", "<ScheduledExecution "))
+    clock = '<Clock name="tick" valueReference="99" causality="input" intervalVariability="constant" intervalDecimal="0.1"/>'
+    with pytest.raises(BadInput, match="the clock 'tick', which its importer has to tick"):
+        describe("f", changed("dahlquist", 3, "</ModelVariables>", clock + "</ModelVariables>"))
+
+
+def test_an_fmu_without_a_binary_for_this_platform_is_bad_input(tmp_path):
+    path = tmp_path / "sources.fmu"
+    with zipfile.ZipFile(native_fmu("dahlquist", 3)) as whole, zipfile.ZipFile(path, "w") as bare:
+        bare.writestr("modelDescription.xml", whole.read("modelDescription.xml"))
+    with pytest.raises(BadInput, match="an FMU with a library for this platform"):
+        open_unit("f", UnitSettings(fmu=str(path)), in_process=False)
+
+
+def test_a_step_of_an_fmu_of_fmi_3_calls_the_library_once_for_each_of_set_step_get():
+    """Counted by the profiler: no Python function but the unit's own three and the C calls."""
+    unit, calls = started("feedthrough", 3, "", ("Float64_continuous_input",), ("Float64_continuous_output",)), []
+    sys.setprofile(lambda frame, event, _: calls.append(frame.f_code.co_name) if event == "call" else None)
+    unit.drive([1.0], None, None, 0.1)
+    unit.step(0.0, 0.1)
+    unit.get()
+    sys.setprofile(None)
+    unit.close()
+    assert calls == ["drive", "step", "read"]

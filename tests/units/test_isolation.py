@@ -1,0 +1,335 @@
+"""Units in worker processes: the same bits, one message a step, side by side; crashes and hangs end the unit, not the run."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput, StepFailed
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.units import open_unit
+from cosimo.orchestrator.units.process import WorkerUnit
+from cosimo.tests.support import two_masses
+from cosimo.tests.units.exchange_fmu import exchange_fmu
+from cosimo.tests.units.troubled import LONG
+
+TROUBLED = "cosimo.tests.units.troubled:Troubled"
+ROOT = Path(__file__).resolve().parents[3]
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks /proc for the processes")
+
+
+def isolated(data: dict) -> dict:
+    """The scene data with all units in workers."""
+    return {**data, "units": {n: {**u, "isolation": "process"} for n, u in data["units"].items()}}
+
+
+def troubled(trouble: str, when: float = 0.25, **unit) -> dict:
+    """Two units, the first of which gets into trouble, one second in ten steps."""
+    first = {"component": TROUBLED, "isolation": "process", "parameters": {"trouble": trouble, "when": when}, **unit}
+    return {"stop_time": 1.0, "units": {"a": first, "b": {"component": TROUBLED, "isolation": "process"}},
+            "connections": ["a.steps -> b.driven", "b.steps -> a.driven"],
+            "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0}}
+
+
+def alive(process: float) -> bool:
+    """Whether a process is there, and not only its entry for a parent that has not looked yet."""
+    status = Path(f"/proc/{int(process)}/stat")
+    return status.exists() and status.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def gone(processes) -> bool:
+    """Whether all of the processes end within some seconds."""
+    end = time.monotonic() + 10.0
+    while any(map(alive, processes)) and time.monotonic() < end:
+        time.sleep(0.01)
+    return not any(map(alive, processes))
+
+
+@pytest.mark.parametrize(("algorithm", "degree"), [("jacobi", 0), ("jacobi", 2), ("gauss-seidel", 1)])
+def test_the_results_are_those_without_isolation(algorithm, degree):
+    data = two_masses(algorithm, 1e-2, degree)
+    here, there = run(read_scene(data)), run(read_scene(isolated(data)))
+    assert there.outcome == "done", there.message
+    for name in here.columns:
+        assert here[name].tobytes() == there[name].tobytes(), name
+
+
+@pytest.mark.parametrize("in_process", [True, False])
+def test_a_wide_connection_and_an_fmu_lose_no_bit(in_process):
+    """More numbers than a list carries go as arrays; a catalogue unit is an FMU in its worker or a component."""
+    changes = {"stop_time": 0.01, "record.snapshots": []}
+    scene = load_scene("rotor-bearings-heat").with_changes(changes)
+    there = scene.with_changes({f"units.{n}.isolation": "process" for n in scene.units})
+    one, other = run(scene, in_process=in_process), run(there, in_process=in_process)
+    assert (one.outcome, other.outcome) == ("done", "done"), other.message
+    for name in one.columns:
+        assert one[name].tobytes() == other[name].tobytes(), name
+    assert one.info["effects"] == other.info["effects"]
+    kinds = {u["kind"] for u in other.info["units"].values()}
+    assert kinds == {"component in a worker process" if in_process else "FMU in a worker process"}
+
+
+def test_a_master_that_repeats_steps_gets_the_same_through_workers():
+    """Saved states, located events of an FMU and repeated steps; the FMU is for model exchange."""
+    data = {"stop_time": 0.6, "connections": ["p.time -> f.u", "f.y -> p.length"],
+            "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {"fmu": exchange_fmu()}},
+            "master": {"algorithm": "iterative", "step": 0.05, "extrapolation": 1}}
+    here, there = run(read_scene(data)), run(read_scene(isolated(data)))
+    assert (here.outcome, there.outcome) == ("done", "done"), here.message + there.message
+    assert here["f.bounces"][-1] == 1
+    assert here.time.tobytes() == there.time.tobytes()
+    for name in here.columns:
+        assert here[name].tobytes() == there[name].tobytes(), name
+
+
+def test_a_run_goes_on_from_a_checkpoint_in_other_workers(tmp_path):
+    data = {"stop_time": 0.6, "connections": ["p.time -> f.u"], "master": {"step": 0.05},
+            "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {"fmu": exchange_fmu(), "parameters": {"period": 0.13}}}}
+    scene = read_scene(isolated(data))
+    whole = run(scene, checkpoint_every=0.4, checkpoint_to=tmp_path / "half")
+    resumed = run(scene, resume=tmp_path / "half")
+    assert (whole.outcome, resumed.outcome) == ("done", "done"), resumed.message
+    for name in whole.columns:
+        assert whole[name].tobytes() == resumed[name].tobytes(), name
+
+
+def test_a_step_is_one_request():
+    """What a run of 100 steps asks for beyond one of 50 are the 50 steps, and for the mass alone nothing else."""
+    def requests(stop_time):
+        result = run(read_scene(isolated({**two_masses(), "stop_time": stop_time})))
+        return result.info["counters"]["units"]["a"]["requests"]
+
+    assert requests(1.0) - requests(0.5) == 50
+
+
+def test_units_in_workers_step_at_the_same_time(tmp_path, monkeypatch):
+    """Each step of either unit ends only if the other one is in its own: one after the other they would fail."""
+    monkeypatch.setenv("COSIMO_TEST_MEETING", str(tmp_path))
+    meeting = "cosimo.tests.units.troubled:Meeting"
+    data = {"stop_time": 1.0, "master": {"algorithm": "jacobi", "step": 0.1},
+            "units": {"a": {"component": meeting}, "b": {"component": meeting, "parameters": {"me": 2.0}}},
+            "connections": ["a.met -> b.driven", "b.met -> a.driven"]}
+    result = run(read_scene(isolated(data)))
+    assert result.outcome == "done", result.message
+    assert result["a.met"][-1] == result["b.met"][-1] == 10
+
+
+@pytest.mark.parametrize(("trouble", "said"), [
+    ("segfault", "ended by signal 11 (Segmentation fault)"), ("kill", "ended by signal 9 (Killed)"),
+    ("exit", "ended itself with code 7"), ("exception", "ZeroDivisionError: division by zero"),
+    ("print", "ended itself with code 7\n  log: a line of the unit\n  log: and one of its library"),
+])
+def test_a_unit_that_dies_is_a_failed_step_and_the_run_keeps_its_results(trouble, said, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    result = run(read_scene(troubled(trouble)))
+    assert result.outcome == "failed"
+    assert result.message.startswith("a failed at t = 0.2 s: ")
+    assert said in result.message
+    assert result.time.tolist() == [0.0, 0.1, 0.2]
+    assert result["b.steps"].tolist() == [0, 1, 2]
+    assert gone([result["a.process"][0], result["b.process"][0]])
+    assert list(tmp_path.iterdir()) == []
+    assert result.info["units"]["a"]["parameters"]["trouble"] == trouble
+    assert result.info["counters"]["units"]["a"]["requests"] > 3
+
+
+def killed_before(method, monkeypatch):
+    """Every worker of unit b dies right before a call of a method."""
+    original = getattr(WorkerUnit, method)
+
+    def call(self, *arguments):
+        if self.name == "b":
+            self._process.kill()
+            self._process.wait()
+        return original(self, *arguments)
+
+    monkeypatch.setattr(WorkerUnit, method, call)
+
+
+@pytest.mark.parametrize("method", ["parameters", "work", "close"])
+def test_a_worker_that_dies_behind_the_last_step_costs_no_result(method, monkeypatch):
+    killed_before(method, monkeypatch)
+    result = run(read_scene(troubled("none")))
+    assert result.outcome == "done"
+    assert result["b.steps"][-1] == 10
+
+
+def test_a_worker_that_the_system_does_not_start_is_bad_input_and_leaves_no_folder(tmp_path, monkeypatch):
+    scene = read_scene(troubled("none"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "no-such-python"))
+    with pytest.raises(BadInput, match=r"units\.a: a worker process that the system does not start.*No such file"):
+        run(scene)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_worker_that_dies_at_its_start_is_bad_input(monkeypatch):
+    killed_before("wire", monkeypatch)
+    with pytest.raises(BadInput, match=r"units\.b: it cannot be started: its worker process was ended by signal 9"):
+        run(read_scene(troubled("none")))
+
+
+def test_what_a_crashing_library_has_logged_and_printed_is_told():
+    data = {"stop_time": 1.0, "master": {"step": 0.1},
+            "units": {"f": {"fmu": exchange_fmu(), "parameters": {"crash": 0.25}, "isolation": "process"}}}
+    result = run(read_scene(data))
+    assert result.message == ("f failed at t = 0.2 s: its worker process was ended by signal 11 (Segmentation fault)\n"
+                              "  log: printed before the end\n  log: f: logged before the end")
+    assert result.time.tolist() == [0.0, 0.1, 0.2]
+
+
+def test_a_crash_in_the_initialization_is_a_failed_run():
+    result = run(read_scene(troubled("segfault", -1.0)))
+    assert (result.outcome, len(result.time)) == ("failed", 0)
+    assert "a failed at t = 0 s: its worker process was ended by signal 11" in result.message
+
+
+def test_a_unit_that_hangs_is_given_up_after_its_time_limit():
+    result = run(read_scene(troubled("hang", time_limit=1.0)))
+    assert result.message == "a failed at t = 0.2 s: no answer within 1 s; its worker process was ended"
+    assert len(result.time) == 3
+    assert gone([result["a.process"][0], result["b.process"][0]])
+    assert result.info["timing"]["run"] < LONG / 3
+
+
+def test_a_time_limit_does_nothing_to_a_unit_that_answers():
+    assert run(read_scene(troubled("none", time_limit=5.0))).outcome == "done"
+
+
+def test_a_time_limit_without_isolation_is_refused():
+    with pytest.raises(BadInput, match=r"units\.a.*time_limit: 1 s without isolation"):
+        read_scene(troubled("none", time_limit=1.0, isolation="none"))
+
+
+def test_a_worker_that_does_not_start_is_bad_input(monkeypatch):
+    scene = read_scene(troubled("none"))
+    monkeypatch.setattr(sys, "executable", "/bin/false")
+    with pytest.raises(BadInput, match=r"units\.a: it cannot be started: its worker process ended itself with code 1"):
+        run(scene)
+
+
+def test_warnings_of_a_unit_reach_the_run():
+    assert run(read_scene(troubled("warning"))).info["warnings"] == ["the oil is old"]
+
+
+def test_rollback_and_packed_states_through_a_worker():
+    """A state of the FMU, saved there, restored, and packed for an instance in another worker."""
+    loaded = read_scene({"stop_time": 1.0, "master": {"step": 0.1},
+                         "units": {"p": {"component": "Pantograph", "isolation": "process"}}}).units["p"]
+
+    def stepped(unit):
+        unit.drive([0.002], [0.1], None, 1e-3)
+        unit.step(1e-3, 1e-3)
+        return unit.get()
+
+    def started():
+        unit = open_unit("p", loaded, in_process=True)
+        unit.wire(["wire_height"], ["contact_force", "head_velocity"])
+        unit.initialize(0.0, [0.0])
+        unit.start()
+        return unit
+
+    first, second = started(), started()
+    first.drive([0.001], [0.5], [20.0], 1e-3)
+    first.step(0.0, 1e-3)
+    before, state = first.get(), first.save()
+    after = stepped(first)
+    first.restore(state)
+    assert first.get() == before != after
+    assert stepped(first) == after
+    packed = first.pack(state)
+    second.restore(second.unpack(packed))
+    assert stepped(second) == after
+    read = second.reader(["head_height", "contact_force"])()
+    assert read[1] == after[0]
+    first.release(state)
+    first.close()
+    second.close()
+
+
+def test_a_unit_that_has_died_fails_again_when_it_is_asked_again():
+    unit = open_unit("a", read_scene(troubled("exit", 0.0)).units["a"], in_process=True)
+    unit.wire(["driven"], ["steps"])
+    unit.initialize(0.0, [0.0])
+    unit.start()
+    unit.step(0.0, 0.1)
+    for said in ("ended itself with code 7", "has ended"):
+        with pytest.raises(StepFailed, match="its worker process " + said):
+            unit.get()
+    unit.close()
+    unit.close()
+
+
+RUN = """
+import sys
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene import read_scene
+scene = read_scene({scene!r})
+print("ready", flush=True)
+result = run(scene)
+print(result.outcome, result.message, len(result.time), flush=True)
+"""
+
+
+def started(scene: dict, folder: Path) -> tuple[subprocess.Popen, list[int]]:
+    """A process that runs the scene, and its workers; a session of its own, as a terminal gives."""
+    process = subprocess.Popen([sys.executable, "-c", RUN.format(scene=scene)], stdout=subprocess.PIPE, text=True, cwd=ROOT,
+                               start_new_session=True, env={**os.environ, "TMPDIR": str(folder)})
+    process.stdout.readline()
+    end, workers = time.monotonic() + 20.0, []
+    while len(workers) < 2 and time.monotonic() < end:
+        time.sleep(0.05)
+        workers = [int(w) for w in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+    return process, workers
+
+
+def wait_for_cpu_rest(workers: list[int]) -> None:
+    """Wait until the workers have stopped computing: what is left is the unit that hangs."""
+    before, same = None, 0
+    while same < 8:
+        now = [Path(f"/proc/{w}/stat").read_text().split()[13:15] for w in workers]
+        same = same + 1 if now == before else 0
+        before = now
+        time.sleep(0.05)
+
+
+@needs_proc
+@pytest.mark.parametrize("way", ["killed", "interrupted"])
+def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
+    process, workers = started(troubled("hang", -1.0 if way == "killed" else 0.25), tmp_path)
+    assert len(workers) == 2
+    wait_for_cpu_rest(workers)
+    if way == "killed":
+        process.kill()
+    else:
+        for _ in range(2):  # the first waits for the end of the step, which does not come
+            os.killpg(process.pid, signal.SIGINT)
+            time.sleep(0.2)
+        assert process.stdout.read() == "failed interrupted at t = 0.2 s 3\n"
+    process.wait(20.0)
+    process.stdout.close()
+    assert gone(workers)
+
+
+@needs_proc
+def test_repeated_runs_leave_no_files_threads_or_processes_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+
+    def held():
+        return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task")), len(os.listdir(tmp_path))
+
+    scene = read_scene(isolated({**two_masses(), "stop_time": 0.05}))
+    run(scene)
+    before, processes = held(), []
+    for _ in range(5):
+        assert run(scene).outcome == "done"
+        processes.append(Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text())
+    assert held() == before
+    assert not any(map(str.strip, processes)), processes
+    assert np.isfinite(run(scene)["a.x_out"]).all()
