@@ -11,8 +11,28 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("components", "fmus", "orchestrator")
-ABOVE = {"components": {"fmus", "orchestrator", "tests"}, "fmus": {"orchestrator", "tests"}, "orchestrator": {"tests"}}
 COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba"}
+# From the ground up; a module imports from its own floor and from those below it. Names in brackets share a floor.
+FLOORS = (
+    ("components",),
+    ("fmus",),
+    ("orchestrator.settings",),
+    ("orchestrator.units",),
+    ("orchestrator.engine",),
+    ("orchestrator.scene",),
+    ("orchestrator.results", "orchestrator.run", "orchestrator.checkpoint", "orchestrator.open_all", "orchestrator.advice"),
+    ("orchestrator.harness",),
+    ("orchestrator.systems",),
+    ("orchestrator.cli",),
+)
+# Upward imports that are still there: module -> what it imports.
+UPWARD: dict[str, set[str]] = {
+    "orchestrator.scene.scene": {"orchestrator.harness.keys"},
+    "orchestrator.scene.text": {"orchestrator.results"},
+    "orchestrator.harness.report": {"orchestrator.systems"},
+    "orchestrator.harness.validation": {"orchestrator.systems"},
+    "orchestrator.harness.sweep": {"orchestrator.systems"},
+}
 
 
 def modules(package: str) -> list[Path]:
@@ -20,6 +40,11 @@ def modules(package: str) -> list[Path]:
     found = sorted((ROOT / package).rglob("*.py"))
     assert found, f"no sources of {package} under {ROOT}"
     return found
+
+
+def dotted(path: Path) -> str:
+    """A module's name below the root; of an __init__ that of its package."""
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
 def imports(source: str) -> Iterator[tuple[int, str]]:
@@ -36,43 +61,9 @@ def absolute(source: str) -> set[str]:
     return {name.split(".")[0] for level, name in imports(source) if level == 0}
 
 
-def test_the_parser_sees_every_form_of_import():
-    source = "import a.b\nfrom c.d import e\nfrom . import f\nfrom ..g import h\ndef i():\n    import j\n"
-    assert absolute(source) == {"a", "c", "j"}
-    assert sorted(x for x in imports(source) if x[0]) == [(1, ""), (2, "g")]
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_imports_point_one_way(package):
-    against = {str(p.relative_to(ROOT)): bad for p in modules(package) if (bad := absolute(p.read_text()) & ABOVE[package])}
-    assert against == {}
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_imports_inside_a_package_are_relative(package):
-    """A bundle gives the package another name, which only relative imports survive."""
-    assert [str(p.relative_to(ROOT)) for p in modules(package) if package in absolute(p.read_text())] == []
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_relative_imports_stay_inside_the_package(package):
-    out = []
-    for path in modules(package):
-        depth = len(path.relative_to(ROOT).parts) - 1  # packages above the module: components/core/x.py has 2
-        out += [str(path.relative_to(ROOT)) for level, _ in imports(path.read_text()) if level > depth]
-    assert out == []
-
-
-def test_components_need_numpy_scipy_and_numba_only():
-    allowed = COMPONENTS_MAY_IMPORT | set(sys.stdlib_module_names)
-    others = {str(p.relative_to(ROOT)): bad for p in modules("components") if (bad := absolute(p.read_text()) - allowed)}
-    assert others == {}
-
-
 def relative_imports(path: Path) -> set[str]:
-    """Dotted names of the modules of the same package that a module names anywhere, for types and inside functions too."""
-    here = path.relative_to(ROOT).with_suffix("").parts
-    package = here[:-1]  # of a module and of an __init__ alike, the folder
+    """Dotted names below the root that a module imports relatively anywhere, for types and inside functions too."""
+    package = path.relative_to(ROOT).parts[:-1]  # of a module and of an __init__ alike, the folder
     found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level:
@@ -82,10 +73,56 @@ def relative_imports(path: Path) -> set[str]:
     return found
 
 
+def floor(module: str) -> int:
+    """Number of the floor that a module lies on; of names above all floors, -1."""
+    on = [k for k, names in enumerate(FLOORS) for name in names if module == name or module.startswith(name + ".")]
+    return on[0] if on else -1
+
+
+def test_the_parser_sees_every_form_of_import():
+    source = "import a.b\nfrom c.d import e\nfrom . import f\nfrom ..g import h\ndef i():\n    import j\n"
+    assert absolute(source) == {"a", "c", "j"}
+    assert sorted(x for x in imports(source) if x[0]) == [(1, ""), (2, "g")]
+
+
+def test_every_module_has_a_floor():
+    names = {dotted(p) for package in PACKAGES for p in modules(package)}
+    assert {n for n in names if floor(n) < 0} == {"orchestrator"}
+
+
 @pytest.mark.parametrize("package", PACKAGES)
-def test_no_modules_import_each_other_in_a_circle(package):
+def test_imports_point_one_way(package):
+    against = {}
+    for path in modules(package):
+        name = dotted(path)
+        allowed = {a for n, some in UPWARD.items() if name == n or name.startswith(n + ".") for a in some}
+        bad = {i for i in relative_imports(path) if floor(i) > floor(name) and not any(i.startswith(a) for a in allowed)}
+        if bad:
+            against[name] = bad
+    assert against == {}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_imports_of_the_project_are_relative(package):
+    """A bundle gives the package another name, which only relative imports survive; and a user may have a folder of any name."""
+    own = {*PACKAGES, "cosimo", "tests"}
+    assert [str(p.relative_to(ROOT)) for p in modules(package) if own & absolute(p.read_text())] == []
+
+
+def test_relative_imports_of_components_stay_among_them():
+    out = [dotted(p) for p in modules("components") if any(not i.startswith("components") for i in relative_imports(p))]
+    assert out == []
+
+
+def test_components_need_numpy_scipy_and_numba_only():
+    allowed = COMPONENTS_MAY_IMPORT | set(sys.stdlib_module_names)
+    others = {str(p.relative_to(ROOT)): bad for p in modules("components") if (bad := absolute(p.read_text()) - allowed)}
+    assert others == {}
+
+
+def test_no_modules_import_each_other_in_a_circle():
     """A package's __init__ does not count as imported by its own modules: `from .x import y` needs x, not the __init__."""
-    names = {".".join(p.relative_to(ROOT).with_suffix("").parts): p for p in modules(package)}
+    names = {".".join(p.relative_to(ROOT).with_suffix("").parts): p for package in PACKAGES for p in modules(package)}
     graph = {}
     for name, path in names.items():
         wanted = relative_imports(path)
@@ -95,4 +132,4 @@ def test_no_modules_import_each_other_in_a_circle(package):
     while free := [name for name, wanted in graph.items() if not wanted & graph.keys()]:
         for name in free:
             del graph[name]
-    assert graph == {}
+    assert {n: w & graph.keys() for n, w in graph.items()} == {}

@@ -132,7 +132,7 @@ peak = re.search(r"VmHWM:\\s+(\\d+) kB", open("/proc/self/status").read())  # ge
 print(json.dumps([c["wire_height"], c["static_residual"], int(peak[1]) / 1024]))
 """
     done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True, cwd=ROOT,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)})
+                          env={**os.environ})
     height, residual, megabytes = json.loads(done.stdout)
     assert 0.01 < height < 0.2  # m; 120 N over 1.2 to 4.7 N/mm
     assert residual < 1e-10

@@ -52,7 +52,7 @@ for name in CATALOGUE:
 def python(source: str, *arguments: str, **environment: str) -> str:
     """What a new process prints."""
     done = subprocess.run([sys.executable, "-c", source, *arguments], capture_output=True, text=True, cwd=ROOT, timeout=300,
-                          env={**os.environ, "PYTHONPATH": str(ROOT), **environment})
+                          env={**os.environ, **environment})
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -40,7 +40,7 @@ def folder(tmp_path_factory):
 def shell(command: list[str] | str, folder: Path) -> subprocess.CompletedProcess[str]:
     """The command as a reader runs it, with this environment's programs and this tree's packages."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    environment = {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT)}
+    environment = {**os.environ, "PATH": path}
     return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env=environment, capture_output=True, text=True,
                           timeout=300)
 
