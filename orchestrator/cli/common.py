@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -102,12 +103,19 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
 
 
 def share(option: str, text: str) -> float:
-    """A share given as "1%" or "0.01"; raises `BadInput` unless it is above 0 and at most 1."""
+    """A share given as "1%" or "0.01"; raises `BadInput` for one above 100 % or not above 0.
+
+    A number of 1 or more without a percent sign could mean either, and is refused with both spellings.
+    """
     number, percent, rest = text.strip().partition("%")
     try:
-        value = float(number) / (100.0 if percent else 1.0)
+        value = float(number)
     except ValueError:
-        value = 0.0
+        value = nan
+    if not percent and 1.0 <= value <= 100.0:
+        raise BadInput(option, repr(text), "a share with its percent sign, or below 1",
+                       f"{value:g} percent is written {value:g}% or {value / 100.0:g}.")
+    value /= 100.0 if percent else 1.0
     if rest or not 0.0 < value <= 1.0:
         raise BadInput(option, repr(text), "a share above 0 % and at most 100 %", "As in 1% or 0.01.")
     return value

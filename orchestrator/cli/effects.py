@@ -27,8 +27,8 @@ TOLERANCE = "1%"
 @app.command()
 def effects(
     scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
-    tolerance: Annotated[str, typer.Option("--tolerance", metavar="PERCENT", help=(
-        "Largest error of a quantity of interest against the scene with all effects."))] = TOLERANCE,
+    tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help=(
+        "Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."))] = TOLERANCE,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for effects.csv and the report.")] = Path("effects"),
     write: Annotated[Path | None, typer.Option("--write", metavar="FILE", help=(
         "Write the scene with the smallest set of effects; a .toml file."))] = None,

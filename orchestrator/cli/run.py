@@ -41,8 +41,8 @@ def run(
     values: Changes = None,
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
         "Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for."))] = None,
-    tolerance: Annotated[str | None, typer.Option("--tolerance", metavar="PERCENT", help=(
-        "With --effects auto: largest error against all effects; default 1%."))] = None,
+    tolerance: Annotated[str | None, typer.Option("--tolerance", metavar="SHARE", help=(
+        "With --effects auto: largest error against all effects, as in 1% or 0.01; default 1%."))] = None,
     algorithm: Annotated[str | None, typer.Option("--algorithm", help=(
         "jacobi, gauss-seidel, iterative or interface-model"))] = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s.")] = None,
@@ -52,8 +52,8 @@ def run(
     checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
         f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
     resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
-    accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="PERCENT", help=(
-        "Choose the quickest setting whose error stays within this, as in 1%; measured first where nothing is known."))] = None,
+    accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="SHARE", help=(
+        "Choose the quickest setting whose error stays within this, as in 1% or 0.01; measured first where nothing is known."))] = None,
     verify: Annotated[bool, typer.Option("--verify", help=(
         "With --accuracy: a second, finer run, and how far it differs."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
