@@ -53,7 +53,7 @@ def run(
         f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
     resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
     accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="SHARE", help=(
-        "Choose the quickest setting whose error stays within this, as in 1% or 0.01; measured first where nothing is known."))] = None,
+        "The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."))] = None,
     verify: Annotated[bool, typer.Option("--verify", help=(
         "With --accuracy: a second, finer run, and how far it differs."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(

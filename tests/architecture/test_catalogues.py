@@ -49,7 +49,8 @@ def test_catalogue_entries_load_under_their_own_name(name):
 
 
 def test_every_case_module_is_listed():
-    written = {value.name for module in all_modules(systems_package) for value in vars(module).values() if isinstance(value, Case)}
+    values = (value for module in all_modules(systems_package) for value in vars(module).values())
+    written = {value.name for value in values if isinstance(value, Case)}
     assert written == set(CASES)
 
 

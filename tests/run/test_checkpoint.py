@@ -48,7 +48,8 @@ def contact():
     return read_scene({
         "stop_time": 0.4, "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
         "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
+                  "wire": {"component": "cosimo.tests.support:Mass",
+                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
         "master": {"step": 2e-3},
     })
 

@@ -314,7 +314,8 @@ def test_a_run_of_fmus_goes_on_from_a_file_to_the_same_bits(tmp_path):
         "stop_time": 0.2, "master": {"step": 2e-3, "extrapolation": 2},
         "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
         "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}}})
+                  "wire": {"component": "cosimo.tests.support:Mass",
+                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}}})
     whole = run(scene, checkpoint_every=0.15, checkpoint_to=tmp_path / "checkpoint")
     resumed = run(scene, resume=tmp_path / "checkpoint")
     assert (whole.outcome, resumed.info["resumed"]["at"]) == ("done", pytest.approx(0.15, abs=2e-3))

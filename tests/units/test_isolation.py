@@ -78,7 +78,8 @@ def test_a_wide_connection_and_an_fmu_lose_no_bit(in_process):
 def test_a_master_that_repeats_steps_gets_the_same_through_workers():
     """Saved states, located events of an FMU and repeated steps; the FMU is for model exchange."""
     data = {"stop_time": 0.6, "connections": ["p.time -> f.u", "f.y -> p.length"],
-            "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {"fmu": exchange_fmu()}},
+            "units": {"p": {"component": "cosimo.tests.support:Probe"},
+                      "f": {"fmu": exchange_fmu()}},
             "master": {"algorithm": "iterative", "step": 0.05, "extrapolation": 1}}
     here, there = run(read_scene(data)), run(read_scene(isolated(data)))
     assert (here.outcome, there.outcome) == ("done", "done"), here.message + there.message
@@ -90,7 +91,8 @@ def test_a_master_that_repeats_steps_gets_the_same_through_workers():
 
 def test_a_run_goes_on_from_a_checkpoint_in_other_workers(tmp_path):
     data = {"stop_time": 0.6, "connections": ["p.time -> f.u"], "master": {"step": 0.05},
-            "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {"fmu": exchange_fmu(), "parameters": {"period": 0.13}}}}
+            "units": {"p": {"component": "cosimo.tests.support:Probe"},
+                      "f": {"fmu": exchange_fmu(), "parameters": {"period": 0.13}}}}
     scene = read_scene(isolated(data))
     whole = run(scene, checkpoint_every=0.4, checkpoint_to=tmp_path / "half")
     resumed = run(scene, resume=tmp_path / "half")

@@ -13,7 +13,8 @@ V0 = 2.0  # m/s
 # a free mass, whose position a probe gets in mm and whose own force comes from a spring that is not there: x = V0 t
 FREE = {
     "stop_time": 1.0, "connections": ["m.x_out -> p.length"],
-    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}}, "p": {"component": "cosimo.tests.support:Probe"}},
+    "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": V0}},
+              "p": {"component": "cosimo.tests.support:Probe"}},
     "master": {"algorithm": "jacobi", "step": 0.1}, "record": {"signals": ["m.x_out", "p.profile[1]"]},
 }
 CLOSED = {  # a mass of 1 kg on a spring and damper, with a force in a circle
@@ -197,7 +198,8 @@ def test_fmus_suffer_the_same_faults_as_components():
         "stop_time": 0.2, "master": {"step": 2e-3},
         "connections": ["pantograph.contact_force -> wire.force", "wire.x_out -> pantograph.wire_height"],
         "units": {"pantograph": {"component": "Pantograph"},
-                  "wire": {"component": "cosimo.tests.support:Mass", "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
+                  "wire": {"component": "cosimo.tests.support:Mass",
+                           "parameters": {"m": 40.0, "k": 4000.0, "c": 150.0, "v0": 0.2}}},
         "faults": [{"signal": "wire.x_out", "kind": "offset", "value": 1e-3, "begin": 0.05, "end": 0.1},
                    {"unit": "pantograph", "kind": "lost", "begin": 0.15}]})
     fmu, here = run(scene), run(scene, in_process=True)

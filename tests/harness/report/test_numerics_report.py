@@ -25,7 +25,8 @@ def facts(result):
 
 
 def alone(**master):
-    return read_scene({"stop_time": 0.1, "units": {"a": {"component": "cosimo.tests.support:Mass"}}, "master": {"step": 0.01, **master}})
+    return read_scene({"stop_time": 0.1, "units": {"a": {"component": "cosimo.tests.support:Mass"}},
+                       "master": {"step": 0.01, **master}})
 
 
 def test_a_scene_that_uses_none_of_it_has_none_of_it(tmp_path):

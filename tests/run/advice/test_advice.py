@@ -66,7 +66,8 @@ def component(cls, **parameters):
 def spring(m=2.0, k=100.0, d=2.0, **master):
     return {
         "stop_time": 1.0, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
-        "units": {"m": component("cosimo.tests.support:Mass", m=m), "s": component("cosimo.tests.support:SpringDamper", k=k, d=d)},
+        "units": {"m": component("cosimo.tests.support:Mass", m=m),
+                  "s": component("cosimo.tests.support:SpringDamper", k=k, d=d)},
         "master": {"algorithm": "jacobi", "step": 1e-3} | master,
     }
 
