@@ -68,7 +68,7 @@ def sources(module: str) -> dict[str, bytes]:
 
     Imports are read from the source, those inside functions too; nothing is executed.
     """
-    found: dict[str, bytes] = {}
+    closure: dict[str, bytes] = {}
     todo = [tuple(module.split("."))]
     while todo:
         parts = todo.pop()
@@ -76,12 +76,12 @@ def sources(module: str) -> dict[str, bytes]:
             path = COMPONENTS.joinpath(*parts[:k])
             file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
             key = file.relative_to(COMPONENTS).as_posix()
-            if key in found or not file.is_file():
+            if key in closure or not file.is_file():
                 continue
-            found[key] = file.read_bytes()
+            closure[key] = file.read_bytes()
             package = parts[:k] if path.is_dir() else parts[: k - 1]
-            todo += _imports(ast.parse(found[key]), package, key)
-    return found
+            todo += _imports(ast.parse(closure[key]), package, key)
+    return closure
 
 
 def _imports(tree: ast.AST, package: tuple[str, ...], where: str) -> list[tuple[str, ...]]:

@@ -329,17 +329,17 @@ class _Ports:
             if key not in self._kept:
                 if len(self._kept) == KEPT:
                     self._kept.clear()
-                self._kept[key] = self._found(references, known, array)
+                self._kept[key] = self._located(references, known, array)
             self._references, self._all, self.places, self.scales = self._kept[key]
         return self._all
 
     @staticmethod
-    def _found(references: list[int], known: dict[int, tuple[Any, int]], array: Any) -> tuple[list[int], bool, Any, Any]:
-        found = [known.get(v, (None, 0)) for v in references]
-        scales = [0.5 if isinstance(container, _Halved) else 1.0 for container, _ in found]
-        inside = [c.u if isinstance(c, _Halved) else c for c, _ in found]
+    def _located(references: list[int], known: dict[int, tuple[Any, int]], array: Any) -> tuple[list[int], bool, Any, Any]:
+        bound = [known.get(v, (None, 0)) for v in references]
+        scales = [0.5 if isinstance(container, _Halved) else 1.0 for container, _ in bound]
+        inside = [c.u if isinstance(c, _Halved) else c for c, _ in bound]
         all_ = all(isinstance(c, memoryview) and c.obj is array for c in inside)
-        places = np.array([place for _, place in found], dtype=np.intp)
+        places = np.array([place for _, place in bound], dtype=np.intp)
         return list(references), all_, places, np.array(scales) if 0.5 in scales else None
 
 

@@ -85,7 +85,7 @@ class Unbalance(Effect):
 class LoadVariation(Effect):
     """A load beside the given one: amplitude * sin(2 pi frequency t + phase) along x."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(20.0, "N", "amplitude", nominal=100.0)
     frequency = parameter(50.0, "Hz", "frequency", low=0.0)
@@ -95,7 +95,7 @@ class LoadVariation(Effect):
 class SpeedRamp(Effect):
     """Speed that changes evenly from time 0 and then stays, on top of the input."""
 
-    asked_only = True
+    explicit_only = True
 
     acceleration = parameter(100.0, "rad/s2", "angular acceleration")
     duration = parameter(1.0, "s", "time after which the speed stays", low=0.0)
@@ -104,7 +104,7 @@ class SpeedRamp(Effect):
 class GivenStart(Effect):
     """Start from a given state instead of from equilibrium."""
 
-    asked_only = True
+    explicit_only = True
 
     x = parameter(0.0, "m", "position along the load", nominal=1e-6)
     y = parameter(0.0, "m", "position across the load", nominal=1e-6)
@@ -127,11 +127,11 @@ class TwoDofBearing(OdeComponent):
         """What the kernels need of the own parameters."""
         raise NotImplementedError
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         p = self.constants()
-        values = dict(zip(type(self).effects, self._settled()[1:], strict=True))
+        values = dict(zip(type(self).effects, self._declared_arguments()[1:], strict=True))
 
-        def made(effect: str, make: Callable[[Any], Any]) -> Any:
+        def when_on(effect: str, make: Callable[[Any], Any]) -> Any:
             return None if values[effect] is None else make(values[effect])
 
         def waves(v: Any) -> Any:
@@ -147,16 +147,16 @@ class TwoDofBearing(OdeComponent):
 
         return (
             p,
-            made("clearance", lambda v: Clearance(v.radial_clearance)),
-            made("contact_damping", lambda v: HuntCrossley(v.coefficient)),
-            made("unbalance", lambda v: Imbalance(p.mass * v.eccentricity, v.phase)),
-            made("inner_waviness", waves),
-            made("outer_waviness", waves),
-            made("inner_defect", pit),
-            made("outer_defect", pit),
-            made("ball_defect", ball_pit),
-            made("load_variation", lambda v: Harmonic(v.amplitude, 2.0 * math.pi * v.frequency, v.phase)),
-            made("speed_ramp", lambda v: Ramp(v.acceleration, v.duration)),
+            when_on("clearance", lambda v: Clearance(v.radial_clearance)),
+            when_on("contact_damping", lambda v: HuntCrossley(v.coefficient)),
+            when_on("unbalance", lambda v: Imbalance(p.mass * v.eccentricity, v.phase)),
+            when_on("inner_waviness", waves),
+            when_on("outer_waviness", waves),
+            when_on("inner_defect", pit),
+            when_on("outer_defect", pit),
+            when_on("ball_defect", ball_pit),
+            when_on("load_variation", lambda v: Harmonic(v.amplitude, 2.0 * math.pi * v.frequency, v.phase)),
+            when_on("speed_ramp", lambda v: Ramp(v.acceleration, v.duration)),
             None,  # given_start: no business of the kernels
         )
 
@@ -167,7 +167,7 @@ class TwoDofBearing(OdeComponent):
         if "given_start" in self.on:
             x[:4] = [self.get(f"given_start.{n}") for n in ("x", "y", "velocity_x", "velocity_y")]
             return x
-        p, clearance, _, _, *races = self.settled[:9]
+        p, clearance, _, _, *races = self.arguments[:9]
         if static_position(x, self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD], p, clearance, *races) != DONE:
             x[:2] = 0.0  # nothing carries the load: a fall from the middle
         return x
@@ -191,21 +191,21 @@ class TwoDofBearing(OdeComponent):
 
     def _shortest_pass(self) -> tuple[float, str]:
         """Turn of the inner ring, rad, during which a ball passes a quarter of the narrowest pit or half wave, and its name."""
-        p, _, _, _, inner_waves, outer_waves, inner, outer, ball = self.settled[:9]
-        found = [(math.inf, "nothing")]
+        p, _, _, _, inner_waves, outer_waves, inner, outer, ball = self.arguments[:9]
+        limits = [(math.inf, "nothing")]
         for name, pit, ratio in (("inner_defect", inner, 1.0 - p.cage_ratio), ("outer_defect", outer, p.cage_ratio),
                                  ("ball_defect", ball, p.spin_ratio)):
             if pit is not None:
-                found.append((0.5 * pit.half_width / ratio, name))
+                limits.append((0.5 * pit.half_width / ratio, name))
         for name, waves, ratio in (("inner", inner_waves, 1.0 - p.cage_ratio), ("outer", outer_waves, p.cage_ratio)):
             if waves is not None and waves.order.size:
                 order = waves.order.max()
-                found.append((0.25 * math.pi / (order * ratio), f"half a wave of {name}_waviness of order {order:g}"))
-        return min(found)
+                limits.append((0.25 * math.pi / (order * ratio), f"half a wave of {name}_waviness of order {order:g}"))
+        return min(limits)
 
     def _fastest(self, t: float, h: float) -> float:
         """Largest speed within a step; input and ramp together are one parabola before the ramp's end and one after it."""
-        ramp, (now, slope, half) = self.settled[10], self.u[:, SPEED]
+        ramp, (now, slope, half) = self.arguments[10], self.u[:, SPEED]
         acceleration, duration = (ramp.acceleration, ramp.duration) if ramp is not None else (0.0, 0.0)
         turning = [-0.5 * a / half for a in (slope, slope + acceleration)] if half != 0.0 else []
         return max(abs(now + s * (slope + s * half) + acceleration * min(max(t + s, 0.0), duration))
@@ -220,18 +220,18 @@ class TwoDofBearing(OdeComponent):
         if self._pass_angle < math.inf:
             substep = min(substep, self._longest_substep(t, h))  # where the speed has grown since the start
         n = max(1, math.ceil(h / substep * (1.0 - 1e-9)))
-        balls = self.settled[0].balls
+        balls = self.arguments[0].balls
         balls[DEEPEST, 0] = 0.0
-        if self.settled[3] is not None:  # only an unbalance feels the speed's derivative
+        if self.arguments[3] is not None:  # only an unbalance feels the speed's derivative
             balls[SLOPE, 0], balls[GROWTH, 0], balls[SINCE, 0] = self.u[1, SPEED], 2.0 * self.u[2, SPEED], t
-        status = type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        status = type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
         if balls[DEEPEST, 0] > self._proven and status == DONE:
             self._check_contacts(t, h / n, float(balls[DEEPEST, 0]))
         return status
 
     def _check_contacts(self, t: float, substep: float, deepest: float) -> None:
         """Stop a run whose contacts became too stiff for its internal steps: it would stay finite, and be wrong."""
-        p, _, damping = self.settled[:3]
+        p, _, damping = self.arguments[:3]
         if (needed := _resolved_step(p, damping, deepest)) < substep * (1.0 - 1e-9):
             raise StepFailed(self.name, t, f"a ball is pressed in by {deepest:.3g}, too stiff a contact for internal steps of "
                              f"{substep:.3g}", f"Reduce substep to {needed:.2g} or less")
@@ -240,7 +240,7 @@ class TwoDofBearing(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy plus that of the contacts, J (or in units of the scales); the load is not counted."""
-        p, clearance, _, _, *races = self.settled[:9]
+        p, clearance, _, _, *races = self.arguments[:9]
         fill_gaps(self.x, 0.0, p, clearance, None, *races)
         cosine, sine, gap = p.balls[[COSINE, SINE, GAP]]
         at = self.x[5] + np.arctan2(sine, cosine)
@@ -252,7 +252,7 @@ class TwoDofBearing(OdeComponent):
 
         With the forces of the start; what comes later, a greater load or resonance, is checked at every step.
         """
-        p, clearance, damping, unbalance, *_, variation, _, _ = self.settle()
+        p, clearance, damping, unbalance, *_, variation, _, _ = self.kernel_arguments()
         gap = 0.0 if clearance is None else clearance.gap
         force = math.hypot(self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD])
         force += 0.0 if variation is None else abs(variation.amplitude)

@@ -175,7 +175,7 @@ class AngularContactConductance(Component):
         return p["pitch_diameter"] - across, p["pitch_diameter"] + across
 
     def _initialize(self, t: float) -> int:
-        _, bulk, *effects = self._settled()
+        _, bulk, *effects = self._declared_arguments()
         p: Any = self.parameters
         geometry = self.geometry()
         modulus, raceways = self.material(), self.raceways
@@ -200,7 +200,7 @@ class AngularContactConductance(Component):
         )
         if bulk is not None:
             bulk = Ball(0.5 * p["ball_diameter"], p["ball_conductivity"])
-        self.settled = (constants, bulk, *effects)
+        self.arguments = (constants, bulk, *effects)
         self._balls, self._work = place_balls(p["balls"]), np.zeros((WORK_ROWS, 5))
         self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
         return DONE
@@ -234,7 +234,7 @@ class AngularContactConductance(Component):
         self._check(self._solve())
 
     def _solve(self) -> int:
-        return bearing_conductance(self.u[0], self.y, self._ring, self._balls, self._work, *self.settled)
+        return bearing_conductance(self.u[0], self.y, self._ring, self._balls, self._work, *self.arguments)
 
 
 def ring_part(diameter: float, width: float, balls: int) -> float:

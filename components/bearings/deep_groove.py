@@ -41,7 +41,7 @@ DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", 
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
-LINEARISATION = 9  # in `settled`
+LINEARISATION = 9  # in `arguments`
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 
 
@@ -69,7 +69,7 @@ class Damping(Effect):
 class PublishedLevers(Effect):
     """Moments with the lever to the balls' centres, tilts with that to the groove's: as published, without a potential."""
 
-    asked_only = True
+    explicit_only = True
 
 
 class Linearisation(Effect):
@@ -79,7 +79,7 @@ class Linearisation(Effect):
     method. The dependence of dampers on q is left out of the stiffness.
     """
 
-    asked_only = True
+    explicit_only = True
 
     idle_stiffness = parameter(1e6, "N/m", "added along x and y while initializing and at most one ball is loaded, so that a "
                                "search for the static position comes to a contact; the force itself is not changed, and in "
@@ -196,7 +196,7 @@ class DeepGrooveBearing(Component):
         p: dict[str, Any] = self.parameters
         return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"])
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernels get: `Constants`, then the effects, some of them with what follows from their numbers."""
         p: dict[str, Any] = self.parameters
         geometry = self.geometry
@@ -213,7 +213,7 @@ class DeepGrooveBearing(Component):
         if p["diametral_clearance"] < tightest:
             raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m", f"{tightest:.3g} m or more; with "
                            "less the preload alone makes the contacts longer than a ball's radius")
-        values = dict(zip(type(self).effects, self._settled()[1:], strict=True))
+        values = dict(zip(type(self).effects, self._declared_arguments()[1:], strict=True))
         if (film := values["film"]) is not None:
             oil = Lubricant(film.viscosity, film.pressure_viscosity)
             load, speed = 5.0 * film.nominal_load / p["balls"], entrainment_speed(geometry, 1.0)
@@ -238,59 +238,59 @@ class DeepGrooveBearing(Component):
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
         """As of any component; what helps a search for the static position, or lets it overshoot, ends with it."""
-        self.settled = settled = self.settle()
-        if (linear := settled[LINEARISATION]) is not None:
+        self.arguments = arguments = self.kernel_arguments()
+        if (linear := arguments[LINEARISATION]) is not None:
             linear = linear._replace(idle_stiffness=0.0)
         try:
             super().initialize(t)
         finally:
-            self.settled = (*settled[:LINEARISATION], linear, *settled[LINEARISATION + 1 :])
+            self.arguments = (*arguments[:LINEARISATION], linear, *arguments[LINEARISATION + 1 :])
 
     def _initialize(self, t: float) -> int:
         self.x = np.zeros(3 if "ball_defect" in self.on else 2)
         self.x[1] = wrapped(self.get("first_ball"))
         self._features = self._passages()
         self._warned = False
-        p = self.settled[0]
+        p = self.arguments[0]
         if self._preload() > p.largest_load:
             return OUT_OF_RANGE
-        self.settled = (p._replace(largest_load=math.inf), *self.settled[1:])  # a step of Newton's method may go too far
+        self.arguments = (p._replace(largest_load=math.inf), *self.arguments[1:])  # a step of Newton's method may go too far
         return DONE
 
     def _step(self, t: float, h: float) -> int:
         if self._features:
             self._check_passages(t, h)
         self.counts += 1
-        return advance(h, self.x, self.u, self.y, *self.settled)
+        return advance(h, self.x, self.u, self.y, *self.arguments)
 
     def _outputs(self, t: float) -> None:
-        self._check(bearing_outputs(self.x, self.u[0], self.y, *self.settled))
+        self._check(bearing_outputs(self.x, self.u[0], self.y, *self.arguments))
 
     def _preload(self) -> float:
         """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
-        p, film, _, *races = self.settled[:8]
+        p, film, _, *races = self.arguments[:8]
         place(self.x, self.u[0, SPEED], p, film, *races)
         contacts = self._present_contacts()
         return contacts.stiffness * max(contacts.radial - contacts.distance - p.balls[:, GAP].min(), 0.0) ** 1.5
 
     def _present_contacts(self) -> BallContacts:
-        p, growth = self.settled[0], self.settled[11]
+        p, growth = self.arguments[0], self.arguments[11]
         change = self.u[0, growth.u] if growth is not None else 0.0
         return p.contacts._replace(radial=p.contacts.radial - 0.5 * change)
 
     def _passages(self) -> list[tuple[str, float, float]]:
         """(name, extent in rad, turn of the feature under a ball per turn of the inner ring) of waves and defects."""
-        p, _, _, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit = self.settled[:8]
+        p, _, _, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit = self.arguments[:8]
         inner, outer = 1.0 - p.cage_ratio, p.cage_ratio
-        found = []
+        features = []
         for name, waves, ratio in (("inner_waviness", inner_waves, inner), ("outer_waviness", outer_waves, outer)):
             if waves is not None and waves.order.size:
-                found.append((f"{name} of order {waves.order.max():g}", math.pi / waves.order.max(), ratio))
+                features.append((f"{name} of order {waves.order.max():g}", math.pi / waves.order.max(), ratio))
         for name, pit, ratio in (("inner_defect", inner_pit, inner), ("outer_defect", outer_pit, outer),
                                  ("ball_defect", ball_pit, p.spin_ratio)):
             if pit is not None:
-                found.append((name, 2.0 * pit.half_width, ratio))
-        return found
+                features.append((name, 2.0 * pit.half_width, ratio))
+        return features
 
     def _check_passages(self, t: float, h: float) -> None:
         """Refuse a step in which a defect, or half a wave, could pass unseen; warn once of one that sees too little of it.
@@ -313,19 +313,19 @@ class DeepGrooveBearing(Component):
 
     def energy(self) -> float:
         """Elastic energy of the contacts, J; with `published_levers` that of the consistent bearing."""
-        p, film, _, *races = self.settled[:8]
-        return elastic_energy(self.x, self.u[0], p, film, *races, self.settled[11])
+        p, film, _, *races = self.arguments[:8]
+        return elastic_energy(self.x, self.u[0], p, film, *races, self.arguments[11])
 
     def equilibrium(self, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
         """Static equilibrium under an external load on the shaft at the present angles and speed; see `loads.static_loads`.
 
         Its status is OUT_OF_RANGE, too, for a ball beyond its largest load.
         """
-        p, film, _, *races = self.settled[:8]
+        p, film, _, *races = self.arguments[:8]
         place(self.x, self.u[0, SPEED], p, film, *races)
-        levers = self.settled[8]
+        levers = self.arguments[8]
         load = np.array(forces, dtype=float)
         if levers is not None:
             load[3:] /= levers.ratio
-        found = static_loads(self._present_contacts(), load, first_ball=self.x[1], held=held, gap=p.balls[:, GAP].copy())
-        return found._replace(status=OUT_OF_RANGE) if found.ball_loads.max() > p.largest_load else found
+        loads = static_loads(self._present_contacts(), load, first_ball=self.x[1], held=held, gap=p.balls[:, GAP].copy())
+        return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > p.largest_load else loads

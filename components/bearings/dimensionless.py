@@ -65,7 +65,7 @@ class Waviness(Effect):
 class Defect(Effect):
     """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
 
-    asked_only = True
+    explicit_only = True
 
     depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
     width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
@@ -75,7 +75,7 @@ class Defect(Effect):
 class BallDefect(Effect):
     """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
 
-    asked_only = True
+    explicit_only = True
 
     depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
     width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)
@@ -86,7 +86,7 @@ class BallDefect(Effect):
 class LoadVariation(Effect):
     """A load beside the given one: amplitude * sin(2 pi frequency tau + phase) along x."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(0.1020, "1", "amplitude")
     frequency = parameter(0.03912, "1", "periods per unit of time", low=0.0)
@@ -96,7 +96,7 @@ class LoadVariation(Effect):
 class SpeedRamp(Effect):
     """Speed that changes evenly from time 0 and then stays, on top of the input."""
 
-    asked_only = True
+    explicit_only = True
 
     acceleration = parameter(6.121e-5, "1", "angular acceleration")
     duration = parameter(1278.0, "1", "time after which the speed stays", low=0.0)
@@ -105,7 +105,7 @@ class SpeedRamp(Effect):
 class GivenStart(Effect):
     """Start from a given state instead of from equilibrium."""
 
-    asked_only = True
+    explicit_only = True
 
     x = parameter(0.0, "1", "position along the load")
     y = parameter(0.0, "1", "position across the load")
@@ -198,7 +198,7 @@ def dimensionless(bearing: BallBearing) -> tuple[DimensionlessBallBearing, Scale
         "substep": p["substep"] / by.time,
     }
     of_effects = {n: v / by.of(bearing.variables[n].unit) for n, v in p.items() if "." in n}
-    made = DimensionlessBallBearing(bearing.on, own | of_effects, name=bearing.name)
-    for name in made.inputs:
-        made.set(name, bearing[name] / by.of(bearing.variables[name].unit))
-    return made, by
+    scaled = DimensionlessBallBearing(bearing.on, own | of_effects, name=bearing.name)
+    for name in scaled.inputs:
+        scaled.set(name, bearing[name] / by.of(bearing.variables[name].unit))
+    return scaled, by

@@ -27,8 +27,8 @@ class BallGeometry:
             raise BadInput("ball bearing", f"balls of {self.ball_diameter:g} m on a pitch diameter of {self.pitch_diameter:g} m",
                            "balls smaller than the pitch diameter")
         if min(self.inner_conformity, self.outer_conformity) <= 0.5:
-            came = f"groove radii of {self.inner_conformity:g} and {self.outer_conformity:g} ball diameters"
-            raise BadInput("ball bearing", came, "more than half a ball diameter")
+            actual = f"groove radii of {self.inner_conformity:g} and {self.outer_conformity:g} ball diameters"
+            raise BadInput("ball bearing", actual, "more than half a ball diameter")
 
     @property
     def gamma(self) -> float:

@@ -87,8 +87,8 @@ def solve_path(
     for part, rows, temperature in zip((inner, outer), facing, temperatures, strict=True):
         bare[rows] = _join_ring(bodies, part, ball, (surface[rows], rows), phi, first, growth, around, nodes, temperature)
     _expose(bodies, surface, ball.half[0][1][-1], bare * ball.area[0][-1], around, nodes)
-    found, heat = bodies.solve(0.5 * sum(temperatures))
-    skin = found[surface.ravel()]
+    solution, heat = bodies.solve(0.5 * sum(temperatures))
+    skin = solution[surface.ravel()]
     conductance = 4.0 * heat[0] / (temperatures[0] - temperatures[1])
     return HeatPath(conductance, (heat[0] + heat[1]) / heat[0],
                     (float(skin.min()), float(np.average(skin, weights=ball.area[0][-1].ravel())), float(skin.max())))

@@ -3,7 +3,7 @@
 Everything here ends in the gap of each ball, the length by which the surfaces of ball and races are farther apart than on a
 perfect bearing; a bearing model subtracts it from its contact deformation. Ball j stands at angle + 2 pi j / Z, j = 0 ... Z - 1.
 
-How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, `settle` hands the kernels
+How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, `kernel_arguments` hands them
 `race_waves(...)` and `smooth_pit(...)` in their place, and a kernel calls `add_faults` with `gap` and `rate`, (Z,), filled
 beforehand. What belongs to the inner ring turns with it, the outer ring is at rest, and a pit on a ball meets the inner race
 and half a turn of the ball later the outer one.
@@ -40,7 +40,7 @@ class Waviness(Effect):
 class Defect(Effect):
     """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
 
-    asked_only = True
+    explicit_only = True
 
     depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
     width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
@@ -50,7 +50,7 @@ class Defect(Effect):
 class BallDefect(Effect):
     """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
 
-    asked_only = True
+    explicit_only = True
 
     depth = parameter(5e-6, "m", "depth in the middle; negative for a bump", nominal=1e-6)
     width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)

@@ -117,7 +117,7 @@ class BearingTemperatures(OdeComponent):
         return status
 
     def _step(self, t: float, h: float) -> int:
-        low, high = range_outside(h, self.x, self.u, *self.settled)
+        low, high = range_outside(h, self.x, self.u, *self.arguments)
         status = super()._step(t, h)
         return NOT_CONVERGED if status == DONE and not low <= self.x[-3] <= high else status
 

@@ -41,13 +41,13 @@ class Effect:
     A subclass declares its own variables. Kernels get `Values` or None: the parameters, `u` and `y`, the positions of
     the effect's first input and first output where it has such, and `on` where there is nothing else to hold.
 
-    `asked_only`: what a scene has or has not, such as a part, a defect, a load, a programme or another form of the model, and
+    `explicit_only`: what a scene has or has not, such as a part, a defect, a load, a programme or another form of the model, and
     no refinement of what it has: only a scene that names it has it, and no study of effects adds it.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[tuple[str, ...]] = ()
-    asked_only: ClassVar[bool] = False
+    explicit_only: ClassVar[bool] = False
     variables: ClassVar[tuple[Variable, ...]] = ()
     Values: ClassVar[Any]
 
@@ -106,11 +106,11 @@ class Component:
     ) -> None:
         cls = type(self)
         self.name = name or cls.__name__
-        settled: dict[str, Any] = {}
+        preset_values: dict[str, Any] = {}
         if preset:
             if preset not in cls.presets:
                 raise BadInput(self.name, f"preset {preset!r}", "a preset of " + cls.__name__, nearest(preset, cls.presets))
-            settled |= cls.presets[preset].parameters
+            preset_values |= cls.presets[preset].parameters
             effects = (*cls.presets[preset].effects, *effects)
         self.on = self._checked_effects(tuple(effects))
         active = {n: v for n, v in cls.variables.items() if self.is_active(n)}
@@ -125,7 +125,7 @@ class Component:
         self.x = np.zeros(0)
         self.t = 0.0
         self.counts = np.zeros(len(self.counters), dtype=np.int64)
-        for key, value in {**settled, **(parameters or {})}.items():
+        for key, value in {**preset_values, **(parameters or {})}.items():
             self.set(key, active[key].checked(value, self.name) if key in self._input_index else value)
 
     def _checked_effects(self, effects: tuple[str, ...]) -> tuple[str, ...]:
@@ -139,8 +139,8 @@ class Component:
                     raise BadInput(self.name, f"effect {effect!r} without {other!r}", f"both of them; {effect!r} needs {other!r}")
             for other in known[effect].excludes:
                 if other in effects:
-                    came = f"effects {effect!r} and {other!r} together"
-                    raise BadInput(self.name, came, "one of the two; they exclude each other")
+                    actual = f"effects {effect!r} and {other!r} together"
+                    raise BadInput(self.name, actual, "one of the two; they exclude each other")
         return tuple(n for n in known if n in effects)
 
     def is_active(self, variable: str) -> bool:
@@ -190,7 +190,7 @@ class Component:
         """Elements of `y` for output names, (n,)."""
         return np.array([self._output_index[n] for n in names], dtype=np.intp)
 
-    def _settled(self) -> tuple[Any, ...]:
+    def _declared_arguments(self) -> tuple[Any, ...]:
         """(parameters, effect, effect, ...) for the kernels: a NamedTuple, then one NamedTuple or None an effect."""
         cls = type(self)
         values = [cls.Values(*(self._value(v) for v in cls.own_variables if v.causality is Causality.PARAMETER))]
@@ -212,7 +212,7 @@ class Component:
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
-        """Settle parameters, find the initial state for the present inputs, compute the outputs. May be repeated.
+        """Take over the parameters, compute the initial state for the present inputs and the outputs. May be repeated.
 
         `BadInput` for parameters that do not go together, also where they overflow or make a singular matrix.
         """

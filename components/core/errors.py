@@ -4,9 +4,9 @@
 class BadInput(ValueError):
     """Something the user gave cannot be used; the message says where, what came, what was expected, what to do."""
 
-    def __init__(self, where: str, came: str, expected: str, remedy: str = ""):
-        self.where, self.came, self.expected, self.remedy = where, came, expected, remedy
-        super().__init__(_one_line(f"{where}: {came}; expected {expected}" + (f". {remedy}" if remedy else "")))
+    def __init__(self, where: str, actual: str, expected: str, remedy: str = ""):
+        self.where, self.actual, self.expected, self.remedy = where, actual, expected, remedy
+        super().__init__(_one_line(f"{where}: {actual}; expected {expected}" + (f". {remedy}" if remedy else "")))
 
 
 class StepFailed(RuntimeError):

@@ -159,4 +159,4 @@ class EventComponent(OdeComponent):
 
     def _step(self, t: float, h: float) -> int:
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return type(self).advance(t, h, n, self.guards_count, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return type(self).advance(t, h, n, self.guards_count, self.x, self.u, self.y, self._work, self.counts, *self.arguments)

@@ -20,7 +20,8 @@ from .component import Component
 from .errors import BadInput
 from .kernels import DONE, NOT_FINITE, hold_inputs
 
-RK4_REACH = 2.61  # |eigenvalue times step| that RK4 bears whatever its damping: 2.62 at 124 degrees, 2.79 and 2.83 on the axes
+# |eigenvalue times step| up to which RK4 is stable at any damping: 2.62 at 124 degrees, 2.79 and 2.83 on the axes
+RK4_STABILITY_RADIUS = 2.61
 
 
 def derivatives(t, x, u, dx, p, *effects):
@@ -93,16 +94,16 @@ class OdeComponent(Component):
     advance: Callable[..., int]
     output_kernel: Callable[..., None]
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernels get as `p, *effects`. Override it to hand over what follows from the parameters instead of them."""
-        return self._settled()
+        return self._declared_arguments()
 
     def internal_step(self) -> float:
         """Longest internal step, s. Override it where an effect asks for a shorter one than the parameter `substep`."""
         return float(self.get("substep"))
 
     def initial_state(self) -> np.ndarray:
-        """State at the start for the present inputs and `self.settled`, shape (n,)."""
+        """State at the start for the present inputs and `self.arguments`, shape (n,)."""
         raise NotImplementedError
 
     def _initialize(self, t: float) -> int:
@@ -111,14 +112,14 @@ class OdeComponent(Component):
             # with a unilateral contact the run would stay finite, and be wrong without a word
             raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
                            "Reduce substep.")
-        self.settled = self.settle()
+        self.arguments = self.kernel_arguments()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
         self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))
         return DONE
 
     def _step(self, t: float, h: float) -> int:
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
     def _outputs(self, t: float) -> None:
-        type(self).output_kernel(t, self.x, self.u[0], self.y, *self.settled)
+        type(self).output_kernel(t, self.x, self.u[0], self.y, *self.arguments)

@@ -73,25 +73,25 @@ class SampledComponent(Component):
     output_kernel: ClassVar[Callable[..., None]]
     advance: ClassVar[Callable[..., int]]
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernels get as `p, *effects`."""
-        return self._settled()
+        return self._declared_arguments()
 
     def initial_state(self, t: float) -> np.ndarray:
-        """State at the start for `self.settled`, shape (n,), before the first sample; its first element is set afterwards."""
+        """State at the start for `self.arguments`, shape (n,), before the first sample; its first element is set afterwards."""
         raise NotImplementedError
 
     def _initialize(self, t: float) -> int:
-        self.settled = self.settle()
+        self.arguments = self.kernel_arguments()
         rows, columns = self.work_shape
         self._work = np.zeros((rows, max(self.u.shape[1], columns)))
         self.x = self.initial_state(t)
-        self.x[NEXT] = math.floor(t / self.settled[0].period * (1.0 + 1e-12)) + 1.0
-        type(self).sample_kernel(t, self.u[0], self.x, self._work, *self.settled)
+        self.x[NEXT] = math.floor(t / self.arguments[0].period * (1.0 + 1e-12)) + 1.0
+        type(self).sample_kernel(t, self.u[0], self.x, self._work, *self.arguments)
         return DONE
 
     def _step(self, t: float, h: float) -> int:
-        return type(self).advance(t, h, self.u, self.x, self.y, self._work, self.counts, *self.settled)
+        return type(self).advance(t, h, self.u, self.x, self.y, self._work, self.counts, *self.arguments)
 
     def _outputs(self, t: float) -> None:
         type(self).output_kernel(self.x, self.y)
@@ -105,6 +105,6 @@ def rows_in_use(where: str, time: np.ndarray, *columns: np.ndarray) -> np.ndarra
     falls = np.flatnonzero(np.diff(time) < 0.0)
     end = int(falls[0]) if falls.size else time.size - 1
     if any(column[end + 1 :].any() for column in (time, *columns)):
-        came = f"time[{end + 1}] = {time[end]:g} s, then {time[end + 1]:g} s"
-        raise BadInput(where, came, "times that do not decrease, and zeros behind the last row")
+        actual = f"time[{end + 1}] = {time[end]:g} s, then {time[end + 1]:g} s"
+        raise BadInput(where, actual, "times that do not decrease, and zeros behind the last row")
     return np.minimum(np.arange(time.size), end)

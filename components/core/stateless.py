@@ -9,12 +9,12 @@ from .kernels import DONE, hold_inputs
 
 
 class StatelessComponent(Component):
-    """Its outputs are functions of its inputs and of time; a subclass gives `_outputs`, and `_initialize` if it settles more."""
+    """Outputs are functions of inputs and time; a subclass gives `_outputs`, and `_initialize` if parameters need preparation."""
 
     counters: ClassVar[tuple[str, ...]] = ("steps",)
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
+        self.arguments = self._declared_arguments()
         return DONE
 
     def _step(self, t: float, h: float) -> int:

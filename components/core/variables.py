@@ -61,19 +61,19 @@ class Variable:
 
     def checked(self, value, where: str):
         """`value` in this variable's type and within its limits, or `BadInput`."""
-        came = f"{self.name} = {value!r}"
+        actual = f"{self.name} = {value!r}"
         if self.kind is Kind.CHOICE:
             if value not in self.choices:
-                raise BadInput(where, came, "one of " + ", ".join(self.choices))
+                raise BadInput(where, actual, "one of " + ", ".join(self.choices))
             return value
         number = isinstance(value, Real) and not isinstance(value, bool)
         if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
-            raise BadInput(where, came, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
+            raise BadInput(where, actual, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
         if not self.low <= value <= self.high or not math.isfinite(value):
             unit = "" if self.unit == "1" else f" {self.unit}"
             limited = math.isfinite(self.low) or math.isfinite(self.high)
             expected = f"a value in [{self.low:g}, {self.high:g}]{unit}" if limited else "a finite number"
-            raise BadInput(where, came, expected, self.text[:1].upper() + self.text[1:] + ".")
+            raise BadInput(where, actual, expected, self.text[:1].upper() + self.text[1:] + ".")
         return int(value) if self.kind is Kind.INTEGER else float(value)
 
 

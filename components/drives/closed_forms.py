@@ -44,12 +44,12 @@ def step_response(motor: ServoMotor, t: np.ndarray, voltage: float, load: float 
     rate = w + c1 e^(p1 t) + c2 e^(p2 t) with rate(0) = 0 and J rate'(0) = -load; the current follows from J rate' and the angle
     by integration.
     """
-    (J, B, K), (p1, p2), settled = wheel_constants(motor), poles(motor), steady(motor, voltage, load)
+    (J, B, K), (p1, p2), end = wheel_constants(motor), poles(motor), steady(motor, voltage, load)
     t = np.asarray(t, dtype=float)
-    c1 = (-load / J + p2 * settled.rate) / (p1 - p2)
-    c2 = -settled.rate - c1
+    c1 = (-load / J + p2 * end.rate) / (p1 - p2)
+    c2 = -end.rate - c1
     e1, e2 = np.exp(p1 * t), np.exp(p2 * t)
-    rate = settled.rate + c1 * e1 + c2 * e2
+    rate = end.rate + c1 * e1 + c2 * e2
     current = (J * (c1 * p1 * e1 + c2 * p2 * e2) + B * rate + load) / K
-    angle = settled.rate * t + c1 / p1 * np.expm1(p1 * t) + c2 / p2 * np.expm1(p2 * t)
+    angle = end.rate * t + c1 / p1 * np.expm1(p1 * t) + c2 / p2 * np.expm1(p2 * t)
     return np.stack((angle.real, rate.real, current.real), axis=-1)

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_REACH, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from . import torque_motor
@@ -92,7 +92,7 @@ class ServoMotor(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Angle and rate of the parameters, the steady current, and the mode of the shaft where it can stick."""
-        p, inductance, saturation, friction = self.settled
+        p, inductance, saturation, friction = self.arguments
         x = [p.start_angle, p.start_rate]
         if inductance is not None:
             x.append(steady_current(p.start_rate, self.u[0], p, saturation))
@@ -106,13 +106,13 @@ class ServoMotor(EventComponent):
 
     def energy(self) -> float:
         """Kinetic energy of rotor and wheel and the energy of the inductance, J."""
-        p, inductance, *_ = self.settled
+        p, inductance, *_ = self.arguments
         kinetic = 0.5 * shaft_inertia(p) * self.x[RATE] ** 2
         return float(kinetic if inductance is None else kinetic + 0.5 * inductance.inductance * self.x[CURRENT] ** 2)
 
     def stable_step(self) -> float:
         """RK4's limit for the poles of the motor alone, s."""
-        p, inductance, *_ = self._settled()
+        p, inductance, *_ = self._declared_arguments()
         inertia, damping, torque = shaft_inertia(p), p.gear_ratio**2 * p.damping, p.gear_ratio * p.constant
         if inductance is None:
             fastest = (torque**2 / p.resistance + damping) / inertia
@@ -120,13 +120,13 @@ class ServoMotor(EventComponent):
             L = inductance.inductance
             matrix = np.array([[-damping / inertia, torque / inertia], [-torque / L, -p.resistance / L]])
             fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
-        return RK4_REACH / fastest if fastest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "shaft_friction" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return servo_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return servo_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
 
 VOLTAGE, LOAD = ServoMotor.input_indices("voltage", "load_torque")
@@ -148,13 +148,13 @@ def winding_voltage(rate, u, p, saturation):
 
 @kernel
 def steady_current(rate, u, p, saturation):
-    """Current that a rate of the wheel leaves when it has settled, A."""
+    """Current in the steady state at a rate of the wheel, A."""
     return (winding_voltage(rate, u, p, saturation) - p.constant * p.gear_ratio * rate) / p.resistance
 
 
 @kernel
 def winding_current(x, u, p, inductance, saturation):
-    """Current in the winding, A: of the state, or the settled one."""
+    """Current in the winding, A: of the state, or the steady one."""
     if inductance is not None:
         return x[CURRENT]
     return steady_current(x[RATE], u, p, saturation)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -56,20 +56,20 @@ class TorqueMotor(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """The steady current at the present voltage and rate, with `inductance`; no state without."""
-        p, inductance, saturation = self.settled
+        p, inductance, saturation = self.arguments
         if inductance is None:
             return np.zeros(0)
         return np.array([amplifier_voltage(self.u[0], p, saturation) - back_emf(self.u[0], p)]) / p.resistance
 
     def energy(self) -> float:
         """Energy of the inductance, J; 0 without it."""
-        inductance = self.settled[1]
+        inductance = self.arguments[1]
         return 0.0 if inductance is None else float(0.5 * inductance.inductance * self.x[0] ** 2)
 
     def stable_step(self) -> float:
         """RK4's limit for the time constant of the winding, s; infinite without inductance."""
-        p, inductance, _ = self._settled()
-        return math.inf if inductance is None else RK4_REACH * inductance.inductance / p.resistance
+        p, inductance, _ = self._declared_arguments()
+        return math.inf if inductance is None else RK4_STABILITY_RADIUS * inductance.inductance / p.resistance
 
     def internal_step(self) -> float:
         """That of `inductance`; without it nothing is integrated."""

@@ -36,7 +36,7 @@ class Reference(Effect):
     Before the first time the first row holds, after the last the last. A table with fewer rows leaves the rest at 0.
     """
 
-    asked_only = True
+    explicit_only = True
 
     time = parameter((0.0, 0.5, *[0.0] * 6), "s", "time of a row, not decreasing", size=ROWS)
     feed = parameter((0.0, 0.02, *[0.0] * 6), "m", "feed added to the set point", size=ROWS, nominal=0.01)
@@ -99,9 +99,9 @@ class ServoController(SampledComponent):
     wanted_feed = output("m", "set point of the feed at the last sample", nominal=0.01)
     wanted_rotation = output("rad", "set point of the rotation at the last sample")
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernels get; wheels that cannot give both degrees of freedom, and times that go back, are refused."""
-        p, quantisation, reference = self._settled()
+        p, quantisation, reference = self._declared_arguments()
         refuse_singular(self.name, p.layout, p.angle)
         refuse_idle_angle(self.name, p.layout, p.angle)
         return p, quantisation, None if reference is None else self._course(reference)
@@ -114,7 +114,7 @@ class ServoController(SampledComponent):
     def initial_state(self, t: float) -> np.ndarray:
         """All zero, but for what the encoders have counted."""
         x = np.zeros(STATES)
-        p, quantisation, _ = self.settled
+        p, quantisation, _ = self.arguments
         if quantisation is not None:  # as if the wheels had turned at their rates before
             for i in range(2):
                 x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], quantisation.wheel_step)

@@ -86,6 +86,6 @@ def refuse_singular(where: str, layout: int, angle: float) -> None:
 def refuse_idle_angle(where: str, layout: int, angle: float) -> None:
     """`BadInput` for an angle that is given to orthogonal wheels, which have none."""
     if layout == ORTHOGONAL and angle != ANGLE:
-        came = f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}"
-        raise BadInput(where, came, "a layout of skewed wheels, or no angle",
+        actual = f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}"
+        raise BadInput(where, actual, "a layout of skewed wheels, or no angle",
                        "Orthogonal wheels stand along the axis and across it.")

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_REACH, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output
 from ..drives import servo_motor
@@ -132,8 +132,8 @@ class FrictionDrive(EventComponent):
         return super()._initialize(t)
 
     def initial_state(self) -> np.ndarray:
-        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, settled currents, shafts that stand where they can."""
-        p, inductance, shaft, smoothed, lugre, exact, trocar, _, loss = self.settled
+        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, steady currents, shafts that stand where they can."""
+        p, inductance, shaft, smoothed, lugre, exact, trocar, _, loss = self.arguments
         sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
         at, u = sleeve.size, self.u[0]
         currents = [] if inductance is None else [u[0] / p.resistance, u[1] / p.resistance]
@@ -146,7 +146,7 @@ class FrictionDrive(EventComponent):
 
     def energy(self) -> float:
         """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
-        p, inductance, _, _, lugre, exact, trocar, gravity, loss = self.settled
+        p, inductance, _, _, lugre, exact, trocar, gravity, loss = self.arguments
         at = motor_place(lugre, exact, trocar)
         twice = shaft_inertia(p) * (self.x[at + RATES : at + RATES + 2] ** 2).sum()
         if inductance is not None:
@@ -155,7 +155,7 @@ class FrictionDrive(EventComponent):
 
     def stable_step(self) -> float:
         """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
-        p, inductance, _, smoothed, lugre, exact, trocar, *_ = self._settled()
+        p, inductance, _, smoothed, lugre, exact, trocar, *_ = self._declared_arguments()
         masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
         radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
         masses = np.array([*masses, *[shaft_inertia(p) / radius**2] * 2])[:, None]
@@ -169,13 +169,13 @@ class FrictionDrive(EventComponent):
             A = np.block([[A, np.vstack([np.zeros((4, 2)), force * wheels / masses])],
                           [np.zeros((2, 4)), -force / L * wheels.T, -p.resistance / L * np.eye(2)]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_REACH / fastest if fastest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if {"shaft_friction", "exact_slip", "trocar_friction"} & {*self.on}:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return drive_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return drive_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
 
 VOLTAGES, FORCE, TORQUE = FrictionDrive.input_indices("first_voltage", "external_force", "external_torque")
@@ -196,7 +196,7 @@ def shaft_modes(inductance):
 
 @kernel
 def current(k, at, x, voltage, p, inductance):
-    """Current of motor k, A: of the state, or the settled one."""
+    """Current of motor k, A: of the state, or the steady one."""
     if inductance is not None:
         return x[at + CURRENTS + k]
     return (voltage - p.constant * p.gear_ratio * x[at + RATES + k]) / p.resistance

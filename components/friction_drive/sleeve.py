@@ -88,7 +88,7 @@ class Gravity(Effect):
 class PreloadLoss(Effect):
     """Wheels lose a share of their normal force, over a time, smoothly."""
 
-    asked_only = True
+    explicit_only = True
 
     start = parameter(0.5, "s", "instant at which the loss begins")
     duration = parameter(0.05, "s", "time that the loss takes", low=1e-6)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_REACH, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .kinematics import ANGLE, layout_choice, refuse_idle_angle
@@ -108,32 +108,32 @@ class FrictionWheels(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Motion of the parameters, contacts relaxed."""
-        p, _, lugre, exact, trocar, *_ = self.settled
+        p, _, lugre, exact, trocar, *_ = self.arguments
         return sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, _, *rest = self.settled
+        p, _, *rest = self.arguments
         return float(sleeve_energy(self.t, self.x, p, *rest))
 
     def stable_step(self) -> float:
         """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
-        p, smoothed, lugre, exact, trocar, *_ = self._settled()
+        p, smoothed, lugre, exact, trocar, *_ = self._declared_arguments()
         masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:2, :2] / masses[:, None], -D[:2, :2] / masses[:, None]]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_REACH / fastest if fastest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "exact_slip" in self.on or "trocar_friction" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return wheels_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return wheels_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
 
 def refuse_idle(component: Any) -> None:
     """`BadInput` for a given `creep` with a law of friction that has none, and an angle of wheels without; also of the drive."""
-    p = component._settled()[0]
+    p = component._declared_arguments()[0]
     refuse_idle_angle(component.name, p.layout, p.angle)
     given = component.get("creep")
     if given != type(component).variables["creep"].start:

@@ -32,7 +32,7 @@ class Bristles(Effect):
     Own derivation; the paper speaks of elastic elements, and its abstract gives no law.
     """
 
-    asked_only = True
+    explicit_only = True
 
     count = parameter(8.0, "1", "number of bristles", low=0.0)
     length = parameter(0.03, "m", "length of a bristle", low=1e-9)
@@ -44,7 +44,7 @@ class Bristles(Effect):
 class SmoothedFriction(Effect):
     """Friction as level * tanh(velocity / width): cheap, and it creeps where real friction would stick."""
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("lugre_friction",)
     width = parameter(5e-3, "m/s", "velocity over which the friction changes sign", low=1e-9)
@@ -57,7 +57,7 @@ class LuGreFriction(Effect):
     level for each direction, which is ours.
     """
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("smoothed_friction",)
     stiffness = parameter(1e5, "N/m", "stiffness of the bristles", low=0.0)

@@ -16,7 +16,7 @@ class HarmonicExciter(HarmonicForce):
 class PrescribedMotion(Effect):
     """The inner mass is driven against the body: its way from it is amplitude * sin(frequency * t), whatever force that takes."""
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("harmonic_force", "unbalance")
     amplitude = parameter(0.02, "m", "amplitude of the motion of the inner mass against the body", low=0.0)

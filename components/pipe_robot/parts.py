@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import kernel
 from ..core.variables import input_, output, parameter
 
@@ -75,7 +75,7 @@ def fastest_eigenvalue(body: float, inner: float, spring: tuple[float, float], c
 
 def limit_of(eigenvalue: float) -> float:
     """RK4's limit for an eigenvalue, s."""
-    return RK4_REACH / eigenvalue if eigenvalue > 0.0 else math.inf
+    return RK4_STABILITY_RADIUS / eigenvalue if eigenvalue > 0.0 else math.inf
 
 
 def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:

@@ -41,11 +41,11 @@ class ExciterProgram(StatelessComponent):
         if self.get("return_time") < end:
             raise BadInput(self.name, f"return_time = {self.get('return_time'):g} s", f"at least {end:g} s, when the change ends",
                            "Begin the way back later, or shorten duration.")
-        self.settled = self._settled()
+        self.arguments = self._declared_arguments()
         return DONE
 
     def _outputs(self, t: float) -> None:
-        p = self.settled[0]
+        p = self.arguments[0]
         share = share_of_change(t, p.start_time, p.duration, p.return_time)
         self.y[0] = p.start_frequency + share * (p.end_frequency - p.start_frequency)
         self.y[1] = p.start_amplitude + share * (p.end_amplitude - p.start_amplitude)

@@ -153,7 +153,7 @@ class PipeRobot(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """x: position, velocity, inner position, inner velocity, mode or deflection of LuGre's bristles[, phase[, its rate]]."""
-        p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route = self.settled
+        p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route = self.arguments
         sag = hanging_stretch(p.inner_mass * downhill(self.u[0], route), p.stiffness, cubic.stiffness if cubic else 0.0)
         if math.isnan(sag):
             raise BadInput(self.name, "a softening spring that does not hold the inner mass on the slope", "a stiffer one")
@@ -171,12 +171,12 @@ class PipeRobot(EventComponent):
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, _, prescribed, unbalance, _, cubic, _, lugre, *_ = self.settled
+        p, _, prescribed, unbalance, _, cubic, _, lugre, *_ = self.arguments
         return float(robot_energy(self.t, self.x, p, prescribed, unbalance, cubic, lugre))
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
-        p, _, prescribed, unbalance, bristles, cubic, smoothed, lugre, _, route = self._settled()
+        """RK4's limit, radius / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
+        p, _, prescribed, unbalance, bristles, cubic, smoothed, lugre, _, route = self._declared_arguments()
         k, inner = p.stiffness, p.inner_mass
         if cubic is not None:
             k += 3.0 * max(cubic.stiffness, 0.0) * cubic.largest_stretch**2
@@ -201,7 +201,7 @@ class PipeRobot(EventComponent):
         if not {"smoothed_friction", "lugre_friction"} & {*self.on}:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return robot_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return robot_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:

@@ -97,7 +97,7 @@ class RollingPipeRobot(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """x: position, velocity, inner position, inner velocity, mode[, phase]."""
-        p, harmonic, tow, route = self.settled
+        p, harmonic, tow, route = self.arguments
         sag = -p.inner_mass * downhill(self.u[0], route) / p.stiffness
         x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
         state = np.array(x + [0.0] * (harmonic is not None))
@@ -107,11 +107,11 @@ class RollingPipeRobot(EventComponent):
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        return float(rolling_energy(self.t, self.x, self.u[0], self.settled[0]))
+        return float(rolling_energy(self.t, self.x, self.u[0], self.arguments[0]))
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| with the body free and stuck, s."""
-        p = self._settled()[0]
+        """RK4's limit, radius / max |eigenvalue| with the body free and stuck, s."""
+        p = self._declared_arguments()[0]
         return limit_of(fastest_eigenvalue(p.body_mass, p.inner_mass, (p.stiffness, p.damping), (0.0, 0.0)))
 
     def _check(self, status: int) -> None:

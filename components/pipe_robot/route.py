@@ -40,17 +40,17 @@ class PipeRoute(StatelessComponent):
     friction_factor = output("1", "factor on the friction", feedthrough=("position",))
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        p: Any = self.settled[0]
+        self.arguments = self._declared_arguments()
+        p: Any = self.arguments[0]
         if not (np.diff(p.place) > 0.0).all():
-            came = "place = " + ", ".join(f"{v:g}" for v in p.place)
-            raise BadInput(self.name, came, "places in ascending order, no two equal")
+            actual = "place = " + ", ".join(f"{v:g}" for v in p.place)
+            raise BadInput(self.name, actual, "places in ascending order, no two equal")
         self._tables = np.array([p.slope_table, p.diameter_table, p.factor_table])
         self._rates = monotone_rates(p.place, self._tables)
         return DONE
 
     def _outputs(self, t: float) -> None:
-        route_at(self.u[0, 0], self.y, self.settled[0].place, self._tables, self._rates)
+        route_at(self.u[0, 0], self.y, self.arguments[0].place, self._tables, self._rates)
 
 
 def monotone_rates(places: np.ndarray, tables: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ class Slack(Effect):
     Its damping grows with the stretch up to `onset`, so that a rope that tightens suddenly does not jerk.
     """
 
-    asked_only = True
+    explicit_only = True
 
     onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
 
@@ -51,12 +51,12 @@ class TowCoupling(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, slack = self.settled
+        p, slack = self.arguments
         stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
         return 0.5 * p.stiffness * (max(stretch, 0.0) if slack is not None else stretch) ** 2
 
     def _outputs(self, t: float) -> None:
-        tow_forces(self.u[0], self.y, *self.settled)
+        tow_forces(self.u[0], self.y, *self.arguments)
 
 
 @kernel

@@ -44,7 +44,7 @@ class GravitySag(Effect):
 class PreSag(Effect):
     """Parabolic pre-sag of the dropper clamps, 0 at the first and last dropper of a span; 55 mm as read for AC simple."""
 
-    asked_only = True
+    explicit_only = True
 
     depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
 
@@ -72,13 +72,13 @@ class SteadyArm(Effect):
 class LevelSupport(Effect):
     """The steady arms hold the contact wire at dropper level at rest; off, it hangs free at the supports."""
 
-    asked_only = True
+    explicit_only = True
 
 
 class SecondPantograph(Effect):
     """A second contact point, in the wake of the first."""
 
-    asked_only = True
+    explicit_only = True
 
     contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
@@ -98,7 +98,7 @@ class MovingWindow(Effect):
     side, 2.2 % with 120 m, 0.2 % with 180 m.
     """
 
-    asked_only = True
+    explicit_only = True
 
     ahead = parameter(180.0, "m", "length of the window ahead of the first contact point", low=1.0)
     behind = parameter(180.0, "m", "length of the window behind the last contact point", low=1.0)
@@ -107,7 +107,7 @@ class MovingWindow(Effect):
 class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
 
-    asked_only = True
+    explicit_only = True
 
     height = output("m", "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
                     nominal=0.05, size=PROFILE, feedthrough=("contact_position",))
@@ -196,13 +196,13 @@ class Catenary(Component):
     }
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        p, slack, bending, _, _, damping, _, _, second, window, _ = self.settled
+        self.arguments = self._declared_arguments()
+        p, slack, bending, _, _, damping, _, _, second, window, _ = self.arguments
         implicit = self.parameters["method"] == "implicit"
         if implicit and window is not None:
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
-        self.mesh = self._mesh_for(self.settled)
+        self.mesh = self._mesh_for(self.arguments)
         self._packed = packed(self.mesh)
         if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, damping)):
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {limit:.3g} s, the explicit method's limit",
@@ -231,7 +231,7 @@ class Catenary(Component):
         return DONE
 
     def _step(self, t: float, h: float) -> int:
-        p, slack, bending, _, _, damping, _, _, second, window, profile = self.settled
+        p, slack, bending, _, _, damping, _, _, second, window, profile = self.arguments
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
@@ -246,7 +246,7 @@ class Catenary(Component):
                                 self._band, self._factors, self._factored, slack, bending, damping, second, profile)
 
     def _outputs(self, t: float) -> None:
-        p, *_, second, _, profile = self.settled
+        p, *_, second, _, profile = self.arguments
         refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, second, profile)
 
     def energy(self) -> float:
@@ -277,13 +277,13 @@ class Catenary(Component):
         """Limit of the explicit method, s; inf if implicit."""
         if self.parameters["method"] == "implicit":
             return math.inf
-        settled = self._settled()
-        mesh = self._mesh_for(settled)
-        return self._explicit_limit(mesh, settled[5])
+        arguments = self._declared_arguments()
+        mesh = self._mesh_for(arguments)
+        return self._explicit_limit(mesh, arguments[5])
 
-    def _mesh_for(self, settled):
-        """Mesh of the present parameters; kept, because initialisation is repeated while the inputs settle."""
-        p, slack, bending, sag, pre_sag, _, arm, level, *_ = settled
+    def _mesh_for(self, arguments):
+        """Mesh of the present parameters; kept, because initialisation is repeated while the initial inputs converge."""
+        p, slack, bending, sag, pre_sag, _, arm, level, *_ = arguments
         key = tuple(self.parameters.values())
         if getattr(self, "_mesh_key", None) != key:
             # Halfway between lumped and consistent mass cancels the dispersion of space; that of time adds or subtracts.

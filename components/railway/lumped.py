@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .statics import elasticity, stiffness_series
@@ -24,7 +24,7 @@ class Inerter(Effect):
     Source: the idea from the abstract of Mikhailov, Sidorov, Salya 2025 (Izvestiia Transsiba 61); equations ours.
     """
 
-    asked_only = True
+    explicit_only = True
 
     reference_force = parameter(120.0, "N", "force whose static line the second terminal follows", low=0.0)
 
@@ -64,7 +64,7 @@ class LumpedCatenary(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Static equilibrium under the present force (x: height or deviation, its rate)."""
-        p, inerter = self.settled
+        p, inerter = self.arguments
         angle = 2.0 * math.pi * np.arange(1, HARMONICS + 1) * np.linspace(0.0, 1.0, 721)[:, None]
         least = 1.0 + float((np.cos(angle) @ p.harmonic).min())
         if least <= 0.0:
@@ -74,15 +74,15 @@ class LumpedCatenary(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy plus that of the spring, J; with `inerter`, of the deviation."""
-        p, _ = self.settled
+        p, _ = self.arguments
         return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
-        p, _ = self._settled()
+        """RK4's limit, radius / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
+        p, _ = self._declared_arguments()
         spread = float(np.abs(p.harmonic).sum())
         ends = (p.mean_stiffness * (1.0 + spread), p.mean_stiffness * max(1.0 - spread, 0.0))
-        return float(RK4_REACH / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
+        return float(RK4_STABILITY_RADIUS / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
 
 
 POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")
@@ -127,7 +127,7 @@ def lumped_parameters(catenary, force: float, harmonics: int = HARMONICS) -> dic
     catenary: an initialised `Catenary` with at least three spans; force in N, at which the elasticity is taken.
     Mass: contact wire of a mean dropper interval, kg; damping: 2 sqrt(T m') of the contact wire, N.s/m.
     """
-    p, mesh = catenary.settled[0], catenary.mesh
+    p, mesh = catenary.arguments[0], catenary.mesh
     x = np.arange(0.0, p.span_length, 0.5)
     k = 1.0 / elasticity(mesh, p.span_length * (p.spans // 2) + x, force, "dropper_slackening" in catenary.on)
     k0, a = stiffness_series(x, k, p.span_length, harmonics)

@@ -128,8 +128,8 @@ def build_mesh(p, slack, bending, gravity_sag, pre_sag, arm, level, spread_facto
     preload = (weight[:, 0] + banded_product(contact_wire, height))[at_dropper]
     if slack is not None and np.any(preload <= 0.0):
         k = int(np.argmin(preload))
-        came = f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest"
-        raise BadInput("Catenary", came, "tension in every dropper", "Reduce the pre-sag or move the droppers.")
+        actual = f"dropper at {droppers[k]:g} m would carry {preload[k]:.3g} N at rest"
+        raise BadInput("Catenary", actual, "tension in every dropper", "Reduce the pre-sag or move the droppers.")
     bow = 4.0 * p.contact_wire_mass * GRAVITY * L**2 / (8.0 * p.contact_wire_tension)
     if gravity_sag is None:  # straight lines between the clamps, level at the ends of the wire
         height = np.interp(x, np.concatenate((x[:1], droppers, x[-1:])), np.concatenate(([0.0], clamp_height, [0.0])))

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -28,7 +28,7 @@ class ContactLoss(Effect):
 class LowerFrame(Effect):
     """A third mass between the frame and the base (three-mass model); values of the EN 50318:2018 pantograph."""
 
-    asked_only = True
+    explicit_only = True
 
     mass = parameter(6.0, "kg", "mass of the lower frame", low=1e-6)
     stiffness = parameter(160.0, "N/m", "stiffness from the lower frame to the base", low=0.0)
@@ -58,7 +58,7 @@ class FrameFriction(Effect):
 class BaseExcitation(Effect):
     """Motion of the vehicle's roof under the base."""
 
-    asked_only = True
+    explicit_only = True
 
     height = input_(0.0, "m", "height of the base above its place at rest")
     velocity = input_(0.0, "m/s", "vertical velocity of the base")
@@ -70,7 +70,7 @@ class OuterContact(Effect):
     The own contact spring then only serves the equilibrium at the start.
     """
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("contact_loss",)
     force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
@@ -154,7 +154,7 @@ class Pantograph(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Equilibrium on the wire at its present height (x: z1, z1', z2, z2' and, with `lower_frame`, z3, z3')."""
-        p, _, lower, aero, _, _, base, _ = self.settled
+        p, _, lower, aero, _, _, base, _ = self.arguments
         base_stiffness = p.frame_stiffness if lower is None else lower.stiffness
         base_height = self.u[0, base.u] if base is not None else 0.0
         lift = p.static_force + (aero.coefficient * p.speed**2 if aero is not None else 0.0)
@@ -169,7 +169,7 @@ class Pantograph(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
-        p, loss, lower, _, stops, _, base, outer = self.settled
+        p, loss, lower, _, stops, _, base, outer = self.arguments
         x = self.x
         springs = p.head_stiffness * (x[2] - x[0]) ** 2
         if outer is None:
@@ -187,8 +187,8 @@ class Pantograph(OdeComponent):
         return 0.5 * (motion + springs)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| with every spring engaged, s."""
-        p, _, lower, _, stops, friction, *_ = self._settled()
+        """RK4's limit, radius / max |eigenvalue| with every spring engaged, s."""
+        p, _, lower, _, stops, friction, *_ = self._declared_arguments()
         head = p.head_stiffness + (stops.stiffness if stops is not None else 0.0)
         k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
         m = [p.head_mass, p.frame_mass]
@@ -200,7 +200,7 @@ class Pantograph(OdeComponent):
         if friction is not None:
             C[1, 1] += friction.level / friction.width
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / np.c_[m], -C / np.c_[m]]])
-        return float(RK4_REACH / np.abs(np.linalg.eigvals(A)).max())
+        return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
 
 
 WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")

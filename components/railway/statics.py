@@ -14,7 +14,7 @@ def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral:
     """Displacements under point loads (position in m, force in N) on the contact wire.
 
     Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
-    largest dropper preload. Raises `StepFailed` if the set of taut droppers does not settle.
+    largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
     """
     N = mesh.mass.size
     _, stiffness = system_bands(mesh, 5)
@@ -41,7 +41,7 @@ def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral:
             np.subtract.at(unbalanced, at + 1, change)
             return q, taut, float(np.abs(unbalanced[2:-2]).max() / np.abs(mesh.preload).max())
         taut = now
-    raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not settle", "Check the contact force")
+    raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge", "Check the contact force")
 
 
 def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True) -> np.ndarray:

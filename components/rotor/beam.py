@@ -45,7 +45,7 @@ class Gyroscopic(Effect):
 class Disks(Effect):
     """Rigid disks on the shaft; a disk of mass and inertia 0 is none. `elements.solid_disk` gives the numbers of a size."""
 
-    asked_only = True
+    explicit_only = True
 
     position = parameter((0.5, 1.0, 0.0, 0.0), "m", "place of a disk on the shaft", size=MAX_DISKS, low=0.0)
     mass = parameter(tuple(d.mass for d in DEFAULT_DISKS), "kg", "mass of a disk", size=MAX_DISKS, low=0.0)
@@ -82,7 +82,7 @@ class Gravity(Effect):
 class LinearSupports(Effect):
     """Two places where springs and dampers hold the shaft to the ground; values of the rotor of the defaults."""
 
-    asked_only = True
+    explicit_only = True
 
     position = parameter((0.0, 1.5), "m", "place of a support on the shaft", size=2, low=0.0)
     stiffness_x = parameter(1e6, "N/m", "stiffness along x", size=2, low=0.0)
@@ -167,8 +167,8 @@ class BeamRotor(Component):
     angle = output("rad", "angle of the rotor, in [0, 2 pi)")
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        p, run_up = self.settled[0], self.settled[6]
+        self.arguments = self._declared_arguments()
+        p, run_up = self.arguments[0], self.arguments[6]
         self._build()
         stiffness = self._stiffness
         if self._circulatory is not None:
@@ -189,15 +189,15 @@ class BeamRotor(Component):
         return DONE
 
     def _build(self) -> None:
-        """Bands, constant load, ports and unbalance of the settled parameters."""
-        p, gyroscopic, disks, unbalance, internal, gravity, _, supports, *bearings, frame = self.settled
+        """Bands, constant load, ports and unbalance of the parameters."""
+        p, gyroscopic, disks, unbalance, internal, gravity, _, supports, *bearings, frame = self.arguments
         if p.inner_diameter >= p.outer_diameter:
-            came = f"inner_diameter = {p.inner_diameter:g} m"
-            raise BadInput(self.name, came, f"less than the outer diameter of {p.outer_diameter:g} m")
+            actual = f"inner_diameter = {p.inner_diameter:g} m"
+            raise BadInput(self.name, actual, f"less than the outer diameter of {p.outer_diameter:g} m")
         poisson = 0.5 * p.youngs_modulus / p.shear_modulus - 1.0
         if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
-            came = f"youngs_modulus = {p.youngs_modulus:g} Pa with shear_modulus = {p.shear_modulus:g} Pa"
-            raise BadInput(self.name, f"{came}: Poisson's ratio {poisson:.3g}", "more than -1 and at most 0.5",
+            actual = f"youngs_modulus = {p.youngs_modulus:g} Pa with shear_modulus = {p.shear_modulus:g} Pa"
+            raise BadInput(self.name, f"{actual}: Poisson's ratio {poisson:.3g}", "more than -1 and at most 0.5",
                            "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.")
         bearings = [b for b in bearings if b is not None]
         present: list[int] = []
@@ -261,15 +261,15 @@ class BeamRotor(Component):
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
         if h / n != self._step_length:
             self._step_length = h / n
-            p, method = self.settled[0], generalized_alpha(h / n, self.settled[0].spectral_radius)
+            p, method = self.arguments[0], generalized_alpha(h / n, self.arguments[0].spectral_radius)
             solver = make_solver(method, self._mass, self._damping, self._stiffness, len(self._ports))
             self._arguments = (p.start_speed, self._watched, self._load, method, solver, self._ports, self._gyroscopic,
-                               self._circulatory, self._imbalance, self.settled[6], self._frame)
+                               self._circulatory, self._imbalance, self.arguments[6], self._frame)
         return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, *self._arguments)
 
     def _outputs(self, t: float) -> None:
-        rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.settled[0].start_speed, self._watched, self._ports,
-                      self.settled[6], self._frame)
+        rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.arguments[0].start_speed, self._watched, self._ports,
+                      self.arguments[6], self._frame)
 
     def matrices(self) -> Matrices:
         """Dense matrices of the equation of motion, without what attaches to ports; of an initialized rotor.

@@ -58,13 +58,13 @@ class Frame(NamedTuple):
     levers: np.ndarray  # (ports,) m
 
 
-def turning_frame(settled, gyroscopic: np.ndarray, nodes: np.ndarray, supports: np.ndarray, ports: np.ndarray) -> Frame:
+def turning_frame(values, gyroscopic: np.ndarray, nodes: np.ndarray, supports: np.ndarray, ports: np.ndarray) -> Frame:
     """The frame of a rotor with these nodes, (n,) m.
 
-    settled: values of the effect.  gyroscopic: (N, 15).  supports: (k, 5) node, stiffness and damping along x and y.
+    values: values of the effect.  gyroscopic: (N, 15).  supports: (k, 5) node, stiffness and damping along x and y.
     ports: (k, 3) node, first input, first output.
     """
-    levers = nodes - settled.position
+    levers = nodes - values.position
     rigid_x, rigid_y, about_x, about_y = np.zeros((4, DOFS * nodes.size))
     rigid_x[1::DOFS], rigid_x[2::DOFS] = -levers, 1.0
     rigid_y[0::DOFS], rigid_y[3::DOFS] = levers, 1.0
@@ -72,7 +72,7 @@ def turning_frame(settled, gyroscopic: np.ndarray, nodes: np.ndarray, supports: 
     add_product(gyroscopic, rigid_y, about_y)
     at = supports[:, 0].astype(int)
     held = np.column_stack((DOFS * at, levers[at], supports[:, 1:]))
-    return Frame(settled.u, settled.y, about_x, about_y, held, levers[ports[:, 0]])
+    return Frame(values.u, values.y, about_x, about_y, held, levers[ports[:, 0]])
 
 
 @kernel

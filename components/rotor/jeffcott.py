@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
@@ -35,7 +35,7 @@ class Gravity(Effect):
 class Orthotropy(Effect):
     """Supports of different stiffness along x and y: the critical speed splits, and the whirl is backward in between."""
 
-    asked_only = True
+    explicit_only = True
 
     ratio = parameter(1.2, "1", "stiffness along y over that along x", low=0.0)
 
@@ -79,7 +79,7 @@ class JeffcottRotor(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Equilibrium under the forces, or the straight shaft where nothing holds it (x: x, y, x', y', angle)."""
-        p, _, internal, gravity, orthotropy, run_up = self.settled
+        p, _, internal, gravity, orthotropy, run_up = self.arguments
         cross = internal.coefficient * speed_at(self.t, p.start_speed, run_up) if internal is not None else 0.0
         kx, ky = p.stiffness, p.stiffness * (orthotropy.ratio if orthotropy is not None else 1.0)
         fx, fy = self.u[0]
@@ -90,15 +90,15 @@ class JeffcottRotor(OdeComponent):
 
     def energy(self) -> float:
         """Energy of motion and of the shaft's bending, and of the height where there is gravity, J."""
-        p, _, _, gravity, orthotropy, _ = self.settled
+        p, _, _, gravity, orthotropy, _ = self.arguments
         x, y, vx, vy, _ = self.x
         ratio = orthotropy.ratio if orthotropy is not None else 1.0
         weight = p.mass * gravity.acceleration if gravity is not None else 0.0
         return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue|, s."""
-        p, _, internal, _, orthotropy, run_up = self._settled()
+        """RK4's limit, radius / max |eigenvalue|, s."""
+        p, _, internal, _, orthotropy, run_up = self._declared_arguments()
         ratio = orthotropy.ratio if orthotropy is not None else 1.0
         c, cross = p.damping, 0.0
         if internal is not None:
@@ -107,7 +107,7 @@ class JeffcottRotor(OdeComponent):
         K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_REACH / largest if largest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
 
 
 @kernel

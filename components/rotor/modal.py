@@ -63,8 +63,8 @@ def campbell(matrices: Matrices, speeds, count: int) -> tuple[np.ndarray, np.nda
     frequency = np.full((len(speeds), count), np.nan)
     direction = np.zeros((len(speeds), count), dtype=int)
     for k, speed in enumerate(speeds):
-        found = modes(matrices, speed, count)
-        frequency[k, : found.frequency.size], direction[k, : found.frequency.size] = found.frequency, found.direction
+        solution = modes(matrices, speed, count)
+        frequency[k, : solution.frequency.size], direction[k, : solution.frequency.size] = solution.frequency, solution.direction
     return frequency, direction
 
 

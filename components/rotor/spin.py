@@ -14,7 +14,7 @@ TURN = 2.0 * math.pi
 class RunUp(Effect):
     """The speed changes at a constant rate to an end speed, up or down; it is imposed, whatever torque that takes."""
 
-    asked_only = True
+    explicit_only = True
 
     acceleration = parameter(20.0, "rad/s2", "magnitude of the rate of change of the speed", low=0.0)
     end_speed = parameter(200.0, "rad/s", "speed that is kept at the end")

@@ -45,8 +45,8 @@ class AddedMassForce(StatelessComponent):
     moment_z = output("N.m", "moment on the hull about z", feedthrough=("angular_acceleration_z",))
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        self._masses = np.array(self.settled[0])
+        self.arguments = self._declared_arguments()
+        self._masses = np.array(self.arguments[0])
         return DONE
 
     def _outputs(self, t: float) -> None:

@@ -29,7 +29,7 @@ class InverseCurve(Effect):
     Numbers: T200 at 16 V, those of the effect `static_curve` of a thruster.
     """
 
-    asked_only = True
+    explicit_only = True
 
     command = parameter(T200_COMMAND, "1", "command of a row, not decreasing", size=ROWS, low=-1.0, high=1.0)
     thrust = parameter(T200_THRUST, "N", "thrust of a row, not decreasing", size=ROWS, nominal=10.0)
@@ -42,7 +42,7 @@ class Manoeuvre(Effect):
     rows than the arrays leaves the rest at 0. Angles are interpolated as roll, pitch and yaw.
     """
 
-    asked_only = True
+    explicit_only = True
 
     time = parameter(0.0, "s", "time of a pose, not decreasing", size=POSES)
     north = parameter(0.0, "m", "way to the north from the constant set point", size=POSES)
@@ -131,9 +131,9 @@ class RovController(SampledComponent):
     error_yaw = output("rad", "the same about z")
     scale = output("1", "share of the wanted wrench that the limits of the thrusters allow")
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernel gets: the control law, then the effects; curve and table of poses are checked."""
-        p, inverse, manoeuvre = self._settled()
+        p, inverse, manoeuvre = self._declared_arguments()
         if inverse is not None:
             check_curve(inverse.command, inverse.thrust, f"{self.name}: inverse_curve")
         course = None if manoeuvre is None else self._course(manoeuvre)

@@ -15,7 +15,7 @@ TURN = 2.0 * math.pi
 class Tide(Effect):
     """A sinusoidal part: amplitude * sin(2 pi t / period + phase) along its own direction. 6.2 h is half a day of the moon."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(0.2, "m/s", "amplitude of the sinusoidal part")
     period = parameter(44714.0, "s", "period", low=1e-3)
@@ -26,7 +26,7 @@ class Tide(Effect):
 class Ramp(Effect):
     """The mean current grows from 0 as 3 s² - 2 s³ in the share s of a duration, without a jump of its acceleration."""
 
-    asked_only = True
+    explicit_only = True
 
     start_time = parameter(0.0, "s", "time at which it begins to grow")
     duration = parameter(10.0, "s", "time it takes", low=1e-3)
@@ -35,7 +35,7 @@ class Ramp(Effect):
 class Gust(Effect):
     """A single gust, amplitude (1 - cos(2 pi s)) / 2 in the share s of its duration."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(0.2, "m/s", "highest speed of the gust")
     start_time = parameter(10.0, "s", "time at which it begins")
@@ -70,7 +70,7 @@ class WaterCurrent(StatelessComponent):
     acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1)
 
     def _outputs(self, t: float) -> None:
-        water(t, self.y, *self.settled)
+        water(t, self.y, *self.arguments)
 
 
 @kernel

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.variables import input_, output, parameter
 from .arrangement import columns, wrench_matrix, y_arrangement
-from .hull_equations import Hull, hull_derivatives, hull_outputs, settled_outputs
+from .hull_equations import Hull, hull_derivatives, hull_outputs, steady_outputs
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -245,7 +245,7 @@ class RovHull(OdeComponent):
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
         """Rigid body's and added mass matrix about the origin, (6, 6) each; `BadInput` where no body has such numbers."""
-        p, added = self._settled()[:2]
+        p, added = self._declared_arguments()[:2]
         centre, inertia = _centre(p), np.diag([p.inertia_x, p.inertia_y, p.inertia_z])
         S = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
         about_centre = inertia + p.mass * S @ S
@@ -256,9 +256,9 @@ class RovHull(OdeComponent):
         rigid = np.block([[p.mass * np.eye(3), -p.mass * S], [p.mass * S, inertia]])
         return rigid, np.diag(_six(added) if added is not None else np.zeros(6))
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
-        p, added, coriolis, linear, quadratic, restoring, *ports = self._settled()
+        p, added, coriolis, linear, quadratic, restoring, *ports = self._declared_arguments()
         self.rigid_mass, self.water_mass = self.masses()
         positions = np.c_[p.thruster_x, p.thruster_y, p.thruster_z]
         directions = np.c_[p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z]
@@ -273,27 +273,27 @@ class RovHull(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """The pose and the velocities given (x: position, quaternion, velocities, roll)."""
-        p = self._settled()[0]
+        p = self._declared_arguments()[0]
         attitude = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
         return np.array([p.start_position_north, p.start_position_east, p.start_depth, *attitude, *_start_velocities(p),
                          math.remainder(p.start_roll, 2.0 * math.pi)])
 
     def energy(self) -> float:
         """Energy of the hull's motion, of the water's relative to the current, and of weight and buoyancy, J."""
-        x, restoring, current = self.x, self._settled()[5], self.settled[6]
+        x, restoring, current = self.x, self._declared_arguments()[5], self.arguments[6]
         velocity, q = x[7:13], tuple(x[3:7])
         relative = velocity.copy()
         if current is not None:
             relative[:3] -= to_body(*q, *self.u[0, current.u : current.u + 3])
         total = 0.5 * (velocity @ self.rigid_mass @ velocity + relative @ self.water_mass @ relative)
         if restoring is not None:
-            down = to_world(*q, *_righting(self._settled()[0], restoring))[2]
+            down = to_world(*q, *_righting(self._declared_arguments()[0], restoring))[2]
             total -= (restoring.weight - restoring.buoyancy) * x[2] + down
         return float(total)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
-        p, _, _, linear, quadratic, restoring, *_ = self._settled()
+        """RK4's limit, radius / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
+        p, _, _, linear, quadratic, restoring, *_ = self._declared_arguments()
         inverse = np.linalg.inv(sum(self.masses()))
         fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
         drag = _six(linear) if linear is not None else np.zeros(6)
@@ -302,7 +302,7 @@ class RovHull(OdeComponent):
         if restoring is not None:
             stiffness[3:] = math.hypot(*_righting(p, restoring))
         A = np.block([[np.zeros((6, 6)), np.eye(6)], [-inverse * stiffness, -inverse * drag]])
-        return float(RK4_REACH / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
+        return float(RK4_STABILITY_RADIUS / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
 
 
 def _six(effect: Any) -> np.ndarray:
@@ -326,5 +326,5 @@ def _righting(p: Any, restoring: Any) -> np.ndarray:
     return restoring.weight * _centre(p) - restoring.buoyancy * buoyancy
 
 
-RovHull.advance = bind(rk4, __name__, derivatives=hull_derivatives, outputs=settled_outputs)
+RovHull.advance = bind(rk4, __name__, derivatives=hull_derivatives, outputs=steady_outputs)
 RovHull.output_kernel = hull_outputs

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import StepFailed
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, integer, output, parameter
 from .tether_statics import hanging_chain
@@ -110,7 +110,7 @@ class Tether(OdeComponent):
     def initial_state(self) -> np.ndarray:
         """Nodes at rest between the present ends (x: positions of the inner nodes, then their velocities, three each)."""
         length, stiffness, _, weight = self._constants
-        p = self.settled[0]
+        p = self.arguments[0]
         anchor = np.array([p.anchor_north, p.anchor_east, p.anchor_down])
         nodes = hanging_chain(self.u[0, :3] - anchor, p.segments, length, stiffness, weight)
         if nodes is None:
@@ -120,7 +120,7 @@ class Tether(OdeComponent):
     def energy(self) -> float:
         """Energy of motion, of strain and of height, half of the outermost segments' weight at the ends included, J."""
         length, stiffness, mass, weight = self._constants
-        p, x = self.settled[0], self.x.reshape(2, -1, 3)
+        p, x = self.arguments[0], self.x.reshape(2, -1, 3)
         ends = np.array([[p.anchor_north, p.anchor_east, p.anchor_down]]), self.u[:1, :3]
         points = np.concatenate((ends[0], x[0], ends[1]))
         strain = np.maximum(np.linalg.norm(np.diff(points, axis=0), axis=1) - length, 0.0)
@@ -128,14 +128,14 @@ class Tether(OdeComponent):
         return float(0.5 * mass * (x[1] ** 2).sum() + 0.5 * stiffness / length * (strain**2).sum() - weight * depth)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
+        """RK4's limit, radius / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
         length, stiffness, mass, _ = self._constants
-        p, damping, drag, _ = self._settled()
+        p, damping, drag, _ = self._declared_arguments()
         c = 4.0 * damping.coefficient if damping is not None else 0.0
         if drag is not None:
             largest = max(drag.normal_coefficient, drag.tangential_coefficient)
             c += p.water_density * p.diameter * length * largest * FASTEST
-        return float(RK4_REACH / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
+        return float(RK4_STABILITY_RADIUS / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
 
 
 @kernel

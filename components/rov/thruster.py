@@ -8,13 +8,13 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_thrust
 
 TURN = 2.0 * math.pi
-FASTEST_WATER = 5.0  # m/s, up to which the stable step of the propeller is told
+FASTEST_WATER = 5.0  # m/s, up to which the stable step of the propeller holds
 
 
 class StaticCurve(Effect):
@@ -27,7 +27,7 @@ class StaticCurve(Effect):
 class PolynomialCurve(Effect):
     """Thrust as an odd polynomial of the command, c1 u + c3 u³ + c5 u⁵ + c7 u⁷ + c9 u⁹. Numbers: von Benzon et al. 2022."""
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("static_curve",)
 
@@ -63,7 +63,7 @@ class Propeller(Effect):
     speed, the rotor's inertia and its friction are choices of ours.
     """
 
-    asked_only = True
+    explicit_only = True
 
     excludes = ("static_curve", "polynomial_curve", "lag", "motor_lag")
 
@@ -99,7 +99,7 @@ class Inductance(Effect):
 class Status(Effect):
     """A line that tells a controller that the thruster is there; a fault of a scene may override it, as the failure told."""
 
-    asked_only = True
+    explicit_only = True
 
     available = output("1", "1 while the thruster is there")
 
@@ -150,15 +150,15 @@ class Thruster(OdeComponent):
             ("polynomial_curve", "motor_lag")),
     }
 
-    def settle(self):
+    def kernel_arguments(self):
         """Parameters, checked: a curve that rises, a propeller that takes more power than it gives."""
-        settled = self._settled()
-        _, curve, _, _, _, propeller, *_ = settled
+        arguments = self._declared_arguments()
+        _, curve, _, _, _, propeller, *_ = arguments
         if curve is not None:
             check_curve(curve.command, curve.thrust, f"{self.name}: static_curve")
         if propeller is not None:
             self._check_passive(propeller)
-        return settled
+        return arguments
 
     def _check_passive(self, propeller) -> None:
         """Power of the shaft less that of the thrust, over rho D⁵ |n|³: a + b J + c J² in the advance ratio J, never negative."""
@@ -171,8 +171,8 @@ class Thruster(OdeComponent):
                            "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|", "Raise torque_bollard, or lower thrust_bollard.")
 
     def initial_state(self) -> np.ndarray:
-        """Everything settled at the present command: (), thrust, the three states of the lag, or speed (and current)."""
-        p, curve, polynomial, lag, motor_lag, propeller, inductance, _ = self.settled
+        """Steady state at the present command: (), thrust, the three states of the lag, or speed (and current)."""
+        p, curve, polynomial, lag, motor_lag, propeller, inductance, _ = self.arguments
         static = static_thrust(self.u[0, COMMAND], p, curve, polynomial)
         if lag is not None:
             return np.array([static])
@@ -181,25 +181,25 @@ class Thruster(OdeComponent):
         if propeller is None:
             return np.zeros(0)
         command = limited(self.u[0, COMMAND])
-        speed = settled_speed(command, self.u[0, propeller.u], propeller)
+        speed = steady_speed(command, self.u[0, propeller.u], propeller)
         current = (command * propeller.supply_voltage - propeller.motor_constant * speed) / propeller.resistance
         return np.array([speed] if inductance is None else [speed, current])
 
     def energy(self) -> float:
         """Energy of the turning propeller and of the inductance, J; 0 where a thruster has neither."""
-        *_, propeller, inductance, _ = self.settled
+        *_, propeller, inductance, _ = self.arguments
         if propeller is None:
             return 0.0
         energy = 0.5 * propeller.inertia * self.x[0] ** 2
         return energy if inductance is None else energy + 0.5 * inductance.inductance * self.x[1] ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
-        _, _, _, lag, motor_lag, propeller, inductance, _ = self._settled()
+        """RK4's limit, radius / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
+        _, _, _, lag, motor_lag, propeller, inductance, _ = self._declared_arguments()
         if lag is not None:
-            return RK4_REACH * lag.time_constant
+            return RK4_STABILITY_RADIUS * lag.time_constant
         if motor_lag is not None:
-            return float(RK4_REACH / np.abs(np.roots([1.0, motor_lag.a2, motor_lag.a1, motor_lag.b0])).max())
+            return float(RK4_STABILITY_RADIUS / np.abs(np.roots([1.0, motor_lag.a2, motor_lag.a1, motor_lag.b0])).max())
         if propeller is None:
             return math.inf
         fastest = propeller.supply_voltage / propeller.motor_constant
@@ -207,10 +207,10 @@ class Thruster(OdeComponent):
         water = propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
         k, r = propeller.motor_constant, propeller.resistance
         if inductance is None:
-            return RK4_REACH * propeller.inertia / (water + k * k / r)
+            return RK4_STABILITY_RADIUS * propeller.inertia / (water + k * k / r)
         A = np.array([[-water / propeller.inertia, k / propeller.inertia],
                       [-k / inductance.inductance, -r / inductance.inductance]])
-        return float(RK4_REACH / np.abs(np.linalg.eigvals(A)).max())
+        return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
 
 
 (COMMAND,) = Thruster.input_indices("command")
@@ -256,7 +256,7 @@ def propeller_thrust(speed, advance, propeller):
     return propeller.water_density * d**4 * abs(n) * (propeller.thrust_bollard * n + propeller.thrust_advance * advance / d)
 
 
-def settled_speed(command, advance, propeller) -> float:
+def steady_speed(command, advance, propeller) -> float:
     """Speed at which motor and water balance, rad/s, turning the way the voltage drives; 0 without voltage."""
     square, cross = torque_constants(propeller)
     k, r = propeller.motor_constant, propeller.resistance

@@ -10,7 +10,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode
-from ..core.integrators import RK4_REACH, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import bind
 from ..core.variables import input_, output, parameter
 from .chain_equations import (
@@ -88,7 +88,7 @@ TORQUES = ("first_torque", "second_torque")
 class Reactions(Effect):
     """Loads of the joints by Newton's and Euler's equations: of the ground on the first link, of the first on the second."""
 
-    asked_only = True
+    explicit_only = True
 
     first_x = output("N", "force of the ground on the first link along x", nominal=10.0, feedthrough=TORQUES)
     first_y = output("N", "force of the ground on the first link along y", nominal=10.0, feedthrough=TORQUES)
@@ -175,7 +175,7 @@ class TwoLinkChain(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
-        p, *_, lugre, stick, stops, _ = self.settled
+        p, *_, lugre, stick, stops, _ = self.arguments
         self._check_inertia()
         first, second = p.start_first_angle, p.start_second_angle - p.start_first_angle
         x = [first, second, p.start_first_rate, p.start_second_rate - p.start_first_rate]
@@ -195,37 +195,37 @@ class TwoLinkChain(EventComponent):
             state[4:6] = [stick_mode(rate, 0.0, level) for rate, level in zip(state[2:4], levels, strict=True)]
             g = np.empty(self.guards_count)
             for _ in range(4):  # of two joints at rest none, one or both break loose at once
-                chain_guards(self.t, state, self.u[0], g, *self.settled)
+                chain_guards(self.t, state, self.u[0], g, *self.arguments)
                 if g.min() >= 0.0:
                     break
-                chain_switch(int(g.argmin()), self.t, state, self.u[0], *self.settled)
+                chain_switch(int(g.argmin()), self.t, state, self.u[0], *self.arguments)
         return state
 
     def _check_inertia(self) -> None:
-        p = self.settled[0]
+        p = self.arguments[0]
         m11, _, m22, stretched = mass_matrix(0.0, p)
         if stretched <= 1e-12 * m11 * m22:  # also both zero
-            came = "links without inertia: the mass matrix of the stretched chain is singular"
-            raise BadInput(self.name, came, "a mass or an inertia at both links that does not vanish",
+            actual = "links without inertia: the mass matrix of the stretched chain is singular"
+            raise BadInput(self.name, actual, "a mass or an inertia at both links that does not vanish",
                            "Give first_inertia, or second_inertia, or a first_mass away from the joint.")
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, gravity, _, _, lugre, _, stops, _ = self.settled
+        p, gravity, _, _, lugre, _, stops, _ = self.arguments
         return float(chain_energy(self.x, p, gravity, lugre, stops))
 
     def _step(self, t: float, h: float) -> int:
         if "stick_friction" in self.on or "stops" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
+        """RK4's limit, radius / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
 
         Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
         """
-        p, gravity, viscous, smoothed, lugre, _, stops, _ = self._settled()
+        p, gravity, viscous, smoothed, lugre, _, stops, _ = self._declared_arguments()
         m11, m12, m22, determinant = mass_matrix(0.0, p)
         g = abs(gravity.acceleration) if gravity is not None else 0.0
         second = p.second_mass * p.second_centre
@@ -247,7 +247,7 @@ class TwoLinkChain(EventComponent):
         inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse * c]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_REACH / largest if largest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
 
 
 TwoLinkChain.advance = bind(

@@ -88,8 +88,8 @@ def damped_motion(motion: SmallMotion, angles, rates, t) -> tuple[np.ndarray, np
     decay, square = (np.einsum("ik,ij,jk->k", modes, A, modes) for A in (0.5 * D, K))
     start, speed = modes.T @ M @ np.asarray(angles, dtype=float), modes.T @ M @ np.asarray(rates, dtype=float)
     times = np.atleast_1d(np.asarray(t, dtype=float))
-    found = [_mode(*values, times) for values in zip(decay, square, start, speed, strict=True)]
-    return modes @ np.array([q for q, _ in found]), modes @ np.array([v for _, v in found])
+    solutions = [_mode(*values, times) for values in zip(decay, square, start, speed, strict=True)]
+    return modes @ np.array([q for q, _ in solutions]), modes @ np.array([v for _, v in solutions])
 
 
 def _mode(decay: float, square: float, start: float, speed: float, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -67,13 +67,13 @@ class CompliantJoint(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, _, clearance = self.settled
+        p, _, clearance = self.arguments
         x1, y1, _, _, x2, y2, *_ = self.u[0]
         play = clearance.radius if clearance is not None else 0.0
         return 0.5 * p.stiffness * max(float(np.hypot(x2 - x1, y2 - y1)) - play, 0.0) ** 2
 
     def _outputs(self, t: float) -> None:
-        joint_forces(self.u[0], self.y, *self.settled)
+        joint_forces(self.u[0], self.y, *self.arguments)
 
 
 @kernel

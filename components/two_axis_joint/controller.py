@@ -19,7 +19,7 @@ STATES = 7
 class Scan(Effect):
     """The set point swings about the constant one in each axis: amplitude * sin(2 pi frequency t + phase)."""
 
-    asked_only = True
+    explicit_only = True
 
     outer_amplitude = parameter(0.5, "rad", "amplitude of the outer axis")
     inner_amplitude = parameter(0.3, "rad", "amplitude of the inner axis")

@@ -10,7 +10,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode, stick_switch
-from ..core.integrators import RK4_REACH, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .gimbal_equations import (
@@ -44,7 +44,7 @@ class Gravity(Effect):
 class Rotor(Effect):
     """A rotor of constant momentum about the body's axis, as in a gyroscope; it does no work."""
 
-    asked_only = True
+    explicit_only = True
 
     spin_momentum = parameter(0.5, "kg.m2/s", "momentum of the rotor about the body's axis, relative to the body")
 
@@ -136,7 +136,7 @@ _TORQUES = ("outer_torque", "inner_torque", *(f"payload.moment_{axis}" for axis 
 class Reactions(Effect):
     """Force and moment of the base on the joint in base axes, by Newton's and Euler's laws; frame without weight."""
 
-    asked_only = True
+    explicit_only = True
 
     requires = ("gravity",)
     force_x = output("N", "force of the base on the joint along x", feedthrough=_TORQUES)
@@ -212,7 +212,7 @@ class GimbalBody(EventComponent):
     }
 
     def _initialize(self, t: float) -> int:
-        p, _, _, _, _, _, _, stops, *_ = self._settled()
+        p, _, _, _, _, _, _, stops, *_ = self._declared_arguments()
         smallest = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
         if smallest < VANISHING * p.inner_inertia:
             raise BadInput(self.name, f"an inertia about the outer axis that falls to {smallest:g} kg.m2",
@@ -227,7 +227,7 @@ class GimbalBody(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Angles and rates of the parameters, bristles relaxed (x: alpha, beta, alpha', beta'[, two bristles or two modes])."""
-        p, gravity, rotor, viscous, _, lugre, stick, stops, base, payload, _ = self.settled
+        p, gravity, rotor, viscous, _, lugre, stick, stops, base, payload, _ = self.arguments
         x = [p.start_outer_angle, p.start_inner_angle, p.start_outer_rate, p.start_inner_rate]
         if lugre is not None or stick is not None:
             x += [0.0, 0.0]
@@ -240,12 +240,12 @@ class GimbalBody(EventComponent):
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, gravity, _, _, _, lugre, _, stops, base, *_ = self.settled
+        p, gravity, _, _, _, lugre, _, stops, base, *_ = self.arguments
         return gimbal_energy(self.x, self.u[0], p, gravity, lugre, stops, base)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
-        p, gravity, rotor, viscous, smoothed, lugre, _, stops, *_ = self._settled()
+        """RK4's limit, radius / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
+        p, gravity, rotor, viscous, smoothed, lugre, _, stops, *_ = self._declared_arguments()
         fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
         stiffness, damping = np.zeros(2), np.zeros(2)
         stiffness[1] = abs(p.cross_inertia - p.axial_inertia) * fastest**2
@@ -265,13 +265,13 @@ class GimbalBody(EventComponent):
         inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
         largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
-        return RK4_REACH / largest if largest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
         if "stick_friction" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return gimbal_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.settled)
+        return gimbal_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:

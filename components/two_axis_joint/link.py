@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -18,7 +18,7 @@ LOADS = ("base_force_x", "base_force_y", "base_torque", "tip_force_x", "tip_forc
 class Pinned(Effect):
     """The base is held by a joint without friction: the link only turns. Forces on the base go into the joint."""
 
-    asked_only = True
+    explicit_only = True
 
     reaction_x = output("N", "force of the joint on the base along x", nominal=10.0, feedthrough=LOADS)
     reaction_y = output("N", "force of the joint on the base along y", nominal=10.0, feedthrough=LOADS)
@@ -81,15 +81,15 @@ class PlanarLink(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """The pose and rates given (x: angle, rate and, of a free link, place and velocity of the centre of mass)."""
-        p, pinned, _ = self.settled
+        p, pinned, _ = self.arguments
         inertia = p.inertia + (p.mass * p.centre**2 if pinned is not None else 0.0)
         if inertia == 0.0:
             raise BadInput(self.name, "a link without inertia about its " + ("joint" if pinned is not None else "centre of mass"),
                            "a positive one", "Give inertia.")
         if pinned is not None:
             if p.start_velocity_x != 0.0 or p.start_velocity_y != 0.0:
-                came = f"a start velocity of ({p.start_velocity_x:g}, {p.start_velocity_y:g}) m/s at a pinned base"
-                raise BadInput(self.name, came, "none", "Leave it out, or the effect 'pinned'.")
+                actual = f"a start velocity of ({p.start_velocity_x:g}, {p.start_velocity_y:g}) m/s at a pinned base"
+                raise BadInput(self.name, actual, "none", "Leave it out, or the effect 'pinned'.")
             return np.array([p.start_angle, p.start_rate])
         sine, cosine = math.sin(p.start_angle), math.cos(p.start_angle)
         return np.array([
@@ -99,17 +99,17 @@ class PlanarLink(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy, J, and with gravity that of the height above the origin."""
-        p, pinned, gravity = self.settled
+        p, pinned, gravity = self.arguments
         return float(link_energy(self.x, p, pinned, gravity))
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
-        p, pinned, gravity = self._settled()
+        """RK4's limit, radius / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
+        p, pinned, gravity = self._declared_arguments()
         if pinned is None or gravity is None:
             return math.inf
         inertia = p.inertia + p.mass * p.centre**2
         moment = abs(p.mass * gravity.acceleration * p.centre)
-        return RK4_REACH * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
 
 
 @kernel

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
@@ -66,23 +66,23 @@ class AveragedConverter(EventComponent):
 
     def coefficients(self) -> tuple[float, float]:
         """(k1, k2) in kg m² of the mean torque k1 w1² - k2 w1 w."""
-        return mean_coefficients(self._settled()[0])
+        return mean_coefficients(self._declared_arguments()[0])
 
     def initial_state(self) -> np.ndarray:
         """Speed of the driven shaft as given, and its mode."""
-        p = self.settled[0]
+        p = self.arguments[0]
         driving, _ = mean_torques(p.start_speed, self.u[0], p)
         return np.array([p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
 
     def energy(self) -> float:
         """Energy of the driven shaft's rotation, J."""
-        return 0.5 * self.settled[0].driven_inertia * float(self.x[0]) ** 2
+        return 0.5 * self.arguments[0].driven_inertia * float(self.x[0]) ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / |eigenvalue| at the largest turbine speed, s."""
-        p = self._settled()[0]
+        """RK4's limit, radius / |eigenvalue| at the largest turbine speed, s."""
+        p = self._declared_arguments()[0]
         slope = self.coefficients()[1] * p.gear_ratio * p.largest_turbine_speed
-        return RK4_REACH * p.driven_inertia / (slope + p.driven_damping)
+        return RK4_STABILITY_RADIUS * p.driven_inertia / (slope + p.driven_damping)
 
 
 TURBINE_SPEED, LOAD = AveragedConverter.input_indices("turbine_speed", "load_torque")

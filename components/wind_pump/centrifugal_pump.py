@@ -62,7 +62,7 @@ class CentrifugalPump(Component):
         if largest >= 2.0:
             raise BadInput(self.name, f"a curve that reaches {largest:.3g} times best_flow", "less than twice, where the "
                            "efficiency vanishes", "Raise best_flow or curve_drop.")
-        self.settled = self._settled()
+        self.arguments = self._declared_arguments()
         self.x = np.zeros(0)
         return DONE
 
@@ -73,7 +73,7 @@ class CentrifugalPump(Component):
         return DONE if math.isfinite(self.u[0].sum() + self.y.sum()) else NOT_FINITE
 
     def _outputs(self, t: float) -> None:
-        pump_outputs(self.u[0], self.y, *self.settled)
+        pump_outputs(self.u[0], self.y, *self.arguments)
 
 
 SPEED, HEAD = CentrifugalPump.input_indices("speed", "head")

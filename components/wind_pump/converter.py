@@ -20,7 +20,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, speed_ratio, switched_shaft
@@ -47,7 +47,7 @@ class CompliantClutches(Effect):
 class Stresses(Effect):
     """Joint forces, and the nominal stresses of both shafts, the lever and its pins; signed, so that their ranges show."""
 
-    asked_only = True
+    explicit_only = True
 
     shaft_diameter = parameter(0.03, "m", "diameter of the input shaft", low=1e-6)
     driven_shaft_diameter = parameter(0.03, "m", "diameter of the driven shaft", low=1e-6)
@@ -133,29 +133,29 @@ class InertialConverter(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """The crank turns with the turbine, the lever's guided end is at rest, the shaft between them is relaxed."""
-        p = self.settled[0]
+        p = self.arguments[0]
         rate = p.gear_ratio * self.u[0, TURBINE_SPEED]
         mode = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
-        if p.start_speed > 0.0 and self.settled[2] is not None:
+        if p.start_speed > 0.0 and self.arguments[2] is not None:
             mode = TURNING
         return np.array([0.0, p.start_angle, rate, 0.0, 0.0, p.start_speed, mode])
 
     def internal_step(self) -> float:
         """The shorter one of `substep` and, where the clutches slip, theirs, s."""
-        clutches = self._settled()[2]
+        clutches = self._declared_arguments()[2]
         return super().internal_step() if clutches is None else min(super().internal_step(), clutches.substep)
 
     def energy(self) -> float:
         """Energy of motion and of the input shaft's twist, J."""
-        p = self.settled[0]
+        p = self.arguments[0]
         twist, angle, rate, _, velocity, speed, _ = self.x
         mass_velocity = (1.0 + p.lever_ratio) * p.crank_radius * math.cos(angle) * rate - p.lever_ratio * velocity
         return 0.5 * float(p.shaft_stiffness * twist**2 + p.crank_inertia * rate**2 + p.lever_mass * mass_velocity**2
                            + p.slider_mass * velocity**2 + p.driven_inertia * speed**2)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
-        p, _, clutches, _ = self._settled()
+        """RK4's limit, radius / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
+        p, _, clutches, _ = self._declared_arguments()
         k, c = p.shaft_stiffness / p.crank_inertia, p.shaft_damping / p.crank_inertia
         fastest = float(np.abs(np.roots([1.0, c, k])).max())
         if clutches is not None:
@@ -165,7 +165,7 @@ class InertialConverter(EventComponent):
                 p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
             slip = clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
             fastest += slip  # no less than the largest eigenvalue of both together
-        return RK4_REACH / fastest
+        return RK4_STABILITY_RADIUS / fastest
 
 
 TURBINE_SPEED, LOAD = InertialConverter.input_indices("turbine_speed", "load_torque")

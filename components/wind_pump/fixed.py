@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
@@ -55,20 +55,20 @@ class FixedTransmission(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Twist, speed, mode: the shaft relaxed, its speed as given."""
-        p = self.settled[0]
+        p = self.arguments[0]
         driving = shaft_torque(0.0, p.start_speed, self.u[0], p)
         return np.array([0.0, p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
 
     def energy(self) -> float:
         """Energy of the driven shaft's rotation and of the twist, J."""
-        p = self.settled[0]
+        p = self.arguments[0]
         return 0.5 * float(p.driven_inertia * self.x[SPEED] ** 2 + p.stiffness * self.x[TWIST] ** 2)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| with the turbine's speed given, s."""
-        p = self._settled()[0]
+        """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
+        p = self._declared_arguments()[0]
         damping = (p.shaft_damping + p.driven_damping) / p.driven_inertia
-        return RK4_REACH / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
+        return RK4_STABILITY_RADIUS / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
 
 
 TURBINE_SPEED, LOAD = FixedTransmission.input_indices("turbine_speed", "load_torque")

@@ -10,7 +10,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -33,7 +33,7 @@ class AirVessel(Effect):
     Small oscillations: w² = n p A / (rho L V) with the absolute pressure p. At the start vessel and column are at rest.
     """
 
-    asked_only = True
+    explicit_only = True
 
     gas_volume = parameter(5e-3, "m3", "volume of the air at the start", low=1e-9)
     exponent = parameter(1.2, "1", "polytropic exponent: 1 slow, 1.4 quick changes", low=1.0, high=1.7)
@@ -83,7 +83,7 @@ class WaterPipe(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Delivered volume; air volume and flow of the column; level, mode, supplied and overflowed volume."""
-        _, _, vessel, tank = self.settled
+        _, _, vessel, tank = self.arguments
         x = [0.0]
         if vessel is not None:
             x += [vessel.gas_volume, 0.0]
@@ -99,13 +99,14 @@ class WaterPipe(EventComponent):
         return super()._initialize(t)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / w of the column on the air of the start, s; infinite without an air vessel."""
-        p, _, vessel, tank = self._settled()
+        """RK4's limit, radius / w of the column on the air of the start, s; infinite without an air vessel."""
+        p, _, vessel, tank = self._declared_arguments()
         if vessel is None:
             return math.inf
         pressure = ATMOSPHERE + p.density * GRAVITY * (p.static_head + (tank.start_level if tank is not None else 0.0))
         area = 0.25 * math.pi * vessel.pipe_diameter**2
-        return RK4_REACH / math.sqrt(vessel.exponent * pressure * area / (p.density * vessel.pipe_length * vessel.gas_volume))
+        square = vessel.exponent * pressure * area / (p.density * vessel.pipe_length * vessel.gas_volume)
+        return RK4_STABILITY_RADIUS / math.sqrt(square)
 
 
 FLOW = WaterPipe.input_indices("flow")[0]

@@ -33,7 +33,7 @@ class SealFriction(Effect):
 class Averaged(Effect):
     """Torque and flow in the mean over a turn: for long runs and flywheels that do not feel the strokes."""
 
-    asked_only = True
+    explicit_only = True
 
 
 class PistonPump(OdeComponent):

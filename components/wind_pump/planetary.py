@@ -10,7 +10,7 @@ from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel, kernel_tuple
 from ..core.variables import choice, input_, output, parameter
 from .driven_shaft import (
@@ -29,7 +29,7 @@ SHAFTS = ("sun", "ring", "carrier")
 class DryBrake(Effect):
     """Brake of the third shaft that holds it exactly until it slips: a fixed ratio with protection against overload."""
 
-    asked_only = True
+    explicit_only = True
 
     kinetic = parameter(10.0, "N.m", "torque while it slips; a choice of ours", low=0.0)
     static = parameter(10.0, "N.m", "torque at which it begins to slip; no less than the kinetic one", low=1e-9)
@@ -38,7 +38,7 @@ class DryBrake(Effect):
 class CentrifugalBrake(Effect):
     """Brake of the third shaft whose torque grows with the square of its speed."""
 
-    asked_only = True
+    explicit_only = True
 
     coefficient = parameter(0.5, "N.m.s2/rad2", "torque per speed squared; a choice of ours", low=0.0)
     largest_speed = parameter(50.0, "rad/s", "speed of the third shaft beyond which a run fails; sets the stable step", low=1e-3)
@@ -94,9 +94,9 @@ class PlanetaryTransmission(EventComponent):
     third_speed = output("rad/s", "speed of the third shaft")
     third_torque = output("N.m", "torque of the brake against the third shaft", nominal=10.0, feedthrough=("turbine_speed",))
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """The parameters with the gear's coefficients in the place of its arrangement."""
-        p, *effects = self._settled()
+        p, *effects = self._declared_arguments()
         coefficients = [1.0, p.teeth_ratio, -(1.0 + p.teeth_ratio)]
         into, out = coefficients[p.turbine_on], coefficients[p.pump_on]
         third = coefficients[3 - p.turbine_on - p.pump_on]
@@ -108,7 +108,7 @@ class PlanetaryTransmission(EventComponent):
 
         The shaft is relaxed and turns with the turbine, from which the third shaft's speed follows.
         """
-        p, _, dry, _ = self.settled
+        p, _, dry, _ = self.arguments
         start = self.parameters["start_speed"]
         third = (self.u[0, TURBINE_SPEED] - p.torque_ratio * start) / p.third_ratio
         mode = shaft_mode(start, 0.0, self.u[0, LOAD])
@@ -126,18 +126,18 @@ class PlanetaryTransmission(EventComponent):
 
     def energy(self) -> float:
         """Energy of both shafts' rotation and of the twist, J."""
-        p, (twist, speed, third) = self.settled[0], self.x[:3]
+        p, (twist, speed, third) = self.arguments[0], self.x[:3]
         return 0.5 * float(p.stiffness * twist**2 + p.driven_inertia * speed**2 + p.third_inertia * third**2)
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue| with the turbine's speed given, s."""
-        p, _, _, brake = self.settle()
+        """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
+        p, _, _, brake = self.kernel_arguments()
         b3 = p.third_damping + (2.0 * brake.coefficient * brake.largest_speed if brake is not None else 0.0)
         ratios = np.array([p.torque_ratio, p.third_ratio])
         inertias = np.array([p.driven_inertia, p.third_inertia])
         speeds = -(p.shaft_damping * np.outer(ratios, ratios) + np.diag([p.driven_damping, b3])) / inertias[:, None]
         A = np.block([[np.zeros((1, 1)), -ratios[None, :]], [(p.stiffness * ratios / inertias)[:, None], speeds]])
-        return RK4_REACH / float(np.abs(np.linalg.eigvals(A)).max())
+        return RK4_STABILITY_RADIUS / float(np.abs(np.linalg.eigvals(A)).max())
 
 
 @kernel_tuple

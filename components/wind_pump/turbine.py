@@ -11,7 +11,7 @@ from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_REACH
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, torque_coefficient
@@ -30,7 +30,7 @@ class Pitch(Effect):
 class Furling(Effect):
     """The rotor turns out of a strong wind, so that the component along its axis stays at a given speed; a model of ours."""
 
-    asked_only = True
+    explicit_only = True
 
     wind = parameter(8.0, "m/s", "wind above which the rotor turns away", low=1e-3)
 
@@ -93,11 +93,11 @@ class WindTurbine(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
-        p, _, _, friction = self.settled
+        p, _, _, friction = self.arguments
         if friction is None:
             return np.array([p.start_speed, p.start_angle])
         return np.array([p.start_speed, p.start_angle,
-                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.settled), friction.static)])
+                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.arguments), friction.static)])
 
     def _initialize(self, t: float) -> int:
         values: Any = self.parameters
@@ -115,16 +115,16 @@ class WindTurbine(EventComponent):
 
     def energy(self) -> float:
         """Energy of rotation, J."""
-        return 0.5 * self.settled[0].inertia * float(self.x[0]) ** 2
+        return 0.5 * self.arguments[0].inertia * float(self.x[0]) ** 2
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
-        p = self._settled()[0]
+        """RK4's limit, radius / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
+        p = self._declared_arguments()[0]
         ratios = np.linspace(0.0, 20.0, 401)
         values = [torque_coefficient(p.curve, r, 0.0, p.standstill_coefficient, p.runaway_ratio) for r in ratios]
         slope = float(np.abs(np.diff(values)).max() / (ratios[1] - ratios[0]))
         steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
-        return RK4_REACH * p.inertia / (p.damping + steepest)
+        return RK4_STABILITY_RADIUS * p.inertia / (p.damping + steepest)
 
 
 WIND, TORQUE = WindTurbine.input_indices("wind", "torque")

@@ -19,7 +19,7 @@ FOREVER = 1e12  # s
 class Ramp(Effect):
     """The mean changes at a constant rate to an end speed, stays there, and goes back as slowly if a time is given for it."""
 
-    asked_only = True
+    explicit_only = True
 
     end_speed = parameter(8.0, "m/s", "speed at the end of the ramp", low=0.0, high=100.0)
     rate = parameter(0.05, "m/s2", "magnitude of the rate of change", low=0.0)
@@ -30,7 +30,7 @@ class Ramp(Effect):
 class Daily(Effect):
     """Course of the day: the mean times 1 + amplitude cos(2 pi (t - strongest) / 24 h)."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(0.3, "1", "amplitude over the mean; a choice of ours", low=0.0, high=1.0)
     strongest = parameter(54000.0, "s", "time of the day at which the wind is strongest; 15 h, a choice of ours")
@@ -44,7 +44,7 @@ class Turbulence(Effect):
     seed and the sample alone.
     """
 
-    asked_only = True
+    explicit_only = True
 
     intensity = parameter(0.15, "1", "standard deviation over the mean speed", low=0.0, high=1.0)
     length = parameter(150.0, "m", "length scale L; order of magnitude near the ground, recalled", low=1e-3)
@@ -55,7 +55,7 @@ class Turbulence(Effect):
 class Gusts(Effect):
     """One gust, or one every period: a rise as (1 - cos)/2, a stay, and the same way down. A rise of 0 s is a step."""
 
-    asked_only = True
+    explicit_only = True
 
     amplitude = parameter(7.0, "m/s", "speed added at the height of the gust")
     start_time = parameter(10.0, "s", "time at which the first gust begins")
@@ -87,32 +87,32 @@ class Wind(Component):
     speed = output("m/s", "wind speed", nominal=5.0)
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
-        _, ramp, _, turbulence, gusts = self.settled
+        self.arguments = self._declared_arguments()
+        _, ramp, _, turbulence, gusts = self.arguments
         if gusts is not None and gusts.period < 2.0 * gusts.rise + gusts.stay:
             raise BadInput(self.name, f"gusts.period = {gusts.period:g} s", f"at least {2.0 * gusts.rise + gusts.stay:g} s, the "
                            "duration of a gust", "Lengthen the period, or shorten rise or stay.")
         if ramp is not None and ramp.return_time < ramp.start_time:
             raise BadInput(self.name, f"ramp.return_time = {ramp.return_time:g} s", f"at least the ramp's start, "
                            f"{ramp.start_time:g} s", "Move one of them.")
-        if turbulence is not None and self.settled[0].mean_speed == 0.0:
+        if turbulence is not None and self.arguments[0].mean_speed == 0.0:
             raise BadInput(self.name, "effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
                            "Raise mean_speed, or leave the effect off.")
         self.x = np.zeros(0)
         if turbulence is not None:
             sample = math.floor(t / turbulence.interval)
             first = normal_number(turbulence.seed, sample)
-            self.x = np.array([sample, first, after(first, sample + 1.0, self.settled[0], turbulence)])
+            self.x = np.array([sample, first, after(first, sample + 1.0, self.arguments[0], turbulence)])
         return DONE
 
     def _step(self, t: float, h: float) -> int:
         self.counts[0] += 1
-        advance(t + h, self.x, *self.settled)
+        advance(t + h, self.x, *self.arguments)
         self._outputs(t + h)
         return DONE
 
     def _outputs(self, t: float) -> None:
-        self.y[0] = wind_speed(t, self.x, *self.settled)
+        self.y[0] = wind_speed(t, self.x, *self.arguments)
 
 
 @kernel

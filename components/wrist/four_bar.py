@@ -24,7 +24,7 @@ class PinDamping(Effect):
 class RockerSpring(Effect):
     """A torsion spring from the ground to the rocker, as ligaments between two bones are one."""
 
-    asked_only = True
+    explicit_only = True
 
     stiffness = parameter(1.0, "N.m/rad", "stiffness of the spring", low=0.0)
     rest_angle = parameter(1.9, "rad", "rocker angle at which it has no torque")
@@ -33,7 +33,7 @@ class RockerSpring(Effect):
 class CouplerPoint(Effect):
     """A point that the coupler carries: its path is the coupler curve."""
 
-    asked_only = True
+    explicit_only = True
 
     along = parameter(0.025, "m", "distance from the crank's tip along the coupler")
     across = parameter(0.02, "m", "distance from the coupler's line, to its left")
@@ -87,7 +87,7 @@ class FourBar(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the rocker's spring, J; 0 without one."""
-        spring = self.settled[2]
+        spring = self.arguments[2]
         if spring is None:
             return 0.0
         return float(0.5 * spring.stiffness * (self.get("output_angle") - spring.rest_angle) ** 2)
@@ -106,11 +106,11 @@ class FourBar(StatelessComponent):
         sign = 1.0 if self.get("assembly") == "open" else -1.0
         near, far = ((1.0 if way == "through" else -1.0) if there else 0.0 for there in points)
         self._limit = math.cos(float(self.get("least_transmission_angle")))
-        self.settled = (Linkage(a, b, c, d, sign, near, far), *self._settled()[1:])
+        self.arguments = (Linkage(a, b, c, d, sign, near, far), *self._declared_arguments()[1:])
         return DONE
 
     def _outputs(self, t: float) -> None:
-        linkage = self.settled[0]
+        linkage = self.arguments[0]
         cosine = cosine_of_transmission(self.u[0, INPUT_ANGLE], linkage)
         inside = (linkage.near != 0.0 or cosine < self._limit) and (linkage.far != 0.0 or cosine > -self._limit)
         if not inside:  # also where the angle is no number
@@ -118,7 +118,7 @@ class FourBar(StatelessComponent):
             angle = self.u[0, INPUT_ANGLE]
             raise StepFailed(self.name, t, f"crank angle {angle:.6g} rad is {reached} the toggle, where coupler and rocker are "
                              "in one line", "Keep the crank within its range, or change the lengths")
-        linkage_outputs(self.u[0], self.y, *self.settled)
+        linkage_outputs(self.u[0], self.y, *self.arguments)
 
 
 INPUT_ANGLE, INPUT_RATE, LOAD = FourBar.input_indices("input_angle", "input_rate", "load_torque")

@@ -200,12 +200,12 @@ def crossing(axes: Axes) -> float:
 def check_axes(axes: Axes, where: str) -> None:
     """`BadInput` for axes that are nearly parallel, and for tilts given to a coupling model that has axes of its own."""
     if axes.model == OPENSIM_HALF and (axes.proximal_tilt, axes.distal_tilt) not in ((0.0, 0.0), (PROXIMAL_TILT, DISTAL_TILT)):
-        came = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad with the coupling model 'opensim_half'"
-        raise BadInput(where, came, "tilts with the coupling model 'rules' only",
+        actual = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad with the coupling model 'opensim_half'"
+        raise BadInput(where, actual, "tilts with the coupling model 'rules' only",
                        "Leave them out: the other one turns about the axes of flexion and deviation.")
     if not abs(sine := crossing(axes)) >= LEAST_CROSSING:
-        came = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad: axes that cross at a sine of {sine:.2g}"
-        raise BadInput(where, came, f"a sine of at least {LEAST_CROSSING:g}, either way",
+        actual = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad: axes that cross at a sine of {sine:.2g}"
+        raise BadInput(where, actual, f"a sine of at least {LEAST_CROSSING:g}, either way",
                        "Tilt one of the axes: about parallel ones the hand has one motion instead of two.")
 
 
@@ -219,8 +219,8 @@ def inverse(flexion: float, deviation: float, axes: Axes = DEFAULT_AXES) -> Vect
     check_axes(axes, "inverse kinematics")
     c = math.cos(deviation)
     hand = np.array([-math.sin(flexion) * c, math.cos(flexion) * c, math.sin(deviation)])
-    came = f"flexion {flexion:g} and deviation {deviation:g} rad"
-    refused = BadInput("inverse kinematics", came, "angles that the rows can reach")
+    actual = f"flexion {flexion:g} and deviation {deviation:g} rad"
+    refused = BadInput("inverse kinematics", actual, "angles that the rows can reach")
     if axes.model == RULES:
         n_p = np.array([math.sin(axes.proximal_tilt), 0.0, math.cos(axes.proximal_tilt)])
         sine = -float(hand @ n_p) / crossing(axes)

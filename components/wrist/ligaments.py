@@ -89,22 +89,22 @@ class LigamentBundle(StatelessComponent):
     stored_energy = output("J", "energy of the stretched ligaments", nominal=0.1, feedthrough=_angles)
     dissipation = output("W", "power lost in the ligaments", feedthrough=_motion)
 
-    settled: tuple[Bundle]
+    arguments: tuple[Bundle]
 
     def energy(self) -> float:
         """The output `stored_energy` at the present angles, J."""
-        bundle_outputs(self.u[0], self.y, *self.settled)
+        bundle_outputs(self.u[0], self.y, *self.arguments)
         return float(self.get("stored_energy"))
 
     def _initialize(self, t: float) -> int:
-        p = self._settled()[0]
+        p = self._declared_arguments()[0]
         axes = Axes(p.coupling_model, p.proximal_tilt, p.distal_tilt, p.row_offset)
         check_axes(axes, self.name)
-        self.settled = (Bundle(axes, make_ligaments(p)),)
+        self.arguments = (Bundle(axes, make_ligaments(p)),)
         return DONE
 
     def _outputs(self, t: float) -> None:
-        bundle_outputs(self.u[0], self.y, *self.settled)
+        bundle_outputs(self.u[0], self.y, *self.arguments)
 
 
 @kernel

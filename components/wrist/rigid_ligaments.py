@@ -24,13 +24,13 @@ def holding(axes: Axes, ligaments: Ligaments, cut: int) -> list[int]:
     """Numbers, from 0, of the rigid ligaments that hold their row: those that change their length when it turns."""
     angles = np.linspace(-RANGE, RANGE, 9)
     rest = lengths(0.0, 0.0, axes, ligaments)[:, 0]
-    found = []
+    rows = []
     turns = np.array([(lengths(q, 0.0, axes, ligaments)[:, 0], lengths(0.0, q, axes, ligaments)[:, 0]) for q in angles])
     for j in range(COUNT):
         there = turns[:, 1 if j == TRAPEZIUM_SCAPHOID else 0, j]
         if j != cut - 1 and np.ptp(there) > ISOMETRIC * rest[j]:
-            found.append(j)
-    return found
+            rows.append(j)
+    return rows
 
 
 def rigid_ligaments(axes: Axes, ligaments: Ligaments, cut: int, start: np.ndarray, where: str) -> Ligaments:
@@ -42,17 +42,17 @@ def rigid_ligaments(axes: Axes, ligaments: Ligaments, cut: int, start: np.ndarra
     if axes.model != RULES:
         raise BadInput(where, "rigid ligaments with the coupling model 'opensim_half'", "the coupling model 'rules'",
                        "Take the springs: there every length depends on both angles, and five conditions are too many.")
-    found = holding(axes, ligaments, cut)
-    names = [LIGAMENTS[j].replace("_", "-") for j in found]
-    rows = {"distal" if j == TRAPEZIUM_SCAPHOID else "proximal" for j in found}
+    indices = holding(axes, ligaments, cut)
+    names = [LIGAMENTS[j].replace("_", "-") for j in indices]
+    rows = {"distal" if j == TRAPEZIUM_SCAPHOID else "proximal" for j in indices}
     remedy = "Set their off_axis to 0 and leave the axes where they are, cut one that holds, or take the springs."
     if len(rows) == 2:
         raise BadInput(where, f"rigid ligaments that hold both rows ({', '.join(names)})", "a row that is free to turn", remedy)
     now = lengths(start[0], start[1], axes, ligaments)[:, 0]
     for j, length in enumerate(now):
         if j != cut - 1 and abs(length / ligaments.slack[j] - 1.0) > ISOMETRIC:
-            came = f"a rigid {LIGAMENTS[j].replace('_', '-')} ligament of {1e3 * ligaments.slack[j]:.6g} mm whose ends are "
-            raise BadInput(where, came + f"{1e3 * length:.6g} mm apart at the start", "ends at its length",
+            actual = f"a rigid {LIGAMENTS[j].replace('_', '-')} ligament of {1e3 * ligaments.slack[j]:.6g} mm whose ends are "
+            raise BadInput(where, actual + f"{1e3 * length:.6g} mm apart at the start", "ends at its length",
                            "Start at angles of zero with prestrain 0, or cut it.")
     for i, row in enumerate(("proximal", "distal")):
         if row in rows and start[2 + i] != 0.0:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import DONE, NOT_FINITE, bind, kernel
 from ..core.variables import input_, output, parameter
 
@@ -24,7 +24,7 @@ class Programme(Effect):
     A table with fewer rows than the arrays leaves the rest at 0.
     """
 
-    asked_only = True
+    explicit_only = True
 
     time = parameter(0.0, "s", "time of a row, not decreasing", size=ROWS)
     fcr = parameter(0.0, "1", "excitation of flexor carpi radialis", size=ROWS, low=0.0, high=1.0)
@@ -115,20 +115,20 @@ class ForearmTendons(OdeComponent):
     force = output("N", "force of the tendon" + ORDER, size=COUNT, nominal=100.0, feedthrough=TURNING)
 
     def initial_state(self) -> np.ndarray:
-        """Activations that have settled at the present excitations; a programme of times that decrease is refused."""
-        programme = self.settled[1]
+        """Steady activations of the present excitations; a programme of times that decrease is refused."""
+        programme = self.arguments[1]
         if programme is not None:
             falls = np.flatnonzero(np.diff(programme.time) < 0.0)
             last = int(falls[0]) if falls.size else ROWS - 1
             behind = [getattr(programme, name)[last + 1 :] for name in ("time", *MUSCLES)]
             if any(v.any() for v in behind):
-                came = f"programme.time[{last + 1}] = {programme.time[last]:g} s, then {programme.time[last + 1]:g} s"
-                raise BadInput(self.name, came, "times that do not decrease, and zeros behind the last row")
+                actual = f"programme.time[{last + 1}] = {programme.time[last]:g} s, then {programme.time[last + 1]:g} s"
+                raise BadInput(self.name, actual, "times that do not decrease, and zeros behind the last row")
         return np.array([wanted(i, self.t, self.u[0], programme) for i in range(COUNT)])
 
     def energy(self) -> float:
         """Energy of the fibres' passive stretch, J; 0 without `fibres`."""
-        p, _, fibres, _, arms = self.settled
+        p, _, fibres, _, arms = self.arguments
         if fibres is None:
             return 0.0
         total = 0.0
@@ -142,7 +142,7 @@ class ForearmTendons(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit for the shorter time constant, s."""
-        return RK4_REACH * min(float(self.get("rise_time")), float(self.get("fall_time")))
+        return RK4_STABILITY_RADIUS * min(float(self.get("rise_time")), float(self.get("fall_time")))
 
 
 EXCITATION, FLEXION, DEVIATION, FLEXION_RATE, DEVIATION_RATE = ForearmTendons.input_indices(

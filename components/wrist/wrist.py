@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
-from ..core.integrators import RK4_REACH, OdeComponent, rk4
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import NOT_FINITE, bind
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes, pose
@@ -148,7 +148,7 @@ class Wrist(OdeComponent):
 
     def axes(self) -> Axes:
         """Where the axes lie at rest."""
-        p, morphology, *_ = self._settled()
+        p, morphology, *_ = self._declared_arguments()
         if morphology is None:
             return Axes(p.coupling_model, PROXIMAL_TILT, DISTAL_TILT, 0.0)
         return Axes(p.coupling_model, morphology.proximal_tilt, morphology.distal_tilt, morphology.row_offset)
@@ -164,9 +164,9 @@ class Wrist(OdeComponent):
                                "Leave it out: rigid ligaments have none.")
         return rigid_ligaments(self.axes(), springs, constraint.cut, self.initial_state(), self.name)
 
-    def settle(self) -> tuple[Any, ...]:
+    def kernel_arguments(self) -> tuple[Any, ...]:
         """Axes and hand, then the effects; of the constraint, the ligaments."""
-        p, morphology, constraint, interaction, load = self._settled()
+        p, morphology, constraint, interaction, load = self._declared_arguments()
         hand = Hand(self.axes(), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
                     p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping,
                     p.substep)
@@ -174,7 +174,7 @@ class Wrist(OdeComponent):
         return hand, morphology, held, interaction, load
 
     def _initialize(self, t: float) -> int:
-        p, _, _, interaction, _ = self._settled()
+        p, _, _, interaction, _ = self._declared_arguments()
         check_axes(self.axes(), self.name)
         if p.flexion_stiffness * p.deviation_stiffness < p.coupling_stiffness**2:
             raise BadInput(self.name, f"coupling_stiffness = {p.coupling_stiffness:g} N.m/rad",
@@ -185,7 +185,7 @@ class Wrist(OdeComponent):
                 lower, upper = self.get(f"interaction.{limit}_lower"), self.get(f"interaction.{limit}_upper")
                 if not lower < upper:
                     raise BadInput(self.name, f"limits of {limit} at {lower:g} and {upper:g} rad", "first the lower")
-        m11, m12, m22 = mass_matrix(pose(0.0, 0.0, self.axes()), self.settle()[0])
+        m11, m12, m22 = mass_matrix(pose(0.0, 0.0, self.axes()), self.kernel_arguments()[0])
         if not m11 * m22 - m12 * m12 > 1e-12 * m11 * m22:  # also both zero
             raise BadInput(self.name, "a hand without inertia in one of its motions: the mass matrix is singular",
                            "inertia in both", "Give transverse_inertia, or hand_mass and hand_distance.")
@@ -193,17 +193,17 @@ class Wrist(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """(q1, q2, q1', q2') of the parameters."""
-        p = self._settled()[0]
+        p = self._declared_arguments()[0]
         return np.array([p.start_proximal_angle, p.start_distal_angle, p.start_proximal_rate, p.start_distal_rate])
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        hand, morphology, constraint, interaction, load = self.settled
+        hand, morphology, constraint, interaction, load = self.arguments
         return float(wrist_energy(wrist_pose(self.x, hand, morphology), self.x, hand, constraint, interaction, load))
 
     def stable_step(self) -> float:
-        """RK4's limit, RK4_REACH / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
-        hand, morphology, constraint, interaction, load = self.settle()
+        """RK4's limit, radius / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
+        hand, morphology, constraint, interaction, load = self.kernel_arguments()
         K = np.array([[hand.flexion_stiffness, hand.coupling_stiffness], [hand.coupling_stiffness, hand.deviation_stiffness]])
         own = np.zeros(2)
         if interaction is not None:
@@ -227,7 +227,7 @@ class Wrist(OdeComponent):
             A = np.block([[np.zeros((2, 2)), np.eye(2)],
                           [-np.linalg.solve(M, J.T @ K @ J + np.diag(own)), -np.linalg.solve(M, D)]])
             largest = max(largest, float(np.abs(np.linalg.eigvals(A)).max()))
-        return RK4_REACH / largest if largest > 0.0 else math.inf
+        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:

@@ -97,7 +97,7 @@ def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:
         finding = error.errors()[0]
         if finding["type"] == "extra_forbidden" and len(finding["loc"]) == 1:
             fault = unknown(model, str(finding["loc"][0]))
-            raise BadInput(f"{name}: {fault.where}", fault.came, fault.expected, fault.remedy) from None
+            raise BadInput(f"{name}: {fault.where}", fault.actual, fault.expected, fault.remedy) from None
         raise one_message(error, model, name, "analysis") from None
     except BadInput as error:
-        raise BadInput(f"{name}: {error.where}", error.came, error.expected, error.remedy) from None
+        raise BadInput(f"{name}: {error.where}", error.actual, error.expected, error.remedy) from None

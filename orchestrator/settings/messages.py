@@ -30,7 +30,7 @@ def one_message(error: ValidationError, model: type[BaseModel], name: str, *tabl
     places = [*table, *path]
     cause = context.get("error")
     if isinstance(cause, BadInput):
-        return BadInput(_where(name, *places, cause.where), cause.came, cause.expected, cause.remedy)
+        return BadInput(_where(name, *places, cause.where), cause.actual, cause.expected, cause.remedy)
     where = _where(name, *places)
     if kind == "extra_forbidden":
         last = str(path[-1])

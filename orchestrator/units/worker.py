@@ -105,7 +105,7 @@ class Worker:
             try:
                 code, answer = self._answer(code, content)
             except BadInput as error:
-                code, answer = FAILED, pickle.dumps((BadInput, (error.where, error.came, error.expected, error.remedy)))
+                code, answer = FAILED, pickle.dumps((BadInput, (error.where, error.actual, error.expected, error.remedy)))
             except StepFailed as error:
                 code, answer = FAILED, pickle.dumps((StepFailed, (error.unit, error.time, error.reason, error.remedy)))
             except Exception as error:

@@ -62,8 +62,8 @@ def test_evaluation_takes_under_three_microseconds():
     for label, (effects, parameters) in SETTINGS.items():
         bearing = turning(effects, parameters)
         u = bearing.u[0].copy()
-        many(1, bearing.x, u, bearing.y, *bearing.settled)
-        measured[label] = 1e6 * shortest(lambda b=bearing, u=u: many(n, b.x, u, b.y, *b.settled)) / n
+        many(1, bearing.x, u, bearing.y, *bearing.arguments)
+        measured[label] = 1e6 * shortest(lambda b=bearing, u=u: many(n, b.x, u, b.y, *b.arguments)) / n
         bearing.step(0.0, 1e-6)
         python = 1e6 * shortest(lambda b=bearing: [b.step(0.0, 1e-7) for _ in range(1000)]) / 1000
         print(f"  {label:36s} {measured[label]:6.2f} us compiled {python:6.1f} us a step from Python, "

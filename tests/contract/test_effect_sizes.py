@@ -47,7 +47,7 @@ def test_a_stop_pushes_the_head_back_from_the_end_of_its_travel(way):
             pantograph.initialize(0.0)
             dx = np.zeros(pantograph.x.size)
             x = np.array([way * (0.05 + depth), 0.0, 0.0, 0.0])
-            pantograph_derivatives(0.0, x, pantograph.u[0], dx, *pantograph.settled)
+            pantograph_derivatives(0.0, x, pantograph.u[0], dx, *pantograph.arguments)
             rates.append(dx[[1, 3]])
         assert rates[1] - rates[0] == pytest.approx([-way * force / 7.2, way * force / 15.0], rel=1e-9, abs=1e-12)
 
@@ -78,7 +78,7 @@ def test_a_centrifugal_brake_takes_the_square_of_the_speed(way):
         gear.initialize(0.0)
         gear.x[2] = 30.0 * way
         dx = np.zeros(gear.x.size)
-        gear_derivatives(0.0, gear.x, gear.u[0], dx, *gear.settled)
+        gear_derivatives(0.0, gear.x, gear.u[0], dx, *gear.arguments)
         gear.refresh()
         rates.append(dx[2])
         torques.append(gear["third_torque"])

@@ -87,7 +87,7 @@ def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(componen
 
     def instructions(function, one) -> int:
         compiled = numba.njit(error_model="numpy")(python(function))
-        compiled(0.0, one.x, one.u[0], np.zeros_like(one.x), *one.settled)
+        compiled(0.0, one.x, one.u[0], np.zeros_like(one.x), *one.arguments)
         (code,) = compiled.inspect_asm().values()
         return sum(line.startswith("\t") and not line.startswith("\t.") for line in code.splitlines())
 

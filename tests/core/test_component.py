@@ -62,12 +62,12 @@ def test_declaration_order_and_arrays():
     assert boat.inputs == ("push", "wind.gust")
     assert boat.outputs == ("drift", "sail.pull")
     assert Boat.variables["sail.pull"].feedthrough == ("sail.pull",)
-    values, wind, sail, rain = boat._settled()
+    values, wind, sail, rain = boat._declared_arguments()
     assert values.mast.tolist() == [1.0, 2.0]
     assert values.hull == 0
     assert wind._asdict() == {"u": 1, "speed": 3.0}
     assert sail._asdict() == {"y": 1}
-    assert Boat(["rain"])._settled()[-1]._asdict() == {"on": True}
+    assert Boat(["rain"])._declared_arguments()[-1]._asdict() == {"on": True}
     assert rain is None
 
 

@@ -77,7 +77,7 @@ class StickBlock(EventComponent):
     velocity = output("m/s", "velocity")
 
     def initial_state(self) -> np.ndarray:
-        p = self.settled[0]
+        p = self.arguments[0]
         return np.array([p.start, 0.0, stick_mode(0.0, -p.spring * p.start, p.static)])
 
 

@@ -29,7 +29,7 @@ class Wheel(Component):
     height = output("m", "cosine of the multiple of the angle")
 
     def _initialize(self, t):
-        self.settled = self._settled()
+        self.arguments = self._declared_arguments()
         return DONE
 
     def _step(self, t, h):

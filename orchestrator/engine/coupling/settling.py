@@ -67,7 +67,7 @@ def settle(scene: SceneSettings) -> Coupling:
         _check_master(scene, coupling)
         return coupling
     except BadInput as error:
-        raise BadInput(f"{scene.name}: {error.where}", error.came, error.expected, error.remedy) from None
+        raise BadInput(f"{scene.name}: {error.where}", error.actual, error.expected, error.remedy) from None
 
 
 def _endpoint(text: str, where: str, interfaces: Mapping[str, Interface]) -> Endpoint:

@@ -91,7 +91,7 @@ class Alone:
         assert kernel is not None
         component.u[0] = self.inputs[0, 0]
         component.initialize(0.0)
-        start, settled, dx = component.x.copy(), component.settled, np.empty_like(component.x)  # type: ignore[attr-defined]
+        start, settled, dx = component.x.copy(), component.arguments, np.empty_like(component.x)  # type: ignore[attr-defined]
         inputs, h, last = self.inputs, self.step, self.steps - 1
         time = np.linspace(0.0, self.stop, self.steps + 1)
         least = tolerance * np.abs(start).max(initial=1e-3)

@@ -68,7 +68,7 @@ class CoupledOde:
         self._put(t, x)
         rates = np.empty_like(self.start)
         for component, kernel, place in self._parts:
-            kernel(t, component.x, component.u[0], rates[place], *component.settled)
+            kernel(t, component.x, component.u[0], rates[place], *component.arguments)
         self.calls += 1
         return rates
 

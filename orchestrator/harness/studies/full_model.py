@@ -102,7 +102,7 @@ def full_model(scene: Scene, more: Iterable[str] = ()) -> Model:
             alone = sorted(e for e in group if (unit, e) not in asked)
             if clash:
                 left[unit, effect] = f"excluded by {clash!r}"
-            elif any(cls.effects[e].asked_only for e in alone):
+            elif any(cls.effects[e].explicit_only for e in alone):
                 left[unit, effect] = "only where a scene asks for it"
             elif any(_has_inputs(cls, e) for e in alone):
                 left[unit, effect] = "nothing drives its inputs"

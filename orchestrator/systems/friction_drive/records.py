@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 AXES = ("feed", "rotation")
 WHEELS = ("first", "second")
 BANDS = {"feed": 1e-4, "rotation": 0.01}  # m, rad
-ROUNDING = 1e-9  # of the largest set point: changes below it are none
+NEGLIGIBLE_CHANGE = 1e-9  # of the largest set point: changes below it are none
 STAYS = 0.02  # s, a set point that stands shorter is still on its way
 SHARE = 1e-3  # of the longest way, below which a change is no move
 
@@ -132,7 +132,7 @@ def moves(drive: Drive, bands: Mapping[str, float] = BANDS) -> list[Move]:
     found = []
     for axis, wanted in drive.wanted.items():
         size = float(np.abs(wanted).max(initial=0.0))
-        changing = np.flatnonzero(np.abs(np.diff(wanted)) > ROUNDING * size)
+        changing = np.flatnonzero(np.abs(np.diff(wanted)) > NEGLIGIBLE_CHANGE * size)
         if not changing.size:
             continue
         breaks = np.flatnonzero(drive.time[changing[1:]] - drive.time[changing[:-1] + 1] > STAYS)
@@ -162,7 +162,7 @@ def _move(drive: Drive, axis: str, first: int, last: int, end: int, band: float)
 
 def standing(drive: Drive) -> float:
     """The time from which on no set point changes, s; the begin of the record where none ever does."""
-    changes = [np.flatnonzero(np.abs(np.diff(w)) > ROUNDING * np.abs(w).max(initial=0.0)) for w in drive.wanted.values()]
+    changes = [np.flatnonzero(np.abs(np.diff(w)) > NEGLIGIBLE_CHANGE * np.abs(w).max(initial=0.0)) for w in drive.wanted.values()]
     return float(drive.time[max((int(c[-1]) + 1 for c in changes if c.size), default=0)])
 
 

@@ -56,7 +56,7 @@ class Port(Effect):
 class Load(Effect):
     """What a scene has, or has not."""
 
-    asked_only = True
+    explicit_only = True
     size = parameter(0.2, "1", "slope")
 
 

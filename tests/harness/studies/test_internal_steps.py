@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
-from cosimo.components.core.integrators import RK4_REACH, OdeComponent
+from cosimo.components.core.integrators import RK4_STABILITY_RADIUS, OdeComponent
 from cosimo.components.core.variables import Causality
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import with_required
@@ -28,8 +28,8 @@ def test_an_undamped_pendulum_has_the_limit_on_the_imaginary_axis():
     """A uniform rod of 1 m: ω² = 3 g / (2 L)."""
     found = one("PlanarLink", ("pinned", "gravity"))
     assert found.longest == pytest.approx(IMAGINARY / math.sqrt(1.5 * 9.81), rel=WITHIN)
-    assert found.own == pytest.approx(RK4_REACH / math.sqrt(1.5 * 9.81), rel=1e-12)
-    assert found.margin == pytest.approx(IMAGINARY / RK4_REACH, rel=WITHIN)
+    assert found.own == pytest.approx(RK4_STABILITY_RADIUS / math.sqrt(1.5 * 9.81), rel=1e-12)
+    assert found.margin == pytest.approx(IMAGINARY / RK4_STABILITY_RADIUS, rel=WITHIN)
 
 
 def test_strong_damping_has_the_limit_on_the_real_axis():
@@ -74,8 +74,8 @@ def test_rk4_bears_its_reach_in_every_direction_and_no_more():
         w = radius * z
         return np.abs(1.0 + w + w**2 / 2.0 + w**3 / 6.0 + w**4 / 24.0).max() > 1.0 + 1e-12
 
-    assert not grows(RK4_REACH)
-    assert grows(1.004 * RK4_REACH)
+    assert not grows(RK4_STABILITY_RADIUS)
+    assert grows(1.004 * RK4_STABILITY_RADIUS)
 
 
 def test_each_effect_is_measured_with_what_it_needs():

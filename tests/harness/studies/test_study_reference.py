@@ -31,7 +31,7 @@ def test_rates_are_what_a_short_step_makes_of_the_state(name):
     component = with_states(cls)
     saved, dx = component.save(), np.empty_like(component.x)
     before = component.x.copy()
-    rate_kernel(cls)(0.0, component.x, component.u[0], dx, *component.settled)
+    rate_kernel(cls)(0.0, component.x, component.u[0], dx, *component.arguments)
     slopes = []
     for h in (1e-5, 5e-6):
         component.step(0.0, h)

@@ -91,7 +91,7 @@ def test_the_equations_are_those_of_the_docstring(effects):
     rng, dx = np.random.default_rng(5), np.empty(bearing.x.size)
     for _ in range(200):
         x = np.concatenate((rng.normal(size=2) * 2e-5, rng.normal(size=2) * 0.05, rng.uniform(0.0, 6.28, bearing.x.size - 4)))
-        bearing_derivatives(0.3, x, bearing.u[0], dx, *bearing.settled)
+        bearing_derivatives(0.3, x, bearing.u[0], dx, *bearing.arguments)
         # rounding of angles of some rad, 1e-15, times 2e-5 m, over the deformation; with damping the difference quotient,
         # (w 1e-7)² / 6 of a third derivative of order 10³ of the gap
         np.testing.assert_allclose(dx, slow_derivatives(bearing, 0.3, x), rtol=1e-6 if effects else 1e-10, atol=1e-6)
@@ -154,7 +154,7 @@ def test_radial_clearance_is_half_the_diametral_one():
     """The commonest mistake: a diametral clearance of 20 um in one model is a radial gap of 10 um in the other."""
     other = DeepGrooveBearing((), {"diametral_clearance": 20e-6})
     other.initialize(0.0)
-    ours = {"balls": 9, "contact_stiffness": other.settled[0].contacts.stiffness}
+    ours = {"balls": 9, "contact_stiffness": other.arguments[0].contacts.stiffness}
     radial = with_clearance(10.0, **ours)
     # the other one's balls stand at the same angles; held in the plane, its contact lines do not turn out of it
     diametral = other.equilibrium(np.array([196.0, 0.0, 0.0, 0.0, 0.0]), held=("z", "tilt_x", "tilt_y"))
@@ -170,16 +170,16 @@ def test_one_ball_under_the_load_stands_at_its_gap_and_its_deformation():
 @pytest.mark.parametrize(("cage", "along", "across"), [(0.0, 305.3, 206.4), (math.pi / 8.0, 304.3, 260.7)])
 def test_linearised_frequencies_without_clearance(cage, along, across):
     bearing = ball_bearing(parameters={"start_cage_angle": cage})
-    _, _, kxx, _, kyy = elastic_force(bearing.x, bearing.settled[0])
+    _, _, kxx, _, kyy = elastic_force(bearing.x, bearing.arguments[0])
     found = [math.sqrt(k / bearing["mass"]) / (2.0 * math.pi) for k in (kxx, kyy)]
     assert found == pytest.approx((along, across), rel=2e-4)  # four printed digits
 
 
 def test_stiffness_across_the_load_with_clearance():
     """Nothing at all with a ball on the line of the load, which carries alone; 1.17e7 N/m between two balls (20 um)."""
-    assert elastic_force(with_clearance(20.0).x, with_clearance(20.0).settled[0])[4] == 0.0
+    assert elastic_force(with_clearance(20.0).x, with_clearance(20.0).arguments[0])[4] == 0.0
     between = with_clearance(20.0, start_cage_angle=math.pi / 8.0)
-    assert elastic_force(between.x, between.settled[0])[4] == pytest.approx(1.17e7, rel=5e-3)  # three printed digits
+    assert elastic_force(between.x, between.arguments[0])[4] == pytest.approx(1.17e7, rel=5e-3)  # three printed digits
 
 
 def test_energy_changes_by_the_power_of_load_and_damping():
@@ -189,7 +189,7 @@ def test_energy_changes_by_the_power_of_load_and_damping():
     for _ in range(50):
         bearing.x[:4] = np.concatenate((rng.normal(size=2) * 2e-5, rng.normal(size=2) * 0.01))
         x = bearing.x.copy()
-        bearing_derivatives(0.0, x, bearing.u[0], dx, *bearing.settled)
+        bearing_derivatives(0.0, x, bearing.u[0], dx, *bearing.arguments)
         change = 0.0
         for i, h in enumerate((1e-9, 1e-9, 1e-6, 1e-6)):
             ends = []
@@ -320,7 +320,7 @@ def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     """Preload makes the bearing nearly linear: the orbit is the circle m e w² / (k - m w²), by the linearised stiffness."""
     bearing = ball_bearing(["clearance", "unbalance"], {"clearance.radial_clearance": -20e-6, "unbalance.eccentricity": 1e-6,
                                                    "damping": 3e4}, rpm=3000.0, load=0.0)
-    _, _, kxx, kxy, kyy = elastic_force(bearing.x, bearing.settled[0])
+    _, _, kxx, kxy, kyy = elastic_force(bearing.x, bearing.arguments[0])
     assert (kxy, kyy) == pytest.approx((0.0, kxx), abs=1e-9 * kxx)
     w = 3000.0 * RPM
     run(bearing, 0.2)

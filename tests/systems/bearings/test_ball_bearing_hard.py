@@ -77,7 +77,7 @@ def test_the_exponent_at_zero():
     dx = np.empty(6)
     for delta in (0.0, -1e-21, -1e-5, 1e-21, 5e-324, 1e-12):
         x = np.array([10e-6 + delta, 0.0, 0.0, 0.0, 0.0, 0.0])
-        bearing_derivatives(0.0, x, bearing.u[0], dx, *bearing.settled)
+        bearing_derivatives(0.0, x, bearing.u[0], dx, *bearing.arguments)
         present = x[0] - 10e-6
         assert dx[2] == pytest.approx(-1.334e10 * max(present, 0.0) ** 1.5 / 20.0, rel=1e-12)
         assert np.isfinite(dx).all()
@@ -233,7 +233,7 @@ def test_ten_million_steps_do_not_drift_the_angle():
         bearing.step(k * steps * h, steps * h)
     assert bearing.work["steps"] == 10_000_000
     turn = np.longdouble("6.28318530717958647692528676655900577")
-    for name, ratio in (("inner_angle", np.longdouble(1)), ("cage_angle", np.longdouble(bearing.settled[0].cage_ratio))):
+    for name, ratio in (("inner_angle", np.longdouble(1)), ("cage_angle", np.longdouble(bearing.arguments[0].cage_ratio))):
         exact = np.longdouble(bearing["speed"]) * ratio * np.longdouble(100)
         off = float((np.longdouble(bearing[name]) - exact) % turn)
         assert min(off, 2.0 * math.pi - off) < 1e7 * 4.4e-16
@@ -248,7 +248,7 @@ def by_scipy(bearing, end, **options):
     dx = np.empty(bearing.x.size)
 
     def right_hand_side(t, x):
-        bearing_derivatives(t, x, bearing.u[0], dx, *bearing.settled)
+        bearing_derivatives(t, x, bearing.u[0], dx, *bearing.arguments)
         return dx.copy()
 
     found = solve_ivp(right_hand_side, (0.0, end), bearing.x, t_eval=np.linspace(0.0, end, 400), **options)

@@ -127,7 +127,7 @@ def test_ten_million_steps_do_not_drift():
     from cosimo.components.bearings.six_dof import roll
 
     bearing = moved(speed=314.159)
-    p, u, h = bearing.settled[0], bearing.u, 1e-5
+    p, u, h = bearing.arguments[0], bearing.u, 1e-5
 
     def many(x, n):
         for _ in range(n):

@@ -10,7 +10,7 @@ from cosimo.components.bearings.races import add_ball_pit, add_pit, add_waves, p
 ORDER = np.array([2, 7, 9, 16])
 AMPLITUDE = np.array([1e-6, 0.3e-6, 0.0, 0.2e-6])
 PHASE = np.array([0.1, -0.7, 0.3, 2.0])
-ROUNDING = 1e-20  # m; some 30 roundings of 1e-6 m
+GAP_ACCURACY = 1e-20  # m; some 30 roundings of 1e-6 m
 
 
 def gaps(add, angle, speed, what, balls=8, with_rate=True):
@@ -25,15 +25,15 @@ def test_waves_are_the_sum_of_cosines(balls):
     found, _ = gaps(add_waves, angle, 0.0, race_waves(ORDER, AMPLITUDE, PHASE, balls), balls)
     at = angle + 2.0 * np.pi * np.arange(balls) / balls
     expected = [(AMPLITUDE * np.cos(ORDER * a + PHASE)).sum() for a in at]
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=ROUNDING)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=GAP_ACCURACY)
 
 
 def test_an_order_that_is_a_multiple_of_the_balls_lifts_all_alike():
     """Order Z: every ball stands on the same phase, the ring is only larger; order Z + 1: the sum over the balls vanishes."""
     alike, _ = gaps(add_waves, 0.4, 0.0, race_waves([8], [1e-6], [0.0], 8))
-    np.testing.assert_allclose(alike, alike[0], rtol=0.0, atol=ROUNDING)
+    np.testing.assert_allclose(alike, alike[0], rtol=0.0, atol=GAP_ACCURACY)
     odd, _ = gaps(add_waves, 0.4, 0.0, race_waves([9], [1e-6], [0.0], 8))
-    assert abs(odd.sum()) < ROUNDING
+    assert abs(odd.sum()) < GAP_ACCURACY
     assert np.abs(odd).max() > 0.5e-6
 
 

@@ -68,7 +68,7 @@ def test_everything_on_and_moving_inputs_against_scipy():
 
     def right(t, x):
         dx = np.zeros_like(x)
-        network_derivatives(t, x, u0 + t * slope, dx, *made.settled)
+        network_derivatives(t, x, u0 + t * slope, dx, *made.arguments)
         return dx
 
     exact = solve_ivp(right, (0.0, 600.0), x0, method="Radau", rtol=1e-10, atol=1e-8).y[:, -1]
@@ -116,11 +116,11 @@ def test_the_jacobian_is_the_derivative():
 
         def right(x):
             dx = np.zeros(n)
-            network_derivatives(0.0, x, made.u[0], dx, *made.settled)
+            network_derivatives(0.0, x, made.u[0], dx, *made.arguments)
             return dx
 
         band = np.zeros((n, 2 * n - 1))
-        network_jacobian(0.0, x, made.u[0], band, *made.settled)
+        network_jacobian(0.0, x, made.u[0], band, *made.arguments)
         dense = np.array([[band[i, n - 1 + j - i] for j in range(n)] for i in range(n)])
         differences = np.array([(right(x + e) - right(x - e)) / 2e-3 for e in 1e-3 * np.eye(n)]).T
         np.testing.assert_allclose(dense, differences, rtol=0.0, atol=1e-8)  # rounding of W over 1e-3 K, T⁴'s third derivative

@@ -102,7 +102,7 @@ def test_no_load_loaded_and_stalled(effects):
 
 def test_gear_and_wheel_belong_to_the_inertia_at_the_wheel():
     made = motor(gear_ratio=-3.0, rotor_inertia=2e-6, wheel_inertia=5e-6)
-    assert shaft_inertia(made.settled[0]) == wheel_constants(made)[0] == pytest.approx(23e-6, rel=1e-15)
+    assert shaft_inertia(made.arguments[0]) == wheel_constants(made)[0] == pytest.approx(23e-6, rel=1e-15)
     backwards = motor(gear_ratio=-19.0)
     assert response(backwards, [0.2], 12.0)[0, 1] == -response(motor(), [0.2], 12.0)[0, 1]
 
@@ -123,7 +123,7 @@ def test_power_in_is_power_out_heat_and_change_of_energy(effects):
             made.x[-1] = math.copysign(1.0, rate)
         made.refresh()
         dx = np.zeros(made.x.size)
-        servo_derivatives(0.0, made.x, made.u[0], dx, *made.settled)
+        servo_derivatives(0.0, made.x, made.u[0], dx, *made.arguments)
         J, B, _ = wheel_constants(made)
         gain = J * rate * dx[1] + (L * made["current"] * dx[2] if "inductance" in effects else 0.0)
         friction = 0.0

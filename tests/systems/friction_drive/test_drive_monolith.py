@@ -126,7 +126,7 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
     """dE/dt = V i + F z' + M phi' - R i² - friction of shafts, contacts and seal, at random states."""
     random = np.random.default_rng(5)
     drive = drive_at(effects, **({"preload_loss.first": 0.0} if effects is FULL else {}))
-    p, _, shaft, _, lugre, exact, trocar, *_ = drive.settled
+    p, _, shaft, _, lugre, exact, trocar, *_ = drive.arguments
     at, rate = motor_place(lugre, exact, trocar), np.zeros_like(drive.x)
     for trial in range(30):
         drive.x[:4] = random.normal(0.0, [0.1, 1.0, 0.2, 20.0])
@@ -140,7 +140,7 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
             drive.x[at + 6 : at + 8] = modes
             drive.x[at + 2 : at + 4] *= modes != 0.0
         drive.refresh()
-        drive_derivatives(0.0, drive.x, drive.u[0], rate, *drive.settled)
+        drive_derivatives(0.0, drive.x, drive.u[0], rate, *drive.arguments)
         state, h, energies = drive.x.copy(), 1e-7, []
         for sign in (1.0, -1.0):
             drive.x[:] = state + sign * h * rate
@@ -172,7 +172,7 @@ def test_the_stable_step_is_that_of_the_drive_at_rest(given):
     for i in moving:
         ends = np.zeros((2, drive.x.size))
         for end, sign in zip(ends, (1.0, -1.0), strict=True):
-            drive_derivatives(0.0, drive.x + sign * d * np.eye(drive.x.size)[i], drive.u[0], end, *drive.settled)
+            drive_derivatives(0.0, drive.x + sign * d * np.eye(drive.x.size)[i], drive.u[0], end, *drive.arguments)
         columns.append((ends[0] - ends[1])[moving] / (2.0 * d))
     assert drive.stable_step() == pytest.approx(2.61 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=5e-3)
 

@@ -183,7 +183,7 @@ def test_relaxed_bristles_bear_what_dampers_do():
 
 def contact_losses(wheels: FrictionWheels, r: np.ndarray) -> float:
     """Power that contacts and seal lose, by their own formulas; r: rate of the state."""
-    _, _, lugre, exact, trocar, _, loss = wheels.settled
+    _, _, lugre, exact, trocar, _, loss = wheels.arguments
     lost = wheels["contact_power"]
     k = lugre.stiffness if lugre is not None else 6.0 / exact.deflection if exact is not None else 0.0
     shares = [1.0, 1.0]
@@ -235,7 +235,7 @@ def test_energy_changes_by_power_and_losses(effects, layout):
         if "trocar_friction" in effects:
             wheels.x[-3:] = *random.normal(0.0, 1e-4, 2), 0.0
         wheels.refresh()
-        wheels_derivatives(wheels.t, wheels.x, wheels.u[0], rate, *wheels.settled)
+        wheels_derivatives(wheels.t, wheels.x, wheels.u[0], rate, *wheels.arguments)
         state, h = wheels.x.copy(), 1e-7
         energies = []
         for sign in (1.0, -1.0):
@@ -327,7 +327,7 @@ def test_the_stable_step_is_that_of_a_sleeve_at_rest(effects, layout):
     for i in moving:
         ends = np.zeros((2, wheels.x.size))
         for end, sign in zip(ends, (1.0, -1.0), strict=True):
-            wheels_derivatives(0.0, wheels.x + sign * d * np.eye(wheels.x.size)[i], wheels.u[0], end, *wheels.settled)
+            wheels_derivatives(0.0, wheels.x + sign * d * np.eye(wheels.x.size)[i], wheels.u[0], end, *wheels.arguments)
         columns.append((ends[0] - ends[1])[moving] / (2.0 * d))
     assert wheels.stable_step() == pytest.approx(2.61 / np.abs(np.linalg.eigvals(np.array(columns))).max(), rel=5e-3)
 

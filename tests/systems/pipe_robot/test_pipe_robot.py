@@ -55,7 +55,7 @@ def test_energy_grows_by_what_comes_in_less_what_is_lost(exciter, friction, mode
             made.x[5:] = random.uniform(0.0, 6.0), random.uniform(-90.0, 90.0)
         made.refresh()
         dx = np.zeros_like(made.x)
-        robot_derivatives(made.t, made.x, made.u[0], dx, *made.settled)
+        robot_derivatives(made.t, made.x, made.u[0], dx, *made.arguments)
         power = (made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"]
                  - made["dissipation"])
         x, t, energies, d = made.x.copy(), made.t, [], 1e-6
@@ -351,7 +351,7 @@ def fastest(made: PipeRobot, modes: tuple[float, ...] = (1.0, 0.0), stretch: flo
         for i in moving:
             d, ends = 1e-7 * np.eye(x.size)[i], np.zeros((2, x.size))
             for end, sign in zip(ends, (1.0, -1.0), strict=True):
-                robot_derivatives(0.0, x + sign * d, made.u[0], end, *made.settled)
+                robot_derivatives(0.0, x + sign * d, made.u[0], end, *made.arguments)
             columns.append((ends[0] - ends[1])[moving] / 2e-7)
         largest = max(largest, float(np.abs(np.linalg.eigvals(np.array(columns))).max()))
     return largest

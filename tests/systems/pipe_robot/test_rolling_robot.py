@@ -32,7 +32,7 @@ def test_a_ring_gives_way_as_energy_says():
     assert turn == pytest.approx(0.0, abs=1e-15)
     energy, _ = quad(lambda a: (moment - 0.5 * (1.0 - math.cos(a))) ** 2, 0.0, 0.5 * math.pi)  # of F² R³ / 2 EI, one quarter
     radius, stiffness = 0.102, 0.2
-    assert ring_stiffness(started().settled[0]) == pytest.approx(stiffness / radius**3 / (4.0 * energy), rel=1e-13)
+    assert ring_stiffness(started().arguments[0]) == pytest.approx(stiffness / radius**3 / (4.0 * energy), rel=1e-13)
 
 
 @pytest.mark.parametrize(("v0", "mass", "level"), [(0.5, ROLLING, 0.03 * PRESS), (-0.5, MASS, 0.4 * PRESS)])
@@ -70,7 +70,7 @@ def test_energy_of_a_rolling_robot_grows_by_what_comes_in_less_what_is_lost(mode
         made.x[4:] = mode, random.uniform(0.0, 6.0)
         made.refresh()
         dx = np.zeros_like(made.x)
-        rolling_derivatives(0.0, made.x, made.u[0], dx, *made.settled)
+        rolling_derivatives(0.0, made.x, made.u[0], dx, *made.arguments)
         power = (made["exciter_power"] + made["tow.force"] * made["velocity"] + made["route.weight_power"]
                  - made["dissipation"])
         x, narrowing, energies = made.x.copy(), -0.02 * made["velocity"], []

@@ -172,7 +172,7 @@ def test_stable_step_is_the_limit(element, beta):
         limit = catenary.stable_step()
         catenary.set("contact_force", 50.0)
         catenary.initialize(0.0)
-        catenary.settled = (catenary.settled[0]._replace(substep=1.0), *catenary.settled[1:])  # past the check at the start
+        catenary.arguments = (catenary.arguments[0]._replace(substep=1.0), *catenary.arguments[1:])  # past the check at the start
         catenary.set("contact_force", 0.0)
         start = catenary.energy()
         try:

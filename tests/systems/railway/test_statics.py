@@ -122,7 +122,7 @@ def test_droppers_carry_the_weight_and_the_pre_sag():
 def test_messenger_carries_everything_to_its_supports():
     catenary = Catenary(["dropper_slackening"])
     catenary.initialize(0.0)
-    p, mesh = catenary.settled[0], catenary.mesh
+    p, mesh = catenary.arguments[0], catenary.mesh
     y = messenger_shape(p, mesh)
     reaction = -p.support_stiffness * y[mesh.support[5]]  # the spring under a support in the middle
     assert reaction == pytest.approx(GRAVITY * (1.35 + 1.07) * 60.0, rel=1e-6)  # the ends' influence decays over the spans

@@ -40,7 +40,7 @@ class LinearBearing(Component):
     force_y = output("N", "force along y", feedthrough=("displacement_y", "velocity_y"))
 
     def _initialize(self, t: float) -> int:
-        self.settled = self._settled()
+        self.arguments = self._declared_arguments()
         return DONE
 
     def _step(self, t: float, h: float) -> int:
@@ -50,7 +50,7 @@ class LinearBearing(Component):
         return DONE
 
     def _outputs(self, t: float) -> None:
-        p, tangent = self.settled
+        p, tangent = self.arguments
         self.y[:2] = -p.k * self.u[0, :2] - p.d * self.u[0, 2:4]
         if tangent is not None:
             for first, value in ((tangent.y + 2, p.k), (tangent.y + 27, p.d)):

@@ -276,7 +276,7 @@ def test_energy_changes_by_the_power_of_thrust_loads_and_drag():
         power += hull.u[0, hull.input_positions(n for n in hull.inputs if n.startswith("external."))] @ nu
         power -= nu @ (D * nu + DD * np.abs(nu) * nu)
         x, dx = hull.x.copy(), np.zeros(hull.x.size)
-        hull_derivatives(0.0, x, hull.u[0], dx, *hull.settled)
+        hull_derivatives(0.0, x, hull.u[0], dx, *hull.arguments)
         energies = []
         for s in (1e-5, -1e-5):  # the energy is quadratic in most of the state: the difference is nearly exact
             hull.x[:] = x + s * dx

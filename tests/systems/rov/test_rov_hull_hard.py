@@ -166,7 +166,7 @@ def test_a_step_too_long_for_the_drag_is_refused():
 def test_a_direction_of_any_length_is_the_same_direction():
     names = [f"thruster_direction_{a}[2]" for a in "xyz"]
     long = started((), **{n: 40.0 * RovHull.variables[n].start for n in names})
-    np.testing.assert_allclose(long.settled[0].thrusters, started(()).settled[0].thrusters, atol=1e-15)
+    np.testing.assert_allclose(long.arguments[0].thrusters, started(()).arguments[0].thrusters, atol=1e-15)
 
 
 def test_all_axes_at_once_far_from_upright_keep_finite_and_come_to_rest():

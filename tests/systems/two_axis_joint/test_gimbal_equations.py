@@ -39,7 +39,7 @@ def placed(body: GimbalBody, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def rates_of(body: GimbalBody) -> np.ndarray:
     """dx/dt at the present state."""
     dx = np.zeros(body.x.size)
-    gimbal_derivatives(0.0, body.x, body.u[0], dx, *body.settled)
+    gimbal_derivatives(0.0, body.x, body.u[0], dx, *body.arguments)
     return dx
 
 

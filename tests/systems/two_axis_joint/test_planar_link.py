@@ -62,9 +62,9 @@ def test_energy_grows_by_the_work_at_the_ends(effects):
     for _ in range(10):
         link = random_link(effects, random)
         dx = np.empty(link.x.size)
-        link_derivatives(0.0, link.x, link.u[0], dx, *link.settled)
+        link_derivatives(0.0, link.x, link.u[0], dx, *link.arguments)
         h = 1e-6
-        ends = [link_energy(link.x + s * h * dx, *link.settled) for s in (1.0, -1.0)]
+        ends = [link_energy(link.x + s * h * dx, *link.arguments) for s in (1.0, -1.0)]
         power = sum(link[f"{end}_force_{a}"] * link[f"{end}_velocity_{a}"] for end in ("base", "tip") for a in "xy")
         power += (link["base_torque"] + link["tip_torque"]) * link["rate"]
         assert (ends[0] - ends[1]) / (2.0 * h) == pytest.approx(power, abs=1e-6)
@@ -80,8 +80,8 @@ def test_the_pin_s_reaction_moves_a_free_link_as_the_pin_does():
         free.u[0] = pinned.u[0]
         free.u[0, :2] += [pinned["pinned.reaction_x"], pinned["pinned.reaction_y"]]
         dx, free_dx = np.empty(2), np.empty(6)
-        link_derivatives(0.0, pinned.x, pinned.u[0], dx, *pinned.settled)
-        link_derivatives(0.0, free.x, free.u[0], free_dx, *free.settled)
+        link_derivatives(0.0, pinned.x, pinned.u[0], dx, *pinned.arguments)
+        link_derivatives(0.0, free.x, free.u[0], free_dx, *free.arguments)
         assert free_dx[1] == pytest.approx(dx[1], abs=1e-11)
         centre = 0.5 * (dx[1] * np.array([math.cos(angle), math.sin(angle)])
                         + rate**2 * np.array([-math.sin(angle), math.cos(angle)]))
@@ -171,8 +171,8 @@ def split_chain(stiffness: float, end: float) -> np.ndarray:
         for name, link, end in (("first", first, "tip"), ("second", second, "base")):
             for a in "xy":
                 link.set(f"{end}_force_{a}", joint[f"{name}_force_{a}"])
-        link_derivatives(t, first.x, first.u[0], dx[:2], *first.settled)
-        link_derivatives(t, second.x, second.u[0], dx[2:], *second.settled)
+        link_derivatives(t, first.x, first.u[0], dx[:2], *first.arguments)
+        link_derivatives(t, second.x, second.u[0], dx[2:], *second.arguments)
         return dx.copy()
 
     x = solve_ivp(right, (0.0, end), [*first.x, *second.x], method="LSODA", rtol=1e-9, atol=1e-11).y[:, -1]

@@ -131,7 +131,7 @@ def test_lagrange_is_newton_and_euler_at_random_states():
         joints = torques - [0.1, 0.05] * r - 0.1 * np.tanh(r / 0.01) - [0.0, stop]
         accelerations, forces = newton_euler(chain, joints)
         dx = np.empty(chain.x.size)
-        chain_derivatives(0.0, chain.x, chain.u[0], dx, *chain.settled)
+        chain_derivatives(0.0, chain.x, chain.u[0], dx, *chain.arguments)
         scale = max(1.0, np.abs(accelerations).max())
         np.testing.assert_allclose([dx[2], dx[2] + dx[3]], accelerations, atol=1e-12 * scale)
         found = [chain[f"reactions.{n}"] for n in ("first_x", "first_y", "second_x", "second_y")]
@@ -148,7 +148,7 @@ def test_energy_changes_by_what_motors_give_and_losses_take(effects):
         chain.x[:4], chain.u[0] = state, torques
         if "stops" in effects:
             chain.x[4] = touched(state[1])
-        loss, r, p = 0.0, state[2:], chain.settled
+        loss, r, p = 0.0, state[2:], chain.arguments
         dx = np.zeros(chain.x.size)
         if "stick_friction" in effects:
             chain.x[4:] = np.sign(r)

@@ -114,7 +114,7 @@ def test_energy_changes_by_the_power_at_the_ports_and_the_losses(effects):
         converter.x[:] = [0.01 * rng.normal(), angle, 20.0 * rng.normal(), 0.01 * rng.normal(), velocity, speed, mode]
         converter.refresh()
         x, slope = converter.x.copy(), np.zeros(7)
-        converter_derivatives(0.0, x, converter.u[0], slope, *converter.settled)
+        converter_derivatives(0.0, x, converter.u[0], slope, *converter.arguments)
         step = 1e-6 / max(1.0, np.abs(slope).max())
         energies = []
         for sign in (1.0, -1.0):

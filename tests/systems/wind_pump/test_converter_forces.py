@@ -37,7 +37,7 @@ def at_random(mode: float, seed: int) -> tuple[InertialConverter, np.ndarray]:
     converter.x[:] = [0.01 * rng.normal(), rng.uniform(0.0, 7.0), 20.0 * rng.normal(), 0.01 * rng.normal(), velocity, speed, mode]
     converter.refresh()
     slope = np.zeros(7)
-    converter_derivatives(0.0, converter.x, converter.u[0], slope, *converter.settled)
+    converter_derivatives(0.0, converter.x, converter.u[0], slope, *converter.arguments)
     return converter, slope
 
 

@@ -60,7 +60,7 @@ def test_power_in_is_power_out_and_lost_and_stored(cls, effects, parameters, mod
             x[4] = math.copysign(1.0, x[2])
         dx = np.zeros(x.size)
         transmission.x = x
-        DERIVATIVES[cls](0.0, x, transmission.u[0], dx, *transmission.settled)
+        DERIVATIVES[cls](0.0, x, transmission.u[0], dx, *transmission.arguments)
         transmission.refresh()
         y = {n: transmission[n] for n in transmission.outputs}
         energies = []

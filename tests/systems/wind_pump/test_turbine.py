@@ -65,7 +65,7 @@ def test_energy_at_random_states(curve, effects):
         turbine.x[2:] = 1.0
         turbine.refresh()
         dx = np.zeros(turbine.x.size)
-        turbine_derivatives(0.0, turbine.x, turbine.u[0], dx, *turbine.settled)
+        turbine_derivatives(0.0, turbine.x, turbine.u[0], dx, *turbine.arguments)
         friction = 1.0 if effects == ("bearing_friction",) else 0.0
         expected = turbine["power"] - (torque + 0.7 * speed + friction) * speed
         assert 15.0 * speed * dx[0] == pytest.approx(expected, abs=1e-9 * (abs(turbine["power"]) + abs(torque * speed)))

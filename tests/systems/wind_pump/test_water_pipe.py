@@ -57,7 +57,7 @@ def test_the_swinging_column_keeps_its_energy_and_friction_takes_it():
         for _ in range(20):
             q, gas = rng.normal(scale=1e-3), 5e-3 * rng.uniform(0.7, 1.4)
             x, dx = np.array([0.0, gas, q]), np.zeros(3)
-            pipe_derivatives(0.0, x, pipe.u[0], dx, *pipe.settled)
+            pipe_derivatives(0.0, x, pipe.u[0], dx, *pipe.arguments)
             absolute = (101325.0 + 9810.0 * 20.0) * (5e-3 / gas) ** 1.2
             area = 0.25 * math.pi * 0.035**2
             column = 1000.0 * 30.0 / area * q * dx[2]

@@ -48,7 +48,7 @@ def wrist(parameters=None, effects=("morphology", "constraint")) -> Wrist:
 
 
 def ligaments(**parameters):
-    return bundle(**parameters).settled[0].ligaments
+    return bundle(**parameters).arguments[0].ligaments
 
 
 # -- lengths ---------------------------------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_tension_is_toe_linear_and_its_energy_is_its_integral(toe):
 def test_prestrain_is_the_strain_at_rest(prestrain):
     made = bundle(prestrain=prestrain, toe=0.0)
     assert [made[f"strain[{j}]"] for j in range(1, 6)] == pytest.approx([prestrain] * 5, abs=1e-15)
-    slack = made.settled[0].ligaments.slack
+    slack = made.arguments[0].ligaments.slack
     assert [made[f"tension[{j}]"] for j in range(1, 6)] == pytest.approx(5e4 * slack * max(prestrain, 0.0), abs=1e-9)
 
 
@@ -123,10 +123,10 @@ def test_tension_grows_with_the_rate_and_never_pushes():
         made.set("proximal_angle", 0.3)
         made.set("proximal_rate", 0.0)
         made.refresh()
-        still, slack = made["tension[1]"], made.settled[0].ligaments.slack[0]
+        still, slack = made["tension[1]"], made.arguments[0].ligaments.slack[0]
         made.set("proximal_rate", rate)
         made.refresh()
-        slope = lengths(0.3, 0.0, AXES, made.settled[0].ligaments)[0, 1]
+        slope = lengths(0.3, 0.0, AXES, made.arguments[0].ligaments)[0, 1]
         assert made["tension[1]"] == pytest.approx(still * max(0.0, 1.0 + 0.2 * slope * rate / slack), rel=1e-12)
         assert made["dissipation"] >= 0.0
 
@@ -154,7 +154,7 @@ def test_one_cut_takes_away_that_one():
     whole = bundle(**TAUT, proximal_angle=0.4, distal_angle=-0.3)
     for j, name in enumerate(LIGAMENTS):
         cut = bundle(**TAUT, proximal_angle=0.4, distal_angle=-0.3, cut=j + 1)
-        _, first, second = lengths(0.4, -0.3, AXES, whole.settled[0].ligaments)[j]
+        _, first, second = lengths(0.4, -0.3, AXES, whole.arguments[0].ligaments)[j]
         tension = whole[f"tension[{j + 1}]"]
         assert tension > 0.0, name
         assert cut[f"tension[{j + 1}]"] == 0.0
@@ -178,7 +178,7 @@ def test_the_unit_pulls_as_the_effect_does(model):
     assert inside.energy() == pytest.approx(outside.energy() + unit["stored_energy"], rel=1e-14)
     rates = np.zeros((2, 4))
     for made, dx in zip((inside, outside), rates, strict=True):
-        wrist_derivatives(0.0, made.x, made.u[0], dx, *made.settled)
+        wrist_derivatives(0.0, made.x, made.u[0], dx, *made.arguments)
     assert rates[0] == pytest.approx(rates[1], rel=1e-12)
 
 

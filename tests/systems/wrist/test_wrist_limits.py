@@ -235,7 +235,7 @@ def test_the_stable_step_holds_wherever_the_wrist_is(q, of_ligaments):
     for step in d * np.eye(4):
         ends = np.zeros((2, 4))
         for end, sign in zip(ends, (1.0, -1.0), strict=True):
-            wrist_derivatives(0.0, x + sign * step, made.u[0], end, *made.settled)
+            wrist_derivatives(0.0, x + sign * step, made.u[0], end, *made.arguments)
         columns.append((ends[0] - ends[1]) / (2.0 * d))
     limit = 2.83 / np.abs(np.linalg.eigvals(np.array(columns))).max()
     assert made.stable_step() < limit

@@ -73,7 +73,7 @@ def test_inertia_is_lagranges(model, q):
     """M, and h = sum (dM_ij/dq_k - dM_jk/dq_i / 2) q_j' q_k' by differences of M."""
     made = wrist(("morphology",), {"coupling_model": model})
     half, q, rates, d = model == "opensim_half", np.array(q), np.array([2.0, -3.0]), 1e-5
-    at, hand = wrist_pose(np.r_[q, rates], *made.settled[:2]), made.settled[0]
+    at, hand = wrist_pose(np.r_[q, rates], *made.arguments[:2]), made.arguments[0]
     m11, m12, m22 = mass_matrix(at, hand)
     assert np.array([[m11, m12], [m12, m22]]) == pytest.approx(lagrange_mass(q, half), rel=1e-12, abs=1e-16)
     slopes = [(lagrange_mass(q + d * e, half) - lagrange_mass(q - d * e, half)) / (2.0 * d) for e in np.eye(2)]
@@ -131,7 +131,7 @@ def test_energy_changes_by_the_power_of_ports_and_losses(effects, parameters):
         for name in made.inputs:
             made.set(name, random.uniform(-2.0, 2.0))
         dx, d = np.zeros(4), 1e-6
-        wrist_derivatives(0.0, x, made.u[0], dx, *made.settled)
+        wrist_derivatives(0.0, x, made.u[0], dx, *made.arguments)
 
         def energy(state):
             made.x[:] = state

@@ -24,7 +24,7 @@ CHAOS_THRESHOLD = 0.01  # of the range
 WINDOWS = {3.2: 2, 3.5: 4, 3.83: 3}  # r -> period
 NOISE_TOLERANCE = 0.02  # a rate scatters by 2 std(p) / sqrt(n) = 1.5 %, the mean of ten by 0.5 %: four of these
 CHAOS_TOLERANCE = 0.03  # what the fold adds is of the order of the threshold, 1 %; the rest is scatter
-ROUNDING = 1e-9
+RELATIVE_ACCURACY = 1e-9
 DRAWN = 160  # states in a picture
 MEASURES: dict[str, tuple[str, Callable[[Quantification], float]]] = {
     "RR": ("recurrence rate RR", lambda q: q.rate),
@@ -47,7 +47,7 @@ def findings(options: Options) -> Findings:
     chaos = [recurrence_matrix(uniform(logistic(4.0, s)), CHAOS_THRESHOLD) for s in STARTS]
     rows = _rows(NOISE, _mean(noise, 1), of_noise(NOISE_THRESHOLD), NOISE_TOLERANCE,
                  "closed form for independent normal numbers")  # fmt: skip
-    rows += _rows(SINE, _mean(sine, PER_PERIOD // 2), of_circle(STATES, PER_PERIOD, SINE_THRESHOLD), ROUNDING,
+    rows += _rows(SINE, _mean(sine, PER_PERIOD // 2), of_circle(STATES, PER_PERIOD, SINE_THRESHOLD), RELATIVE_ACCURACY,
                   "counting chords of the circle")  # fmt: skip
     rows += [_at_least(SINE, "DET", _mean(sine, PER_PERIOD // 2)["DET"], 0.9999, "lines end at the plot's edges only")]
     rows += _rows(CHAOS, _mean(chaos, 1), of_doubling(CHAOS_THRESHOLD), CHAOS_TOLERANCE,
@@ -61,7 +61,7 @@ def findings(options: Options) -> Findings:
     for r, period in WINDOWS.items():
         matrix = recurrence_matrix(logistic(r, 0.3, settle=100_000)[: STATES - STATES % period], 1e-9)
         source = f"a point returns after exactly {period} steps"
-        rows += _rows(f"logistic map, r = {r:g}", _mean([matrix], 1), of_period(len(matrix), period), ROUNDING, source)
+        rows += _rows(f"logistic map, r = {r:g}", _mean([matrix], 1), of_period(len(matrix), period), RELATIVE_ACCURACY, source)
     charts = (_plots({NOISE: noise[0], SINE: sine[0], CHAOS: chaos[0]}), _survival(noise[0], chaos[0]))
     return Findings(tuple(rows), charts=charts, notes=NOTES)
 

@@ -153,7 +153,7 @@ def _solved(made: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
     dx = np.empty(made.x.size)
 
     def right_hand_side(t: float, x: np.ndarray) -> np.ndarray:
-        bearing_derivatives(t, x, made.u[0], dx, *made.settled)
+        bearing_derivatives(t, x, made.u[0], dx, *made.arguments)
         return dx.copy()
 
     return solve_ivp(right_hand_side, (0.0, end), made.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]

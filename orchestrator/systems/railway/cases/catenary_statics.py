@@ -127,7 +127,7 @@ def _closed_forms(scene: str) -> list[Row]:
     measured = mesh.preload[first : first + n]
     loads = expected + GRAVITY * (p["messenger_clamp_mass"] + half)
     sag = string_sag(span, p["messenger_tension"], GRAVITY * p["messenger_mass"], within, loads)
-    shape = messenger_shape(catenary.settled[0], mesh)
+    shape = messenger_shape(catenary.arguments[0], mesh)
     at_support, at_midspan = np.interp([span * middle, span * (middle + 0.5)], mesh.position, shape)
     gap = slice(n + n // 2, n + n // 2 + 2)  # the droppers beside the middle of the span
     between = positions[gap].mean()
