@@ -109,7 +109,7 @@ class Fmi3CoSimulation(FmuUnit):
                 break
         else:
             raise StepFailed(self.name, self._time,
-                             f"the discrete states do not settle in {ITERATIONS} iterations{self._said()}")
+                             f"the discrete states do not settle in {ITERATIONS} iterations{self._log_lines()}")
         self.next_event = when.value if defined else inf
         self._check(self._enter_step_mode(self._fmu.component))
 
@@ -165,4 +165,4 @@ class Fmi3CoSimulation(FmuUnit):
             if left <= 2.0 * ulp(end):
                 return
             reached, event = self._advance(reached, self._stride(reached, left))
-        raise StepFailed(self.name, self._time, f"more than {EVENTS} events in one step{self._said()}")
+        raise StepFailed(self.name, self._time, f"more than {EVENTS} events in one step{self._log_lines()}")

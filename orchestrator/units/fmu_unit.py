@@ -12,6 +12,7 @@ import os
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from .inputs import WARNING, Others, Reals, means
 from .interface import WIDE, Row
 from .outputs import derivatives, reader
 from .states import State, States
-from .values import Block, blocks, decoded, signature
+from .values import Block, blocks, decoded, same, signature
 
 if TYPE_CHECKING:
     from ...components.core.component import Component
@@ -74,14 +75,14 @@ class FmuUnit:
         except Exception as error:  # FMPy raises bare exceptions
             os.chdir(here)  # FMPy stays in the library's folder when loading fails
             self.close()
-            raise BadInput(f"units.{name}", f"{description.path} cannot be started: {error}{self._said()}",
+            raise BadInput(f"units.{name}", f"{description.path} cannot be started: {error}{self._log_lines()}",
                            "an FMU with a library for this platform") from None
         if self._alone:
             _once.add(self._alone)
         self._states = States(self._fmi3, self._fmu.component, self._function, self._failed)
         try:
+            self._set_up()  # first: some FMUs take back all start values there
             self._set_values(values)
-            self._set_up()
         except StepFailed as error:
             self.close()
             raise BadInput(f"units.{name}", error.reason, "parameter values the FMU accepts") from None
@@ -100,7 +101,7 @@ class FmuUnit:
         raise NotImplementedError
 
     def _set_up(self) -> None:
-        """What comes between the parameters and the initialization."""
+        """What comes before the parameters and the initialization."""
 
     def _enter_initialization(self) -> None:
         raise NotImplementedError
@@ -130,17 +131,17 @@ class FmuUnit:
         if status > WARNING:
             self._failed(status)
 
-    def _said(self) -> str:
+    def _log_lines(self) -> str:
         return "".join(f"\n  log: {line}" for line in self._log)
 
     def _failed(self, status: int, more: str = "", remedy: str = "") -> None:
         self._usable, self._healthy = status != FATAL, False
-        reason = f"the FMU {STATUS.get(status, f'returned status {status}')}{more}{self._said()}"
+        reason = f"the FMU {STATUS.get(status, f'returned status {status}')}{more}{self._log_lines()}"
         raise StepFailed(self.name, self._time, reason, remedy)
 
     def _asked_to_end(self, t: float) -> None:
         self._healthy = False
-        raise StepFailed(self.name, t, f"the FMU asked to end the simulation{self._said()}")
+        raise StepFailed(self.name, t, f"the FMU asked to end the simulation{self._log_lines()}")
 
     # Values
 
@@ -156,6 +157,29 @@ class FmuUnit:
                            "values for all elements of its array", "The FMU gives no start value for an array of this size.")
         others = Others(self.name, list(given), *self._common())
         others.write(list(given.values()), 0.0)
+
+    def _confirm_values(self) -> None:
+        """Read back what was set; set again what the FMU has lost on its way here, and refuse what it does not take."""
+        lost = self._differing(self._values)
+        if lost:
+            variables = {self._scalars[n].variable.name for n in lost}
+            again = {n: v for n, v in self._values.items() if self._scalars[n].variable.name in variables
+                     and self._scalars[n].variable.causality != "structuralParameter"}
+            with suppress(StepFailed):  # refused: the message below gives the FMU's log
+                FmuUnit._set_values(self, again)
+                lost = self._differing({n: self._values[n] for n in lost})
+        for name, actual in lost.items():
+            raise BadInput(f"units.{self.name}.parameters", f"{name} = {self._values[name]!r}, which the FMU has as {actual!r} "
+                           f"in initialization mode{self._log_lines()}", "a value that the FMU keeps",
+                           "It resets, limits or ignores this variable: leave it out, or set what it depends on.")
+
+    def _differing(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Those of some values that the FMU has otherwise, as it has them."""
+        actual: dict[str, Any] = {}
+        names = list(values)
+        for block in blocks([self._scalars[n] for n in names], self._fmi3):
+            actual |= zip([names[row] for row in block.rows], self._read(block), strict=True)
+        return {n: actual[n] for n, value in values.items() if not same(value, actual[n])}
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._input_names, self._output_names = tuple(inputs), tuple(outputs)
@@ -234,13 +258,15 @@ class FmuUnit:
         if not self._initializing:
             self._initializing = True
             self._enter_initialization()
+            if self._twin is None:
+                self._confirm_values()
             for block in (*([self._reals.block] if self._reals else []), *self._levels.blocks, *self._held.blocks):
                 if not block.whole:  # elements of arrays that nothing drives keep their values
                     self._read(block)
         try:
             self.update(values)
             if not isfinite(sum(self.get())):
-                raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._said()}")
+                raise StepFailed(self.name, t, f"the FMU gives no finite initial values{self._log_lines()}")
         except StepFailed:
             if self._twin is not None:
                 for name, value in zip(self._input_names, values, strict=True):

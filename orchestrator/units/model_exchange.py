@@ -134,7 +134,7 @@ class Fmi2ModelExchange(Fmi2Unit):
                 break
         else:
             reason = f"discrete states that do not settle in {ITERATIONS} iterations"
-            raise StepFailed(self.name, self._time, reason + self._said())
+            raise StepFailed(self.name, self._time, reason + self._log_lines())
         self.next_event = info.nextEventTime if info.nextEventTimeDefined else inf
         self._call("EnterContinuousTimeMode")
         assert self._solver is not None
@@ -195,7 +195,7 @@ class Fmi2ModelExchange(Fmi2Unit):
             if self._worst > DISCARD:
                 self._failed(self._worst)
             self._healthy = False
-            raise StepFailed(self.name, self._time, f"{self._method} cannot go on: {error}{self._said()}",
+            raise StepFailed(self.name, self._time, f"{self._method} cannot go on: {error}{self._log_lines()}",
                              "A smaller macro step or another solver may help") from None
         finally:
             self._polynomial = None  # the FMU keeps the inputs of the end
@@ -216,7 +216,7 @@ class Fmi2ModelExchange(Fmi2Unit):
             if end - now <= near and self.next_event > now:
                 return
             self._restart(now)
-        raise StepFailed(self.name, now, f"more than {EVENTS} events in one step{self._said()}")
+        raise StepFailed(self.name, now, f"more than {EVENTS} events in one step{self._log_lines()}")
 
     def _until_event(self, now: float, goal: float) -> tuple[float, bool]:
         """Integrate to the goal or to an event before it: (time reached, whether there is an event)."""

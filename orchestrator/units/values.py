@@ -12,6 +12,7 @@ from ...components.core.errors import BadInput, nearest
 from .description import Description, Scalar, is_companion
 
 EXACT = 2**53  # whole numbers up to it travel as floats without loss
+SINGLE = 2.0**-24  # relative rounding to single precision
 FLOAT32 = 3.4028234663852886e38
 
 
@@ -93,6 +94,13 @@ def blocks(scalars: Iterable[Scalar], fmi3: bool) -> list[Block]:
         type_ = types[scalar.variable.type]
         found.setdefault(type_.suffix, (type_, []))[1].append((k, scalar))
     return [Block(type_, members, fmi3) for type_, members in found.values()]
+
+
+def same(given: Any, actual: Any) -> bool:
+    """Whether a value that was set is the one that is read back; reals may have been rounded to single precision."""
+    if isinstance(given, str) or isinstance(actual, str):
+        return given == actual
+    return abs(float(given) - float(actual)) <= SINGLE * abs(float(given)) if isinstance(actual, float) else given == actual
 
 
 def signature(fmi3: bool) -> tuple[Any, ...]:

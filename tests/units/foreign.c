@@ -34,6 +34,7 @@ API int fmi2SetReal(Unit *c, const unsigned *vr, size_t n, const double *value) 
     return OK;
 }
 API int fmi2SetInteger(Unit *c, const unsigned *vr, size_t n, const int *value) { c->sign = *value; return OK; }
+API int fmi2GetInteger(Unit *c, const unsigned *vr, size_t n, int *value) { *value = c->sign; return OK; }
 API int fmi2SetRealInputDerivatives(Unit *c, const unsigned *vr, size_t n, const int *order, const double *value) {
     for (size_t i = 0; i < n; i++) c->du[order[i]] = value[i];
     return OK;
@@ -50,7 +51,7 @@ API int fmi2DoStep(Unit *c, double t, double h, int no_rollback) {
     c->du[1] = c->du[2] = 0;
     return OK;
 }
-ABSENT(fmi2GetInteger) ABSENT(fmi2GetBoolean) ABSENT(fmi2GetString) ABSENT(fmi2SetBoolean) ABSENT(fmi2SetString)
+ABSENT(fmi2GetBoolean) ABSENT(fmi2GetString) ABSENT(fmi2SetBoolean) ABSENT(fmi2SetString)
 ABSENT(fmi2GetFMUstate) ABSENT(fmi2SetFMUstate) ABSENT(fmi2FreeFMUstate) ABSENT(fmi2SerializedFMUstateSize)
 ABSENT(fmi2SerializeFMUstate) ABSENT(fmi2DeSerializeFMUstate) ABSENT(fmi2GetDirectionalDerivative)
 ABSENT(fmi2GetRealOutputDerivatives) ABSENT(fmi2CancelStep) ABSENT(fmi2GetStatus) ABSENT(fmi2GetRealStatus)

@@ -87,6 +87,11 @@ MODELS: dict[str, list[V]] = {
         V("x0", 8, "Float64", "parameter", "fixed", "0", "", (2,)),
         V("u", 9, "Float64", "input", "continuous", "1 2 3", "", (1,)),
         V("y", 10, "Float64", "output", "continuous", None, "", (3,), (9,))],
+    "resetting": [*(V(n, k, "Float64", "parameter", "fixed", "1")
+                    for k, n in enumerate(("early", "late", "never", "limited"), 1)),
+                  V("sum", 5, "Float64", "output", "continuous"), V("whole", 6, "Int32", "parameter", "fixed", "1"),
+                  V("choice", 7, "Boolean", "parameter", "fixed", "false"),
+                  V("text", 8, "String", "parameter", "fixed", "start")],
     "moody": [V("now", 6, "Float64", "output", "continuous"), V("tolerance", 7, "Float64", "output", "discrete"),
               *(V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
                 for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)),

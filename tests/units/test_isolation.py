@@ -271,7 +271,7 @@ def test_a_unit_that_has_died_fails_again_when_it_is_asked_again():
 RUN = """
 import sys
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene import read_scene
+from cosimo.orchestrator.scene.scene import read_scene
 scene = read_scene({scene!r})
 print("ready", flush=True)
 result = run(scene)

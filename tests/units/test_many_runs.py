@@ -103,7 +103,8 @@ def test_units_of_one_fmu_that_run_at_the_same_time_have_folders_of_their_own(tm
 
 def test_the_folders_are_gone_with_the_process(tmp_path):
     data = {"stop_time": 0.1, "units": {"f": {"fmu": exchange_fmu()}}, "master": {"step": 0.1}}
-    code = ("from orchestrator.run import run; from orchestrator.scene import read_scene; import tempfile, os\n"
+    code = ("from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import read_scene\n"
+            "import tempfile, os\n"
             f"scene = read_scene({data!r})\n"
             "print(run(scene).outcome, len(os.listdir(tempfile.gettempdir())))")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, timeout=60,

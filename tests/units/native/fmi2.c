@@ -41,7 +41,11 @@ void fmi2FreeInstance(fmi2Component instance) { free(instance); }
 
 fmi2Status fmi2SetupExperiment(fmi2Component instance, fmi2Boolean d, fmi2Real tolerance, fmi2Real start, fmi2Boolean s,
                                fmi2Real stop) {
-    ALLOWED(INSTANTIATED) *clock_of(&unit->now.data) = start;
+    ALLOWED(INSTANTIATED)
+#ifdef RESETTING
+    set_up(&unit->now.data);
+#endif
+    *clock_of(&unit->now.data) = start;
 #ifdef MOODY
     unit->now.data.tolerance = d ? tolerance : -1.0;
 #endif
@@ -49,6 +53,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component instance, fmi2Boolean d, fmi2Real t
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component instance) {
     ALLOWED(INSTANTIATED) unit->now.mode = INITIALIZATION;
+#ifdef RESETTING
+    enter(&unit->now.data);
+#endif
     return fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component instance) {

@@ -53,6 +53,9 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
 fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean d, fmi3Float64 tolerance, fmi3Float64 start,
                                        fmi3Boolean s, fmi3Float64 stop) {
     ALLOWED(INSTANTIATED) unit->now.mode = INITIALIZATION;
+#ifdef RESETTING
+    enter(&unit->now.data);
+#endif
 #ifdef MOODY
     unit->now.data.tolerance = d ? tolerance : -1.0;
 #endif

@@ -1,0 +1,39 @@
+"""FMUs get the parameters that a scene gives them, also where they take values back on the way to the first step."""
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.tests.units.native import native_fmu, started
+
+
+def scene(fmi: int, **parameters) -> dict:
+    return {"stop_time": 0.1, "master": {"step": 0.1},
+            "units": {"f": {"fmu": native_fmu("resetting", fmi), "parameters": parameters}}}
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_values_survive_resets_before_and_in_the_initialization(fmi):
+    unit = started("resetting", fmi, early=2.0, late=3.0, limited=10.0, whole=5, choice=True, text="given")
+    assert unit.get() == [2.0 + 3.0 + 10.0 + 5.0 + 1.0]
+    assert unit.parameters()["late"] == 3.0
+    unit.close()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(("given", "message"), [({"never": 2.5}, r"never = 2\.5, which the FMU has as 1\.0"),
+                                                ({"early": 2.0, "limited": 11}, r"limited = 11, which the FMU has as 10\.0")])
+@pytest.mark.parametrize("isolation", ["none", "process"])
+def test_a_value_that_the_fmu_does_not_keep_is_refused_with_both_numbers(fmi, given, message, isolation):
+    data = scene(fmi, **given)
+    data["units"]["f"]["isolation"] = isolation
+    with pytest.raises(BadInput, match=rf"units\.f\.parameters: {message} in initialization mode; expected a value that"):
+        run(read_scene(data))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_reals_that_are_kept_in_single_precision_are_kept(fmi):
+    """0.1 is no number of 32 bits; what is read back is one of FMI 3's type, and a value nearby of FMI 2 is no loss."""
+    unit = started("feedthrough", fmi, "", (), ("Float64_continuous_output",), **({"Float32_continuous_input": 0.1} if fmi == 3
+                                                                                   else {"Float64_fixed_parameter": 0.1}))
+    unit.close()
