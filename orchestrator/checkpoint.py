@@ -27,9 +27,9 @@ import numpy as np
 from ..components.core.errors import BadInput
 from .engine.algorithms.energy import SavedAccount
 from .engine.algorithms.master import Master, Saved
-from .engine.algorithms.rates import Slow
+from .engine.algorithms.multirate import MultirateUnit
 from .engine.stepping.loop import Stepping
-from .engine.stepping.observers import Patient
+from .engine.stepping.observers import BatchObserver
 from .scene.scene import Scene
 from .units import Interface, Unit
 
@@ -77,7 +77,7 @@ def check_wish(every: float | None, to: str | Path | None, scene: Scene, interfa
         raise BadInput("checkpoint_every", f"{every:g} s", f"units whose state can go to a file; {', '.join(unable)} cannot")
 
 
-class Checkpoints(Patient):
+class Checkpoints(BatchObserver):
     """Writes a checkpoint at the first macro step not before each multiple of `every` (s), over the one before.
 
     It changes no step. A file appears as a whole or not at all. Where it cannot be written, the run warns once and goes on.
@@ -99,8 +99,8 @@ class Checkpoints(Patient):
             self.resumed(t)
             self.write()
 
-    def idle(self, tick: int, length: int) -> int:
-        """As in `Patient`."""
+    def steps_not_needed(self, tick: int, length: int) -> int:
+        """As in `BatchObserver`."""
         clock = self._loop.clock
         return max(int((self._due - clock.seconds(tick)) / clock.seconds(length)) - 1, 0)
 
@@ -147,14 +147,14 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
         content = _arrayed(json.loads(arrays["text"].tobytes()), arrays)
-        known = content["format"] == FORMAT
-        whole = known and isinstance(content["tick"], int) and not CONTENT - content.keys()
+        ours = content["format"] == FORMAT
+        whole = ours and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except OSError as error:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
     except (BadZipFile, zlib.error, NotImplementedError, *MISFITS):
-        known = whole = False
-    if not known or not whole:
-        raise BadInput(where, shown, "a checkpoint that cosimo has written" if not known else "a checkpoint that is not damaged")
+        ours = whole = False
+    if not ours or not whole:
+        raise BadInput(where, shown, "a checkpoint that cosimo has written" if not ours else "a checkpoint that is not damaged")
     if content["version"] != version("cosimo"):
         raise BadInput(where, f"{shown}, of cosimo {content['version']}", f"one of this version, {version('cosimo')}")
     if content["digest"] != digest(scene):
@@ -180,11 +180,11 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
         if kinds[name] != kind:
             raise BadInput("resume", f"a checkpoint of a run with {name} as {kind!r}", f"the same kind, here {kinds[name]!r}",
                            "Components run as FMUs or in process in both runs.")
-    fresh = loop.master.save()
-    saved = _filled(_without_units(fresh), checkpoint.master)
+    initial = loop.master.save()
+    saved = _filled(_without_units(initial), checkpoint.master)
     units = _of_master(saved).units
-    for node, state, packed in zip(master.nodes, _of_master(fresh).units, checkpoint.units, strict=True):
-        if isinstance(node.unit, Slow):
+    for node, state, packed in zip(master.nodes, _of_master(initial).units, checkpoint.units, strict=True):
+        if isinstance(node.unit, MultirateUnit):
             units.append((node.unit.unit.unpack(packed[0]), _filled(state[1], packed[1])))  # type: ignore[arg-type]
         else:
             units.append(node.unit.unpack(packed))
@@ -203,8 +203,8 @@ def digest(scene: Scene) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-def _inner(unit: Unit | Slow) -> Unit:
-    return unit.unit if isinstance(unit, Slow) else unit
+def _inner(unit: Unit | MultirateUnit) -> Unit:
+    return unit.unit if isinstance(unit, MultirateUnit) else unit
 
 
 def _kinds(master: Master) -> dict[str, str]:
@@ -223,7 +223,7 @@ def _without_units(saved: Any) -> Any:
 
 
 def _packed(master: Master, saved: Any) -> list[Any]:
-    return [[node.unit.unit.pack(state[0]), state[1]] if isinstance(node.unit, Slow) else node.unit.pack(state)
+    return [[node.unit.unit.pack(state[0]), state[1]] if isinstance(node.unit, MultirateUnit) else node.unit.pack(state)
             for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
 
 
@@ -282,10 +282,10 @@ def _filled(template: Any, data: Any) -> Any:
     if isinstance(data, _Kept):
         return template
     if isinstance(data, _Object):
-        found = copy(template)
+        filled = copy(template)
         for key, value in data.attributes.items():
-            setattr(found, key, _filled(getattr(template, key), value))
-        return found
+            setattr(filled, key, _filled(getattr(template, key), value))
+        return filled
     if isinstance(data, list | tuple):
         items = list(template) if isinstance(template, list | tuple) else []
         return type(data)(_filled(items[k] if k < len(items) else None, item) for k, item in enumerate(data))

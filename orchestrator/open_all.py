@@ -9,7 +9,7 @@ from .scene.scene import Scene
 from .units import Unit, open_unit
 
 
-def opened(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
+def open_units(scene: Scene, stack: ExitStack, in_process: bool) -> dict[str, Unit]:
     """The running units of a scene by name, and its contacts, which are units of the graph; `stack` closes them."""
     units: dict[str, Unit] = {}
     for name, unit in scene.units.items():

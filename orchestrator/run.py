@@ -19,13 +19,13 @@ from .checkpoint import Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import Master, master_of
 from .engine.algorithms.energy import EnergyAccount, metered
 from .engine.algorithms.master import Runaway
-from .engine.coupling import Coupling, settle
-from .engine.stepping.faults import Faults, Mortal, edges
-from .engine.stepping.growth import Growth
-from .engine.stepping.guided import Guided, clock_for, stepping_of
+from .engine.coupling import Coupling, resolve_coupling
+from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
+from .engine.stepping.faults import Faults, LosableUnit, edges
+from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
-from .engine.stepping.observers import Interrupt, Misses, Progress, Recorder, reading
-from .open_all import opened
+from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, reading
+from .open_all import open_units
 from .results import Result, Snapshot
 from .scene.scene import Scene
 from .units import Unit
@@ -47,7 +47,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     and every number is the same as without the interruption; counters of the units and `timing` begin anew.
     """
     begin = perf_counter()
-    coupling, record, settings = settle(scene), scene.record, scene.master
+    coupling, record, settings = resolve_coupling(scene), scene.record, scene.master
     check_wish(checkpoint_every, checkpoint_to, scene, coupling.interfaces)
     past = read_checkpoint(Path(resume), scene) if resume is not None else None
     intervals = [record.interval, record.snapshot_interval]
@@ -55,11 +55,11 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     end = clock.ticks(scene.stop_time)
     every, snapshot_every = (clock.ticks(i) if i else 1 for i in intervals)  # every macro step ends at a tick of its own
     with ExitStack() as stack:
-        units = opened(scene, stack, in_process)
+        units = open_units(scene, stack, in_process)
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
-        mortals = {fault.unit: Mortal(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
-        units.update(mortals)  # type: ignore[arg-type]  # what they do not change is the unit's own
+        losable = {fault.unit: LosableUnit(units[fault.unit]) for fault in scene.faults if fault.kind == "lost"}
+        units.update(losable)  # type: ignore[arg-type]  # what they do not change is the unit's own
         meters = metered(units, coupling)
         units |= meters
         each = record.interval is None or (record.interval == settings.step and settings.control is None)
@@ -71,17 +71,18 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         signals = Recorder(master.sample if watched else reading(units, ends), len(ends), every, end, of_master=bool(watched))
         arrays = {f"{unit}.{array}": Recorder(units[unit].reader(names), len(names), snapshot_every, end)
                   for (unit, array), names in coupling.snapshots.items()}
-        misses = Misses(master.nodes)
-        heard = stack.enter_context(warnings.catch_warnings(record=True))
+        errors = ExtrapolationError(master.nodes)
+        caught_warnings = stack.enter_context(warnings.catch_warnings(record=True))
         warnings.simplefilter("always", UserWarning)  # what components have to say, in FMUs too: they share this interpreter
-        faults = Faults(scene.faults, coupling, master, mortals, clock)
+        faults = Faults(scene.faults, coupling, master, losable, clock)
         loop = stepping_of(scene, coupling, master, account, clock, faults.stops())
-        parts: dict[str, Part] = {"signals": signals, "misses": misses, "faults": faults, "stepping": loop}
+        parts: dict[str, Part] = {"signals": signals, "misses": errors, "faults": faults, "stepping": loop}
         parts |= {f"snapshots of {name}": recorder for name, recorder in arrays.items()}
         interrupt, checkpoints = stack.enter_context(Interrupt(loop.halt)), None
-        observers: list[Observer] = [signals, *arrays.values(), misses, interrupt]
+        observers: list[Observer] = [signals, *arrays.values(), errors, interrupt]
         if any(len(group) > 1 for group in coupling.groups):
-            observers.append(Growth(master, int(scene.stop_time / settings.step), partial(_remedy, scene, master), account))
+            steps = int(scene.stop_time / settings.step)
+            observers.append(InstabilityMonitor(master, steps, partial(_remedy, scene, master), account))
         if checkpoint_every is not None and checkpoint_to is not None:
             checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, loop, parts)
             observers.append(checkpoints)
@@ -91,9 +92,10 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
         try:
             faults.before_start()
             (account or master).initialize(0.0)
-            if settings.algorithm == "iterative" or isinstance(loop, Guided) or past is not None or checkpoints is not None:
+            repeats = settings.algorithm == "iterative" or isinstance(loop, AdaptiveStepping)
+            if repeats or past is not None or checkpoints is not None:
                 for unit in own:
-                    unit.prove(clock.seconds(loop.stride))
+                    unit.check_step_repeatable(clock.seconds(loop.stride))
             if past is not None:
                 restore(past, master, loop, parts)
             if checkpoints is not None:
@@ -112,14 +114,14 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
                 message += f". resume = {str(checkpoints.path)!r} goes on from there"
         timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
-        missed = misses.relative
-        said = [*scene.remarks, *dict.fromkeys(str(w.message) for w in heard), *master.warnings(), *loop.warnings()]
-        said += [*(account.warnings() if account else ()), *_warnings(missed, master.told_late)]
-        info |= {"input_misses": missed, "warnings": said}
+        relative_errors = errors.relative
+        messages = [*scene.remarks, *dict.fromkeys(str(w.message) for w in caught_warnings), *master.warnings(), *loop.warnings()]
+        messages += [*(account.warnings() if account else ()), *_warnings(relative_errors, master.delayed_feedthrough)]
+        info |= {"input_misses": relative_errors, "warnings": messages}
         info |= {"energy": account.report()} if account else {}
         info |= {"checkpoints": checkpoints.report()} if checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
-        info["counters"] |= {"stepping": loop.report()} if isinstance(loop, Guided) else {}
+        info["counters"] |= {"stepping": loop.report()} if isinstance(loop, AdaptiveStepping) else {}
     columns = dict(zip(ends, signals.values.T, strict=True))
     return Result(
         scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
@@ -131,15 +133,15 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
 
 def _remedy(scene: Scene, master: Master) -> str:
     """What would help a run that became unstable."""
-    return master.told_late or remedy(scene)
+    return master.delayed_feedthrough or remedy(scene)
 
 
-def _warnings(misses: Mapping[str, float], late: str) -> list[str]:
+def _warnings(errors: Mapping[str, float], late: str) -> list[str]:
     """What a user should know of a run; `late`: what the master knows to be behind it."""
-    worst = max(misses, key=misses.__getitem__, default="")
-    if not worst or misses[worst] < TOO_FAR:
+    worst = max(errors, key=errors.__getitem__, default="")
+    if not worst or errors[worst] < TOO_FAR:
         return []
-    return [f"input {worst} was led to values that missed by {100.0 * misses[worst]:.0f} % of its spread (rms): "
+    return [f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread (rms): "
             + (late or "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")]
 
 
@@ -168,6 +170,6 @@ def _info(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: M
             "master": master.counters(),
             "units": {n: unit.work() for n, unit in units.items()},
         },
-        "initial_values": [asdict(group) for group in master.settled],
+        "initial_values": [asdict(group) for group in master.initialization],
         "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
     }

@@ -162,7 +162,7 @@ class Probe(Linear):
         self.y[0] = t
 
 
-def two_masses(algorithm: str = "jacobi", step: float = 1e-2, degree: int = 0, feedthrough: str = "fresh") -> dict:
+def two_masses(algorithm: str = "jacobi", step: float = 1e-2, degree: int = 0, feedthrough: str = "immediate") -> dict:
     """The two masses as scene data, with the numbers of case 1 of the LIM benchmark (github fgonzalezLIM/cosim-benchmarks)."""
     return {
         "stop_time": 1.0,

@@ -42,7 +42,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
     master = scene.master
     circles = [", ".join(group) for group in coupling.groups if len(group) > 1]
     yield f"units that feed one another: {'; '.join(circles) or 'none'}"
-    loops = [step.text for step in coupling.passes if isinstance(step, Loop)]
+    loops = [step.text for step in coupling.feedthrough_schedule if isinstance(step, Loop)]
     if loops:
         yield f"algebraic loops: {'; '.join(loops)}"
     if master.algorithm == "gauss-seidel":
@@ -63,9 +63,9 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
 
 def _remarks(name: str, scene: Scene) -> str:
     unit = scene.units[name]
-    said = [f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
+    messages = [f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
             "in a process of its own" if unit.isolation == "process" else "", unit.interface or "", unit.solver or ""]
-    return ", ".join(filter(None, said))
+    return ", ".join(filter(None, messages))
 
 
 def _number(value: float, usual: float) -> str:

@@ -6,24 +6,24 @@ from contextlib import ExitStack
 
 from ...components.core.errors import BadInput, StepFailed
 from ..engine.algorithms import master_of
-from ..engine.coupling import settle
-from ..open_all import opened
+from ..engine.coupling import resolve_coupling
+from ..open_all import open_units
 from ..scene.scene import Scene
 from .probing import contacts
 
 
 def remedy(scene: Scene) -> str:
     """That the macro step is to be reduced, and below what where a closed form tells; the scene is started anew to ask it."""
-    degree, coupling = scene.master.extrapolation, settle(scene)
+    degree, coupling = scene.master.extrapolation, resolve_coupling(scene)
     with ExitStack() as stack:
         try:
-            units = opened(scene, stack, in_process=True)
+            units = open_units(scene, stack, in_process=True)
             master = master_of(scene, units, coupling)
             master.initialize(0.0)
-            found, _ = contacts(scene, coupling, master, units)
+            modes, _ = contacts(scene, coupling, master, units)
         except (BadInput, StepFailed):
-            found = ()
-    short = min((c for c in found if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree], default=None)
+            modes = ()
+    short = min((c for c in modes if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree], default=None)
     if short is None:
         return "Reduce the macro step; cosimo stability tells how long it may be"
     if not (limit := short.longest[degree]):

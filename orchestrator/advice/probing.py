@@ -25,12 +25,12 @@ from ...components.core.errors import BadInput
 from ...components.core.measure import parse
 from ..engine.algorithms import master_of
 from ..engine.algorithms.master import Master
-from ..engine.coupling import Coupling, settle
+from ..engine.coupling import Coupling, resolve_coupling
 from ..engine.coupling.graph import Link
-from ..open_all import opened
+from ..open_all import open_units
 from ..scene.scene import Scene
 from ..units import Unit
-from ..units.interface import Row
+from ..units.interface import PortValues
 from .stability import longest_step, radius
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
@@ -89,13 +89,13 @@ def _percent(share: float) -> str:
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
-    coupling = settle(scene)
+    coupling = resolve_coupling(scene)
     with ExitStack() as stack:
-        units = opened(scene, stack, in_process)
+        units = open_units(scene, stack, in_process)
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
-        found, unknown = contacts(scene, coupling, master, units)
-        return Advice(found, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
+        limits, unknown = contacts(scene, coupling, master, units)
+        return Advice(limits, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
 
 
 def _timed(scene: Scene, master: Master) -> float:
@@ -114,7 +114,7 @@ def _timed(scene: Scene, master: Master) -> float:
 def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]
              ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
     """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
-    found, unknown = [], []
+    limits, unknown = [], []
     if scene.master.algorithm not in ("jacobi", "gauss-seidel"):
         return (), ()
     for giver in coupling.interfaces:
@@ -122,8 +122,8 @@ def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[st
         out = [link for link in coupling.links if link.source[0] == giver and at_once[link.source[1]].feedthrough]
         fed = {link.target[0] for link in out}
         motions = [link for link in coupling.links if link.target[0] == giver and link.source[0] in fed]
-        heard = {link.target[1] for link in motions}
-        forces = [link for link in out if heard & set(at_once[link.source[1]].feedthrough or ())]
+        observed = {link.target[1] for link in motions}
+        forces = [link for link in out if observed & set(at_once[link.source[1]].feedthrough or ())]
         if not any(_is_force(_unit(link, coupling)) for link in forces):
             continue
         movers = tuple(dict.fromkeys(link.target[0] for link in forces))
@@ -135,18 +135,18 @@ def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[st
         gains = probe.gains(forces, motions)
         modes = _modes(*(-gains @ part for part in probe.answers(forces, motions)))
         if modes:
-            found.append(min((_contact(scene, pair, *mode) for mode in modes), key=lambda contact: contact.left))
+            limits.append(min((_contact(scene, pair, *mode) for mode in modes), key=lambda contact: contact.left))
         elif gains.any():
             unknown.append(f"{pair}: nothing holds {' and '.join(movers)} back at the start")
         else:
             unknown.append(f"{pair}: at the start the force does not follow the motion, as in an open contact")
-    return tuple(found), tuple(unknown)
+    return tuple(limits), tuple(unknown)
 
 
 def _contact(scene: Scene, pair: str, omega2: float, damping: float) -> Contact:
     """A mode with its limits under the scene's algorithm."""
     degree, h = scene.master.extrapolation, scene.master.step
-    delay = int(scene.master.feedthrough == "stale")
+    delay = int(scene.master.feedthrough == "delayed")
     limits = [longest_step(omega2, damping, p, delay) for p in range(3)]
     grown = radius(omega2 * h * h, damping * h, degree, delay)
     left = -log(max(grown, NOISE)) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
@@ -183,8 +183,8 @@ def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link], movers: 
             return f"{link.target[0]} gets {link.target[1]} beside forces"
     if scene.master.smoothing:
         return "smoothed inputs have other limits"
-    if scene.master.feedthrough == "stale" and scene.master.algorithm != "jacobi":
-        return f"stale outputs with {scene.master.algorithm} have other limits"
+    if scene.master.feedthrough == "delayed" and scene.master.algorithm != "jacobi":
+        return f"delayed feedthrough with {scene.master.algorithm} have other limits"
     return ""
 
 
@@ -237,16 +237,16 @@ class _Probe:
             powers = np.round(np.log2(twice / once))
         return np.where(powers == 2.0, 2.0 * once / h**2, 0.0), np.where(powers == 1.0, once / h, 0.0)
 
-    def _stepping(self, force: Link, h: float) -> Callable[[Row], None]:
+    def _stepping(self, force: Link, h: float) -> Callable[[PortValues], None]:
         unit = self._units[force.target[0]]
 
-        def advance(values: Row) -> None:
+        def advance(values: PortValues) -> None:
             unit.drive(values, None, None, h)
             unit.step(0.0, h)
 
         return advance
 
-    def _changes(self, link: Link, act: Callable[[Row], None], outputs: Sequence[Link]) -> np.ndarray:
+    def _changes(self, link: Link, act: Callable[[PortValues], None], outputs: Sequence[Link]) -> np.ndarray:
         """Derivatives of the outputs that feed some links with respect to the input of one, (n,), after `act` with its values."""
         name, input_ = link.target
         node, unit = self._nodes[name], self._units[name]
@@ -254,14 +254,14 @@ class _Probe:
         places = [self._master.positions[output.source] - node.place.start for output in outputs]
         value = float(node.inputs()[k])
         nudge = NUDGE * max(abs(value), self._coupling.interfaces[name].inputs[input_].nominal)
-        found = []
+        answers = []
         for moved in (value - nudge, value + nudge):
             values = node.inputs()
             values[k] = moved
             state = unit.save()
             act(values)
             given = unit.get()
-            found.append(np.array([given[place] for place in places]))
+            answers.append(np.array([given[place] for place in places]))
             unit.restore(state)
             unit.release(state)
-        return (found[1] - found[0]) / ((value + nudge) - (value - nudge))
+        return (answers[1] - answers[0]) / ((value + nudge) - (value - nudge))

@@ -1,14 +1,14 @@
 """How long a macro step may be: a mass that gets the force of a spring and damper through a master, in closed form.
 
 The mass is moved exactly by a force whose course over a step is the polynomial of degree p through its samples at the last
-p + 1 instants; the force follows from the motion within the instant (fresh), or is one step old (stale). With
+p + 1 instants; the force follows from the motion within the instant (immediate), or is one step old (delayed). With
 w = k H²/m, z = d H/m and the mean b(λ) and the mean weighted by the time left g(λ) of that polynomial, the motion goes like
 λⁿ with
 
     (λ - 1)² + (λ - 1) (b z + g w) + b w = 0.
 
-Held and fresh, that is λ² + (w/2 + z - 2) λ + 1 + w/2 - z: stable for H < min(2 d/k, 2 m/d), never without damping.
-Gauss-Seidel has the same limit as Jacobi where outputs are fresh: a force that has no state of its own comes out the same,
+Held and immediate, that is λ² + (w/2 + z - 2) λ + 1 + w/2 - z: stable for H < min(2 d/k, 2 m/d), never without damping.
+Gauss-Seidel has the same limit as Jacobi where feedthrough is immediate: a force that has no state of its own comes out the same,
 whether it or the motion is extrapolated.
 """
 

@@ -139,14 +139,14 @@ def _dry_run(scene: Scene, in_process: bool) -> None:
     from ...components.core.errors import StepFailed
     from ..advice import advise
     from ..advice.dry_run import lines, tables
-    from ..engine.coupling import settle
+    from ..engine.coupling import resolve_coupling
 
     try:
         advice = advise(scene, in_process=in_process)
     except StepFailed as error:
         print(f"cosimo: {error}", file=sys.stderr)
         raise SystemExit(FAILED_RUN) from None
-    coupling = settle(scene)
+    coupling = resolve_coupling(scene)
     for table in tables(scene, coupling, advice):
         print_table(*table)
     for line in lines(scene, coupling, advice):

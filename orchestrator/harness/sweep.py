@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
-from ..engine.coupling import settle
+from ..engine.coupling import resolve_coupling
 from ..results import Result, write_table
 from ..run import run
 from ..scene.scene import Scene
@@ -115,7 +115,7 @@ def unit_of(scene: Scene, name: str) -> str:
 
 def _check_analysis(scene: Scene) -> None:
     """Refuse, before the first run, a section or a transient that no run could have."""
-    recorded = [".".join(end) for end in settle(scene).signals]
+    recorded = [".".join(end) for end in resolve_coupling(scene).signals]
     for key in ("signal", "angle"):
         name = scene.analysis.get("section", {}).get(key)
         if "section" in scene.analysis and name not in recorded:

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from ...components.core.errors import BadInput, nearest
-from ..engine.coupling import Coupling, settle
+from ..engine.coupling import Coupling, resolve_coupling
 from ..harness.keys import keys_of, unknown
 from ..settings import SceneSettings
 from ..settings.messages import one_message
@@ -77,7 +77,7 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
         raise one_message(error, Scene, name) from None
     scene._name, scene._remarks = name, (*remarks, *more)
     _check_analysis(scene.analysis, name)
-    _check_quantities(scene, settle(scene))
+    _check_quantities(scene, resolve_coupling(scene))
     return scene
 
 

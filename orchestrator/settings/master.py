@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .model import Model, Positive, Seconds, Truth
+
+FORMER_FEEDTHROUGH = {"fresh": "immediate", "stale": "delayed"}  # spelling until 0.5
 
 
 class IterationSettings(Model):
@@ -47,7 +49,8 @@ class MasterSettings(Model):
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
     smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
-    feedthrough: Literal["fresh", "stale"] = Field(default="fresh", description="do outputs follow inputs within an instant?")
+    feedthrough: Literal["immediate", "delayed"] = Field(
+        default="immediate", description="outputs follow their inputs within an instant, or one step later")
     order: tuple[str, ...] = Field(default=(), description="gauss-seidel only: all units in the order of stepping")
     iteration: IterationSettings | None = Field(default=None, description="iterative only")
     control: ControlSettings | None = Field(default=None, description="default: every macro step has the length `step`")
@@ -56,6 +59,13 @@ class MasterSettings(Model):
     bonds: tuple[str, ...] = Field(default=(), description=(
         '"a.velocity * b.force": two connected outputs whose product is the power through that pair of connections'))
     energy_correction: Truth = Field(default=False, description="returns at the bonds the energy the coupling made (NEPCE)")
+
+    @field_validator("feedthrough", mode="before")
+    @classmethod
+    def _former_spelling(cls, value: Any) -> Any:
+        if isinstance(value, str) and (new := FORMER_FEEDTHROUGH.get(value)):
+            raise BadInput("", repr(value), "'immediate' or 'delayed'", f"Until 0.5 it was called {value!r}: write {new!r}.")
+        return value
 
     @model_validator(mode="after")
     def _options_matter(self) -> MasterSettings:

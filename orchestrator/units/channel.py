@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .interface import WIDE, Row
+from .interface import ARRAY_THRESHOLD, PortValues
 
 HEAD = Struct("=IB")  # bytes that follow, code
 STEP, UPDATE, GET, READ, CALL, VALUES, OBJECT, FAILED, WARNED = range(9)
@@ -52,17 +52,17 @@ class Channel:
         return found
 
 
-def packer(n: int) -> Callable[[Row], bytes]:
+def packer(n: int) -> Callable[[PortValues], bytes]:
     """A function that turns n numbers into bytes."""
-    if n > WIDE:
+    if n > ARRAY_THRESHOLD:
         return lambda row: np.asarray(row, dtype=float).tobytes()
     pack = Struct(f"{n}d").pack
     return lambda row: pack(*row)
 
 
-def unpacker(n: int) -> Callable[[Any, int], Row]:
+def unpacker(n: int) -> Callable[[Any, int], PortValues]:
     """A function of bytes and an offset that gives n numbers, as a list or, where they are many, as an array."""
-    if n > WIDE:
+    if n > ARRAY_THRESHOLD:
         return lambda content, offset: np.frombuffer(content, dtype=float, count=n, offset=offset)
     unpack = Struct(f"{n}d").unpack_from
     return lambda content, offset: list(unpack(content, offset))

@@ -13,7 +13,7 @@ from ...components.catalogue import component_class
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ..settings import UnitSettings
-from .interface import WIDE, Interface, Row, Signal
+from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
 
 
 def find(component: str, where: str) -> type[Component]:
@@ -99,7 +99,7 @@ class ComponentUnit:
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         u, y = self.component.u, self.component.y
-        if len(inputs) > WIDE:
+        if len(inputs) > ARRAY_THRESHOLD:
             at = _stretch(self.component.input_positions(inputs))
             self._rows: Any = [(row, at) for row in u]
             self._write: Any = _write_array
@@ -109,7 +109,7 @@ class ComponentUnit:
             self._rows = [(memoryview(row), columns) for row in rows]  # its items are written twice as fast as an array's
             self._write = _write_items
         places = _stretch(self.component.output_positions(outputs))
-        self.get = (lambda: y[places]) if len(outputs) > WIDE else self.reader(outputs)
+        self.get = (lambda: y[places]) if len(outputs) > ARRAY_THRESHOLD else self.reader(outputs)
         self.step = self.component.step
         arrays: list[Any] = [*u, y]
         views: list[Any] = [memoryview(a) for a in arrays]
@@ -137,14 +137,14 @@ class ComponentUnit:
             return view.tolist  # a quarter of the time of picking elements
         return lambda: y[places].tolist()
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         self._write(*self._rows[0], values)
         self.component.initialize(t)
 
     def start(self) -> None:
         """Nothing to do: the component stands at its initial state."""
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         write, rows = self._write, self._rows
         write(*rows[0], values)
         if slopes is not None:
@@ -152,7 +152,7 @@ class ComponentUnit:
         if halves is not None:
             write(*rows[2], halves)
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         self._write(*self._rows[0], values)
         self.component.refresh()
 
@@ -162,7 +162,7 @@ class ComponentUnit:
     def restore(self, state: bytes) -> None:
         self.component.restore(state)
 
-    def prove(self, h: float) -> None:
+    def check_step_repeatable(self, h: float) -> None:
         """Raises `StepFailed` where a step from here is another one when it is repeated; leaves the component as it is."""
         component = self.component
         state, counts, reached = component.save(), component.counts.copy(), []

@@ -22,7 +22,7 @@ from ...components.core.errors import BadInput, StepFailed
 from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
-from .interface import WIDE, Row
+from .interface import ARRAY_THRESHOLD, PortValues
 from .outputs import derivatives, reader
 from .states import State, States
 from .values import Block, blocks, decoded, same, signature
@@ -196,7 +196,7 @@ class FmuUnit:
             self.drive, self.update = self._reals.drive, self._reals.write
         else:
             self.drive, self.update = self._drive_mixed, self._update_mixed
-        self.get = self.reader(outputs, len(outputs) > WIDE)
+        self.get = self.reader(outputs, len(outputs) > ARRAY_THRESHOLD)
 
     def _make_reals(self, names: Sequence[str]) -> Reals:
         return Reals(names, self.description.interpolates, *self._common())
@@ -204,7 +204,7 @@ class FmuUnit:
     def _common(self) -> tuple[Any, ...]:
         return self._scalars, self._fmi3, self._fmu.component, self._function, self._failed
 
-    def _drive_mixed(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def _drive_mixed(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         moving, levels, held = self._rows
         mean = values if slopes is None else means(values, slopes, halves, h)
         self._hold([values[k] for k in held])
@@ -213,7 +213,7 @@ class FmuUnit:
             first, *higher = (None if row is None else [row[k] for k in moving] for row in (values, slopes, halves))
             self._reals.drive(first, higher[0], higher[1], h)
 
-    def _update_mixed(self, values: Row) -> None:
+    def _update_mixed(self, values: PortValues) -> None:
         self._drive_mixed(values, None, None, 0.0)
 
     def _hold(self, values: list[Any]) -> None:
@@ -247,14 +247,14 @@ class FmuUnit:
         if status > WARNING:
             self._failed(status)
 
-    def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], Row]:
+    def reader(self, names: Sequence[str], arrays: bool = False) -> Callable[[], PortValues]:
         return reader(names, arrays, self._inexact, *self._common())
 
     def _inexact(self, name: str, value: int) -> None:
         raise StepFailed(self.name, self._time, f"output {name} is {value}, beyond the whole numbers up to 2^53 "
                                                 "that can be handed over exactly")
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         if not self._initializing:
             self._initializing = True
             self._enter_initialization()

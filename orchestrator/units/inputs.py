@@ -16,7 +16,7 @@ import numpy as np
 
 from ...components.core.errors import StepFailed
 from .description import Scalar, has_companions
-from .interface import WIDE, Row
+from .interface import ARRAY_THRESHOLD, PortValues
 from .values import Block, blocks, signature
 
 Call = Callable[..., int]
@@ -35,7 +35,7 @@ class Reals:
         all_names = [*names, *(f"der({i})" for i in names), *(f"der({i},2)" for i in names)] if self._companions else names
         self.block = block = blocks([scalars[i] for i in all_names], fmi3)[0]
         self._set = functions("Set" + block.type.suffix, *signature(fmi3))
-        listed = n <= WIDE and block.straight  # a list is stored in the buffer faster than in an array over it
+        listed = n <= ARRAY_THRESHOLD and block.straight  # a list is stored in the buffer faster than in an array over it
         self._target: Any = block.buffer if listed else np.ctypeslib.as_array(block.buffer)
         at = np.array(block.at)
         self._places = [slice(k * n, k * n + n) if block.straight else at[k * n : k * n + n] for k in range(3)]
@@ -47,14 +47,14 @@ class Reals:
             self._set_derivatives = functions("SetRealInputDerivatives", pointer, ctypes.c_size_t, pointer, pointer)
             self._derivatives = [(instance, references, size, ctypes.addressof(o), buffer) for o in self._orders]
 
-    def write(self, values: Row) -> None:
+    def write(self, values: PortValues) -> None:
         """The inputs have these values now."""
         self._target[self._places[0]] = values
         status = self._set(*self._arguments[0])
         if status > WARNING:
             self._failed(status)
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """As `Unit.drive`."""
         target, places, arguments = self._target, self._places, self._arguments[0]
         if slopes is None:
@@ -88,7 +88,7 @@ class Requested(Reals):
         self._terms: list[tuple[float, float, float]] = []
         self._worst = 0
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         self.write(values)
         second = halves if halves is not None else [0.0] * self._n
         self._terms = [] if slopes is None else list(zip(values, slopes, second, strict=True))
@@ -106,7 +106,7 @@ class Requested(Reals):
             self._failed(self._worst)
 
 
-def means(values: Row, slopes: Row, halves: Row | None, h: float) -> list[float]:
+def means(values: PortValues, slopes: PortValues, halves: PortValues | None, h: float) -> list[float]:
     """Of the polynomials over a step."""
     if halves is None:
         return [v + h * (s / 2.0) for v, s in zip(values, slopes, strict=True)]

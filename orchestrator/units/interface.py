@@ -10,9 +10,9 @@ import numpy as np
 
 from ...components.core.measure import Unit as Measure
 
-Row = Any  # list[float], or an ndarray of more than WIDE numbers
+PortValues = Any  # list[float], or an ndarray of more than ARRAY_THRESHOLD numbers
 Kind = Literal["real", "integer", "boolean", "enumeration", "string"]
-WIDE = 24  # numbers: more of them are handed over as arrays, fewer as lists
+ARRAY_THRESHOLD = 24  # numbers: more of them are handed over as arrays, fewer as lists
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Unit(Protocol):
 
     After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are in the order of the names
     given to `wire`: plain lists, for the few scalars of a usual connection faster than arrays, and arrays where there are
-    more than WIDE of them; what `get` returns may be overwritten by the next call.
+    more than ARRAY_THRESHOLD of them; what `get` returns may be overwritten by the next call.
     """
 
     name: str
@@ -93,22 +93,22 @@ class Unit(Protocol):
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """A function that gives the present values of some outputs."""
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         """Find the initial state for these inputs."""
 
     def start(self) -> None:
         """The initial state stands."""
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """Inputs over the coming step of length h: values + slopes s + halves s²; None for no such term."""
 
     def step(self, t: float, h: float) -> None:
         """Advance from t to t + h."""
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         """The inputs have these values now; outputs that depend on them directly follow."""
 
-    def get(self) -> Row:
+    def get(self) -> PortValues:
         """Present values of the outputs given to `wire`."""
 
     def save(self, reuse: Any = None) -> Any:

@@ -20,7 +20,7 @@ from ...components.core.errors import StepFailed
 from .description import Description
 from .fmi2 import DISCARD, Fmi2Unit
 from .inputs import WARNING
-from .interface import Row
+from .interface import PortValues
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
 from .states import State
 from .values import signature
@@ -158,7 +158,7 @@ class Fmi2ModelExchange(Fmi2Unit):
 
     # Inputs
 
-    def _drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def _drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         moving, _, held = self._rows
         if held:
             self._hold([values[k] for k in held])

@@ -10,12 +10,12 @@ import numpy as np
 
 from .description import Scalar
 from .inputs import WARNING, Functions
-from .interface import Row
+from .interface import PortValues
 from .values import EXACT, Block, blocks, signature
 
 
 def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], None], scalars: Mapping[str, Scalar], fmi3: bool,
-           instance: Any, functions: Functions, failed: Callable[[int], None]) -> Callable[[], Row]:
+           instance: Any, functions: Functions, failed: Callable[[int], None]) -> Callable[[], PortValues]:
     """A function that gives the present values of some outputs, as a list or with `arrays` as an array.
 
     `failed` gets a bad status, `inexact` the name and value of a whole number that no float can stand for.
@@ -34,7 +34,7 @@ def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], Non
                 long[names[row]] = offset + at
         offset += block.size
 
-    def read(_alive: list[Block] = found) -> Row:  # the arguments are addresses in them
+    def read(_alive: list[Block] = found) -> PortValues:  # the arguments are addresses in them
         raw: list[Any] = []
         for call, arguments, buffer in calls:
             status = call(*arguments)
@@ -51,11 +51,11 @@ def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], Non
 
 
 def _of_reals(call: Callable[..., int], arguments: tuple[Any, ...], buffer: Any, block: Block, arrays: bool,
-              failed: Callable[[int], None]) -> Callable[[], Row]:
+              failed: Callable[[int], None]) -> Callable[[], PortValues]:
     """Reals of 64 bits in the order of the buffer: nothing is to be picked or converted."""
     values = np.ctypeslib.as_array(buffer) if arrays else None
 
-    def read(_alive: Block = block) -> Row:  # the arguments are addresses in it
+    def read(_alive: Block = block) -> PortValues:  # the arguments are addresses in it
         status = call(*arguments)
         if status > WARNING:
             failed(status)

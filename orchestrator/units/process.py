@@ -26,7 +26,7 @@ import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
 from .channel import CALL, EVENT, FAILED, GET, INDEX, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
-from .interface import Row
+from .interface import PortValues
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -52,7 +52,7 @@ class WorkerUnit:
         self._time, self._requests, self._numbers = 0.0, 0, 0
         self._started = self._waiting = self._lost = self._late = False
         self._stale = True  # the outputs that were handed over last hold no more
-        self._values: Row = []
+        self._values: PortValues = []
         self._limit = settings.time_limit  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
@@ -195,14 +195,14 @@ class WorkerUnit:
 
         return read
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         self._time = t
         self._move("initialize", t, [*values])
 
     def start(self) -> None:
         self._move("start")
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         given = (values, slopes, halves)
         self._rows, self._driven = b"".join([self._give(row) for row in given if row is not None]), h
 
@@ -211,10 +211,10 @@ class WorkerUnit:
         self._send(STEP, TIMES.pack(t, h, self._driven) + self._rows)
         self._rows = b""
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         self._send(UPDATE, self._give(values))
 
-    def get(self) -> Row:
+    def get(self) -> PortValues:
         if self._waiting:
             self._receive()
         if self._stale:

@@ -21,7 +21,7 @@ from typing import Any
 from ...components.core.errors import BadInput, StepFailed
 from . import Unit, open_unit
 from .channel import CALL, EVENT, FAILED, INDEX, OBJECT, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
-from .interface import Row
+from .interface import PortValues
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
 
@@ -32,7 +32,7 @@ class Worker:
     def __init__(self, name: str, channel: Channel):
         self._name, self._channel = name, channel
         self._unit: Unit
-        self._readers: list[tuple[Callable[[], Row], Callable[[Row], bytes]]] = []
+        self._readers: list[tuple[Callable[[], PortValues], Callable[[PortValues], bytes]]] = []
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 

@@ -12,7 +12,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import UnitSettings
@@ -74,7 +74,7 @@ def test_outputs_follow_inputs_within_the_instant():
     """One macro step of delay: https://github.com/modelon-community/PyFMI/issues/251"""
     fresh = run(read_scene(BEHIND))
     np.testing.assert_allclose(fresh["p.profile[1]"], 1000.0 * fresh["m.x_out"], rtol=1e-14)
-    held = {**BEHIND["master"], "extrapolation": 0, "feedthrough": "stale"}
+    held = {**BEHIND["master"], "extrapolation": 0, "feedthrough": "delayed"}
     stale = run(read_scene({**BEHIND, "master": held}))  # who wants the delay has it
     np.testing.assert_allclose(stale["p.profile[1]"][1:], 1000.0 * stale["m.x_out"][:-1], rtol=1e-14)
 
@@ -203,7 +203,7 @@ def test_units_of_measure_are_converted_and_equal_ones_are_equal():
     """
     scene = {"stop_time": 1.0, "units": {"f": PULL, "m": {"component": "cosimo.tests.support:Mass"}}, "master": {"step": 0.1}}
     for name, factor in (("same", 1.0), ("kilo", 1000.0)):
-        (link,) = settle(read_scene({**scene, "connections": [f"f.{name} -> m.force"]})).links
+        (link,) = resolve_coupling(read_scene({**scene, "connections": [f"f.{name} -> m.force"]})).links
         assert (link.factor, link.offset) == (factor, 0.0)
     with pytest.raises(BadInput, match="'m' cannot become 'N'"):
         read_scene({**scene, "connections": ["f.length -> m.force"]})

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.scene.scene import Scene, load_scene, read_scene, read_toml, scene_files
 from cosimo.tests.support import Linear, two_masses
 from pydantic import ValidationError
@@ -17,7 +17,7 @@ from pydantic import ValidationError
 GOOD = two_masses("gauss-seidel", 1e-2, 1) | {"record": {}}
 PANTOGRAPH = {"component": "Pantograph"}
 PROBE = {"component": "cosimo.tests.support:Probe"}
-SHELF = {"component": "cosimo.tests.orchestrator.test_scene:Shelf"}
+SHELF = {"component": "cosimo.tests.scene.test_scene:Shelf"}
 NAN, INF = float("nan"), float("inf")
 
 class Shelf(Linear):
@@ -153,13 +153,13 @@ def test_what_is_missing_is_named(missing):
 def test_a_star_connects_all_of_the_same_name():
     scene = read_scene(GOOD)
     starred = read_scene({**GOOD, "connections": ["b.* -> a.*", *GOOD["connections"][1:]]})
-    assert settle(starred).links == settle(scene).links
-    units = {"a": {"component": "cosimo.tests.support:Probe"}, "b": {"component": "cosimo.tests.orchestrator.test_scene:Shelf"}}
-    links = settle(read_scene({**GOOD, "units": units, "connections": ["a.prof* -> b.prof*"]})).links
+    assert resolve_coupling(starred).links == resolve_coupling(scene).links
+    units = {"a": {"component": "cosimo.tests.support:Probe"}, "b": {"component": "cosimo.tests.scene.test_scene:Shelf"}}
+    links = resolve_coupling(read_scene({**GOOD, "units": units, "connections": ["a.prof* -> b.prof*"]})).links
     assert [(k.source[1], k.target[1]) for k in links] == [(f"profile[{i}]", f"profile[{i}]") for i in (1, 2, 3)]
 
 
-@pytest.mark.parametrize("option", [{"extrapolation": 1}, {"feedthrough": "fresh"}])
+@pytest.mark.parametrize("option", [{"extrapolation": 1}, {"feedthrough": "immediate"}])
 def test_options_without_connections_are_refused(option):
     with pytest.raises(BadInput, match=f"master.{next(iter(option))}"):
         read_scene({**GOOD, "units": {"p": PROBE}, "connections": [], "master": {"step": 0.1, **option}})
@@ -167,7 +167,7 @@ def test_options_without_connections_are_refused(option):
 
 def test_stale_without_direct_dependence_is_refused():
     with pytest.raises(BadInput, match=r"master\.feedthrough"):
-        read_scene({**GOOD, "connections": ["b.force -> a.force"], "master": {**GOOD["master"], "feedthrough": "stale"}})
+        read_scene({**GOOD, "connections": ["b.force -> a.force"], "master": {**GOOD["master"], "feedthrough": "delayed"}})
 
 
 def test_changes_are_checked_and_leave_the_scene_alone():
@@ -192,9 +192,9 @@ def test_names_with_dots_nested_tables_and_lists_are_one_form():
 
 def test_undriven_inputs_are_reported_unless_given_a_value():
     scene = {**GOOD, "connections": GOOD["connections"][:2]}
-    assert settle(read_scene(scene)).undriven == ("b.velocity",)
+    assert resolve_coupling(read_scene(scene)).undriven == ("b.velocity",)
     scene["units"] = {**GOOD["units"], "b": {**GOOD["units"]["b"], "parameters": {"velocity": 0.1}}}
-    assert settle(read_scene(scene)).undriven == ()
+    assert resolve_coupling(read_scene(scene)).undriven == ()
 
 
 def test_files(tmp_path):

@@ -26,7 +26,7 @@ compiled = njit(cache=True, error_model="numpy")
 
 
 @kernel_tuple
-class Plan(NamedTuple):
+class LoopLayout(NamedTuple):
     """What stays the same over a run. U units in the order of stepping, L links sorted by unit, P passes, D direct links."""
 
     calls: np.ndarray  # (U, 8) addresses
@@ -35,7 +35,7 @@ class Plan(NamedTuple):
     factor: np.ndarray  # (L,)
     offset: np.ndarray  # (L,)
     converted: np.ndarray  # (L,) bool
-    passes: np.ndarray  # (P,) units whose outputs follow their inputs within an instant
+    feedthrough_schedule: np.ndarray  # (P,) units whose outputs follow their inputs within an instant
     direct: np.ndarray  # (D, 2) unit, link counted within the unit
     change: np.ndarray  # (D,) relative change of an input that is none
     inverse: np.ndarray  # (S,) 1 / nominal of every signal
@@ -44,7 +44,7 @@ class Plan(NamedTuple):
 
 
 @kernel_tuple
-class Now(NamedTuple):
+class LoopState(NamedTuple):
     """What changes: the table of signals and the histories of all links."""
 
     signals: np.ndarray  # (S,)
@@ -52,11 +52,11 @@ class Now(NamedTuple):
     before: np.ndarray  # (L,)
     earlier: np.ndarray  # (L,)
     reached: np.ndarray  # (L,)
-    fresh: np.ndarray  # (L,)
+    known: np.ndarray  # (L,)
     inputs: np.ndarray  # (3 L,) what is handed to the FMUs
     samples: np.ndarray  # (U,) in the history
     spacing: np.ndarray  # (U, 2) s
-    is_led: np.ndarray  # (U,) bool: inputs were interpolated to values known already
+    interpolates: np.ndarray  # (U,) bool: inputs were interpolated to values known already
     no_return: np.ndarray  # (U,) int32, as of `call_step`
     taken: np.ndarray  # (U,) steps
 
@@ -122,9 +122,9 @@ def _terms(plan, now, unit, late, h):
                 c = (s - older) / (h1 + h2)
                 degree, s = 2, s + h1 * c
         elif plan.degree == 0:
-            present = now.fresh[i]
+            present = now.known[i]
         else:
-            degree, s = 1, (now.fresh[i] - present) / h
+            degree, s = 1, (now.known[i] - present) / h
             if plan.degree == 2 and count > 1:
                 older = (present - now.before[i]) / h1
                 c = (s - older) / (h + h1)
@@ -174,13 +174,13 @@ def _read(plan, now, unit):
 
 @compiled
 def _stands(plan, now, unit):
-    """Whether the outputs hold for the inputs as they are, as `Node.stands`; the inputs are in now.fresh."""
-    if now.is_led[unit]:
+    """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are in now.known."""
+    if now.interpolates[unit]:
         return False
     for d in range(plan.direct.shape[0]):
         if plan.direct[d, 0] == unit:
             i = plan.shape[unit, FIRST_LINK] + plan.direct[d, 1]
-            if not abs(now.fresh[i] - now.reached[i]) <= plan.change[d] * abs(now.fresh[i]):
+            if not abs(now.known[i] - now.reached[i]) <= plan.change[d] * abs(now.known[i]):
                 return False
     return True
 
@@ -189,15 +189,15 @@ def _stands(plan, now, unit):
 def _follow(plan, now):
     """Outputs follow their inputs within the instant, unit by unit; returns (a unit that failed, its status)."""
     updated = False
-    for unit in plan.passes:
-        if now.is_led[unit] and not updated:
+    for unit in plan.feedthrough_schedule:
+        if now.interpolates[unit] and not updated:
             continue
-        _gather(plan, now, unit, now.fresh)
+        _gather(plan, now, unit, now.known)
         if _stands(plan, now, unit):
             continue
         first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
         for k in range(n):
-            now.inputs[3 * first + k] = now.fresh[first + k]
+            now.inputs[3 * first + k] = now.known[first + k]
         calls = plan.calls[unit]
         status = call_values(calls[SET], calls[INSTANCE], calls[INPUT_REFERENCES], n, now.inputs.ctypes.data + 24 * first)
         if status <= WARNING:
@@ -223,7 +223,7 @@ def _push(plan, now, h):
 
 
 @compiled
-def march(plan, now, times, h, limit, halt, rows):
+def run_steps(plan, now, times, h, limit, halt, rows):
     """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
@@ -235,9 +235,9 @@ def march(plan, now, times, h, limit, halt, rows):
         for unit in range(units):
             shape = plan.shape[unit]
             if shape[LINKS] > 0:
-                now.is_led[unit] = plan.sequential and shape[LED] == 1
+                now.interpolates[unit] = plan.sequential and shape[LED] == 1
                 if plan.sequential and shape[LATE] < shape[LINKS]:
-                    _gather(plan, now, unit, now.fresh)
+                    _gather(plan, now, unit, now.known)
                 status = _drive(plan, now, unit, _terms(plan, now, unit, shape[LATE], h), h)
                 if status > WARNING:
                     return step, unit, status

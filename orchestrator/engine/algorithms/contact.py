@@ -16,7 +16,7 @@ import numpy as np
 from ....components.core.reduced import LAWS, force_in_series, reduced_step
 from ...settings import ContactSettings
 from ...settings.contacts import SideSettings
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling.contacts import PARTS, SIDES
 from .polynomial import History
 
@@ -53,7 +53,7 @@ class Side:
         self.ahead = 0.0  # m and m/s, where the body will be once it has got what is owed to it
         self.ahead_rate = 0.0
 
-    def take(self, values: Row, picks: Sequence[int]) -> None:
+    def take(self, values: PortValues, picks: Sequence[int]) -> None:
         """What the body gives now; picks: where among the contact's inputs, -1 for a part that it does not give."""
         self.parts = [values[k] if k >= 0 else 0.0 for k in picks]
 
@@ -140,10 +140,10 @@ class ContactUnit:
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         return lambda: [getattr(self, n) for n in names]
 
-    def get(self) -> Row:
+    def get(self) -> PortValues:
         return [getattr(self, n) for n in self._outputs]
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         self.last = self.owed = 0.0
         self.steps = 0
         for side in self.sides:
@@ -159,7 +159,7 @@ class ContactUnit:
         for side in self.sides:
             side.others.count = 0
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         ends = [v + h * ((slopes[k] if slopes is not None else 0.0) + h * (halves[k] if halves is not None else 0.0))
                 for k, v in enumerate(values)]
         self._take(ends)
@@ -169,11 +169,11 @@ class ContactUnit:
         self._press()
         self.steps += 1
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         self._take(values)
         self._press()
 
-    def _take(self, values: Row) -> None:
+    def _take(self, values: PortValues) -> None:
         for side, picks in zip(self.sides, self._picks, strict=True):
             side.take(values, picks)
 
@@ -184,7 +184,7 @@ class ContactUnit:
         self.indentation = gap
         self.force = force_in_series(*self._law, gap, rate, first.parts[3] + second.parts[3])
 
-    def predict(self, values: Row, h: float) -> None:
+    def predict(self, values: PortValues, h: float) -> None:
         """Lines of force for both bodies over the coming step of length h; `values`: inputs at its beginning.
 
         Accelerations among them have followed the force since it was computed.
@@ -209,7 +209,7 @@ class ContactUnit:
         self.before_last, self.last, self.owed = last, h, 0.0
         self.steps += 1
 
-    def correct(self, values: Row) -> None:
+    def correct(self, values: PortValues) -> None:
         """A new line for the follower, from what the leader has reached at the end of the step; `values`: of all inputs.
 
         What the leader has got too little goes into the next step; till then it counts as if it had moved by it.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...units import Unit
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling import Coupling
 from .master import Master, Saved
 
@@ -30,13 +30,13 @@ class Meter:
 
     def __init__(self, unit: Unit, input_degree: int):
         self._unit, self._input_degree = unit, input_degree
-        self.terms: tuple[Row, Row | None, Row | None] = ([], None, None)
+        self.terms: tuple[PortValues, PortValues | None, PortValues | None] = ([], None, None)
         self.owed: dict[int, float] = {}  # by position of an input: its integral over time that it still has to be given
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._unit, name)
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """As `Unit.drive`. What is owed is added as a parabola that vanishes at both ends of the step, where inputs stay true."""
         if self.owed:
             slopes = [0.0] * len(values) if slopes is None else list(slopes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...units import Unit
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling import Coupling, Endpoint, Link
 from .master import Master, Node
 from .polynomial import History, Terms
@@ -14,14 +14,14 @@ ALONE, LED, AHEAD, BOTH = range(4)  # no inputs; led to known values; extrapolat
 
 
 class GaussSeidel(Master):
-    """Units step one after the other; inputs from earlier units are interpolated to their fresh values.
+    """Units step one after the other; inputs from earlier units are interpolated to their new values.
 
     The order is that of `order`. Where the scene gives none, a unit steps behind those that feed it, and units that feed one
     another in a circle step together in the order of the scene.
 
-    Inputs from later units are extrapolated as in Jacobi. With degree 0 the fresh value is held over the whole step.
+    Inputs from later units are extrapolated as in Jacobi. With degree 0 the new value is held over the whole step.
     Order of accuracy: degree + 1. Stability: sequential displacement-displacement coupling with held inputs is neutral
-    even without damping; force-displacement coupling with the mass first, held, is limited like Jacobi's stale form
+    even without damping; force-displacement coupling with the mass first, held, is limited like Jacobi's delayed form
     where the spring is stiff. It pays to let the unit step first whose extrapolated input is the smoother one: with
     pantograph and catenary that is the catenary, which gets the force.
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
@@ -45,7 +45,7 @@ class GaussSeidel(Master):
         signals = self.signals
         for node, unit, late, way in self._turns:
             if way == LED:
-                node.lead(node.inputs(), h)
+                node.interpolate(node.inputs(), h)
             elif way == AHEAD:
                 node.drive(node.history.ahead(), h)
             elif way == BOTH:
@@ -63,9 +63,9 @@ def _way(node: Node, late: int) -> int:
     return AHEAD if late == len(node.sources) else BOTH
 
 
-def _joined(history: History, fresh: Row, late: int, h: float) -> Terms:
+def _joined(history: History, known: PortValues, late: int, h: float) -> Terms:
     """Extrapolation of the first `late` inputs, interpolation of the others."""
-    ahead, towards = history.ahead(), history.towards(fresh, h)
-    n = len(fresh)
+    ahead, towards = history.ahead(), history.towards(known, h)
+    n = len(known)
     values, slopes, halves = (history.rows.joined(a, b, late, n) for a, b in zip(ahead, towards, strict=True))
     return values, slopes, halves

@@ -15,7 +15,7 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Interface
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling import Endpoint
 from .node import Node
 from .texts import Texts
@@ -31,7 +31,7 @@ NEW = 1e-10  # share of an answer that earlier ones do not foretell; less of it 
 
 
 @dataclass(frozen=True)
-class Settled:
+class InitializationResult:
     """How a group came to its initial values; `residual`: relative change in the last sweep."""
 
     units: tuple[str, ...]
@@ -43,11 +43,12 @@ class Settled:
 class Group:
     """Units that feed one another, before the first step."""
 
-    def __init__(self, nodes: Sequence[Node], signals: Row, cells: Mapping[Endpoint, int], interfaces: Mapping[str, Interface],
+    def __init__(self, nodes: Sequence[Node], signals: PortValues, cells: Mapping[Endpoint, int],
+                 interfaces: Mapping[str, Interface],
                  texts: Texts | None, check: Callable[[float], None], t: float):
         """`signals`: the master's table, `cells`: where in it every output stands; `check` raises for values that are none."""
         self._nodes, self._signals, self._texts, self._check, self._t = list(nodes), signals, texts, check, t
-        self.settled: Settled | None = None  # what `settle` came to, before it raises, too
+        self.initialization: InitializationResult | None = None  # what `solve` came to, before it raises, too
         self._names = tuple(node.unit.name for node in nodes)
         self._ends = [end for end in cells if end[0] in self._names]
         self._cells = [cells[end] for end in self._ends]
@@ -59,11 +60,11 @@ class Group:
             given |= {cells[end] for end in self._ends if end[0] == node.unit.name}
         self._unknown = [k for k, cell in enumerate(self._cells) if cell in needed]
 
-    def settle(self) -> None:
+    def solve(self) -> None:
         """Bring the units to initial values that fit together; raises `StepFailed` with what is left where it cannot be."""
         if len(self._nodes) == 1:
             self._sweep()
-            self.settled = Settled(self._names, 1, 0, 0.0)
+            self.initialization = InitializationResult(self._names, 1, 0, 0.0)
             self._check(self._t)
             return
         best, least, last = self._values(), np.inf, np.inf
@@ -72,7 +73,7 @@ class Group:
             self._sweep()
             residual = self._residual(before)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
-                self.settled = Settled(self._names, sweep, 0, residual)
+                self.initialization = InitializationResult(self._names, sweep, 0, residual)
                 return
             if residual == np.inf:
                 break
@@ -91,7 +92,7 @@ class Group:
             self._sweep()
             answer = self._values()
             residual = self._residual(x)
-            self.settled = Settled(self._names, sweeps, k, residual)
+            self.initialization = InitializationResult(self._names, sweeps, k, residual)
             if residual <= CONVERGED or 0.5 * last <= residual <= STANDING:
                 return
             if not np.isfinite(answer).all():

@@ -15,7 +15,7 @@ from ...units import Unit
 from ..coupling import Coupling, Endpoint
 from ..coupling.graph import groups, smooth
 from .acceleration import Acceleration, Memory, accelerated
-from .circles import Chain, best_cut
+from .groups import StronglyConnectedGroup, best_cut
 from .master import Master, Saved
 
 
@@ -56,7 +56,7 @@ class Iterative(Master):
                 runs += [[*best_cut(group, links)], []]
             else:
                 runs[-1] += group
-        chains = [Chain([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces)
+        chains = [StronglyConnectedGroup([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces)
                   for names in runs if names]
         self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
         self.iterations = self.restores = self.unsettled = 0
@@ -70,7 +70,7 @@ class Iterative(Master):
                 chain.sweep(t, h)
         self._finish(t, h)
 
-    def _iterate(self, chain: Chain, method: Acceleration, t: float, h: float) -> None:
+    def _iterate(self, chain: StronglyConnectedGroup, method: Acceleration, t: float, h: float) -> None:
         """Repeat the step of a circle until little is missed; says so where that does not come about."""
 
         def respond(guess: np.ndarray) -> np.ndarray:

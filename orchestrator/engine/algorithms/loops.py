@@ -13,7 +13,7 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Interface
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling import Endpoint
 from ..coupling.graph import Loop
 
@@ -30,7 +30,7 @@ NUDGE = 2.0**-20  # of an output's size, for finite differences
 class LoopSolver:
     """One loop: `solve` at each communication point. `nodes`: its units as the master has them; `signals`: the master's table."""
 
-    def __init__(self, loop: Loop, nodes: Sequence, signals: Row, positions: Mapping[Endpoint, int],
+    def __init__(self, loop: Loop, nodes: Sequence, signals: PortValues, positions: Mapping[Endpoint, int],
                  interfaces: Mapping[str, Interface]):
         self.loop, self.nodes = loop, list(nodes)
         self._signals, self._cells = signals, [positions[end] for end in loop.outputs]
@@ -51,17 +51,17 @@ class LoopSolver:
         for _ in range(LIMIT):
             if residual <= CONVERGED:
                 break
-            fresh = self.jacobian is None
+            first_time = self.jacobian is None
             if self.jacobian is None:
                 self.jacobian = self._derivatives(x, answer)
-            tried, given, contraction = self._corrected(x, answer, residual, HALVINGS if fresh else 1, t)
+            tried, given, contraction = self._corrected(x, answer, residual, HALVINGS if first_time else 1, t)
             left = self._residual(tried, given)
             standing = left <= STANDING and contraction > 0.5
             if contraction > CONTRACTION and not standing:
                 self.jacobian = None
             if contraction < 1.0 or standing:
                 x, answer, residual = tried, given, left
-            elif fresh:
+            elif first_time:
                 raise self._failed(left, t)
             if standing:
                 break

@@ -18,14 +18,14 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units import Unit
-from ...units.interface import WIDE, Row
+from ...units.interface import ARRAY_THRESHOLD, PortValues
 from ..coupling import Coupling, Endpoint, Link
-from ..coupling.graph import Loop, jumps
-from .initial import RUNAWAY, Group, Settled
+from ..coupling.graph import Loop, is_discrete
+from .initial import RUNAWAY, Group, InitializationResult
 from .loops import LoopSolver
+from .multirate import MultirateUnit, history
 from .node import Node, SmoothNode
 from .polynomial import History
-from .rates import Slow, history
 from .rows import rows_for
 from .texts import Texts
 
@@ -41,9 +41,9 @@ class Saved:
     """A master and its units at an instant."""
 
     units: list[Any]
-    signals: Row
+    signals: PortValues
     histories: list[History]
-    ends: list[tuple[Row | None, Row | None]]
+    ends: list[tuple[PortValues | None, PortValues | None]]
     steps: int
     jacobians: list[np.ndarray | None]  # of the algebraic loops, (n, n) each
 
@@ -57,7 +57,7 @@ class Master:
     """
 
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *, degree: int = 1,
-                 feedthrough: Literal["fresh", "stale"] = "fresh", order: Sequence[str] = (), smoothing: bool = False,
+                 feedthrough: Literal["immediate", "delayed"] = "immediate", order: Sequence[str] = (), smoothing: bool = False,
                  end: float = inf):
         read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
         # in the order of the units' own outputs, which they can hand over in one piece
@@ -68,16 +68,16 @@ class Master:
         guessed = [source for source in read if source[0] in coupling.rates]  # their estimates stand behind all that is read
         self.cells = self.positions | {source: len(read) + k for k, source in enumerate(guessed)}  # what links take, by source
         driven, given = Counter(link.target[0] for link in coupling.links), Counter(u for u, _ in read)
-        wide = max([*driven.values(), *given.values()], default=0) > WIDE
+        wide = max([*driven.values(), *given.values()], default=0) > ARRAY_THRESHOLD
         n, whole = len(read), len(read) + len(guessed)
-        signals: Row = np.zeros(whole) if wide else [0.0] * whole
+        signals: PortValues = np.zeros(whole) if wide else [0.0] * whole
         self.signals = signals
         self.sample = signals[:n].tolist if wide else (lambda: signals[:n]) if guessed else lambda: signals
         self.weights = sizes = [1.0 / coupling.interfaces[u].outputs[n].nominal for u, n in read] + [0.0] * len(guessed)
         inverse = np.array(sizes)
         self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
         self.steps = 0
-        self.settled: list[Settled] = []  # how each group came to its initial values
+        self.initialization: list[InitializationResult] = []  # how each group came to its initial values
         self.texts = Texts(units, coupling) if coupling.texts else None
         if self.texts is not None:
             self._step, self.step = self.step, self._step_with_texts  # type: ignore[method-assign]
@@ -85,13 +85,16 @@ class Master:
         make = SmoothNode if smoothing else Node
         nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
         self.nodes = [nodes[name] for name in order]
-        self.passes, self.loops, self._plan = self._following(nodes, read) if feedthrough == "fresh" else ([], [], [])
+        self.feedthrough_schedule, self.loops, self._plan = (
+            self._following(nodes, read) if feedthrough == "immediate" else ([], [], []))
         self._fed = [node for node in self.nodes if node.sources]
         self._solving = bool(self.loops)  # algebraic loops are solved after each step
-        self.told_late = ""  # what to say of a coupling that grows because its loop is told a step late
-        if feedthrough == "stale" and (loop := next((p for p in coupling.passes if isinstance(p, Loop)), None)) is not None:
-            self.told_late = (f"{' and '.join(loop.units)} answer one another at once but are told a step late; where that "
-                              "amplifies, no shorter step mends it. Let master.feedthrough be 'fresh', which solves their loop")
+        self.delayed_feedthrough = ""  # why a coupling grows whose algebraic loop gets its values one step late
+        loop = next((part for part in coupling.feedthrough_schedule if isinstance(part, Loop)), None)
+        if feedthrough == "delayed" and loop is not None:
+            self.delayed_feedthrough = (f"{' and '.join(loop.units)} depend on one another within an instant but exchange values "
+                                        "one step late; where that amplifies, no shorter step helps. Use master.feedthrough = "
+                                        "'immediate', which solves their loop")
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
@@ -106,18 +109,18 @@ class Master:
         links = self.sorted_links([link for link in coupling.links if link.target[0] == name], order)
         unit.wire([link.target[1] for link in links], [read[k][1] for k in mine])
         rows = rows_for(len(links))
-        held = [k for k, link in enumerate(links) if jumps(interfaces[link.source[0]].outputs[link.source[1]])
-                or jumps(interfaces[name].inputs[link.target[1]])]
+        held = [k for k, link in enumerate(links) if is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
+                or is_discrete(interfaces[name].inputs[link.target[1]])]
         follows = interfaces[name].input_degree >= self.degree and not held
         by_rate: dict[int, list[int]] = {}
         for k, link in enumerate(links):
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
         past = history(self.degree, rows, len(links), held, by_rate)
-        used: Unit | Slow = unit
+        used: Unit | MultirateUnit = unit
         if name in rates:
-            still = [k for k, output in enumerate(mine) if jumps(interfaces[name].outputs[read[output][1]])]
+            still = [k for k, output in enumerate(mine) if is_discrete(interfaces[name].outputs[read[output][1]])]
             first = self.cells[read[mine[0]]] if mine else 0
-            used = Slow(unit, rates[name], history(self.degree, rows, len(links), held),
+            used = MultirateUnit(unit, rates[name], history(self.degree, rows, len(links), held),
                         history(self.degree, rows_for(len(mine)), len(mine), still), self.signals,
                         slice(first, first + len(mine)), end)
         sources = [self.cells[link.source] for link in links]
@@ -128,7 +131,7 @@ class Master:
         """What makes outputs follow their inputs: units that are updated, loops that are solved, and both in their order."""
         interfaces = self.coupling.interfaces
         plan: list[LoopSolver | list[Node]] = []
-        for step in self.coupling.passes:
+        for step in self.coupling.feedthrough_schedule:
             if isinstance(step, Loop):
                 plan.append(LoopSolver(step, [nodes[name] for name in step.units], self.signals, self.positions, interfaces))
             elif plan and isinstance(plan[-1], list):
@@ -161,9 +164,9 @@ class Master:
             members = sorted((nodes[name] for name in names), key=self._direct_share)
             group = Group(members, signals, self.cells, inputs, self.texts, self.check_finite, t)
             try:
-                group.settle()
+                group.solve()
             finally:
-                self.settled += [group.settled] if group.settled else []
+                self.initialization += [group.initialization] if group.initialization else []
         for node in self.nodes:
             node.unit.start()
             signals[node.place] = node.unit.get()
@@ -196,8 +199,8 @@ class Master:
         """For run.json; algorithms add their own."""
         counters: dict[str, Any] = {
             "steps": self.steps,
-            "initial_sweeps": max((group.sweeps + group.secants for group in self.settled), default=0),
-            "initial_residual": max((group.residual for group in self.settled), default=0.0),
+            "initial_sweeps": max((group.sweeps + group.secants for group in self.initialization), default=0),
+            "initial_residual": max((group.residual for group in self.initialization), default=0.0),
         }
         if self.loops:
             counters["algebraic_loops"] = {solver.loop.text: solver.counters() for solver in self.loops}
@@ -211,7 +214,7 @@ class Master:
         """Everything a repeated step depends on; `reuse`: an older one that may be overwritten."""
         units = [node.unit.save(reuse.units[k] if reuse else None) for k, node in enumerate(self.nodes)]
         return Saved(units, self.signals[:] if isinstance(self.signals, list) else self.signals.copy(),
-                     [copy(node.history) for node in self.nodes], [(node.reached, node.fresh) for node in self.nodes], self.steps,
+                     [copy(node.history) for node in self.nodes], [(node.reached, node.known) for node in self.nodes], self.steps,
                      [loop.jacobian for loop in self.loops])
 
     def restore(self, saved: Saved) -> None:
@@ -221,16 +224,16 @@ class Master:
         for node, state, past, ends in zip(self.nodes, saved.units, saved.histories, saved.ends, strict=True):
             node.unit.restore(state)
             node.history.take(past)
-            node.reached, node.fresh = ends
+            node.reached, node.known = ends
         for loop, jacobian in zip(self.loops, saved.jacobians, strict=True):
             loop.jacobian = jacobian
 
     def _finish(self, t: float, h: float) -> None:
         """After all units have stepped: let the outputs follow their inputs, and keep the inputs of the new instant."""
-        updated = self._solve(t + h) if self._solving else self._update(self.passes, False)
+        updated = self._solve(t + h) if self._solving else self._update(self.feedthrough_schedule, False)
         for node in self._fed:
-            fresh = node.fresh
-            node.history.push(node.inputs() if fresh is None or updated else fresh, h)
+            known = node.known
+            node.history.push(node.inputs() if known is None or updated else known, h)
         self.steps += 1
         if not abs(self._size()) < RUNAWAY:  # one cheap look at all before each is looked at
             self.check_finite(t + h)
@@ -238,16 +241,16 @@ class Master:
     def follow(self, t: float) -> None:
         """Let the outputs follow inputs that were changed at an instant, between two steps."""
         for node in self.nodes:
-            node.fresh = None
+            node.known = None
         self._solve(t)
 
     def _update(self, nodes: Sequence[Node], updated: bool) -> bool:
         """Update the units whose outputs depend on inputs that have moved; tells whether there were any, now or before."""
         signals = self.signals
         for node in nodes:
-            if node.fresh is None or updated:
+            if node.known is None or updated:
                 values = node.inputs()
-                if not node.stands(values):
+                if not node.outputs_hold(values):
                     node.unit.update(values)
                     signals[node.place] = node.unit.get()
                     updated = True

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ...units import Unit
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..coupling import Link
+from .multirate import MultirateUnit
 from .polynomial import History, Terms
-from .rates import Slow
 from .rows import Rows
 
 
 class Node:
     """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
 
-    def __init__(self, unit: Unit | Slow, place: slice, links: Sequence[Link], sources: Sequence[int], table: Row, past: History,
-                 held: Sequence[int], follows: bool):
+    def __init__(self, unit: Unit | MultirateUnit, place: slice, links: Sequence[Link], sources: Sequence[int],
+                 table: PortValues, past: History, held: Sequence[int], follows: bool):
         self.unit, self.place = unit, place
         self.held = tuple(held)  # positions of inputs that jump between steps and never change inside one
         self.follows = follows  # inputs end where they are led to: the unit takes polynomials, and none of them is held
@@ -25,13 +25,13 @@ class Node:
         self._pick = self.rows.picker(table, sources)
         converted = [(k, link.factor, link.offset) for k, link in enumerate(links) if (link.factor, link.offset) != (1.0, 0.0)]
         self._conversions = converted or None
-        self.alter: Callable[[Row], Row] | None = None  # faults on purpose: what the unit gets instead of the values it should
+        self.alter: Callable[[PortValues], PortValues] | None = None  # faults: from the values as they should be to those given
         self.history = past
         self.direct: list[tuple[int, float]] = []  # inputs that outputs depend on at once: position, relative change of none
-        self.reached: Row | None = None  # where extrapolation has taken the inputs in the last step
-        self.fresh: Row | None = None  # or what they were interpolated to: values that others had reached already
+        self.reached: PortValues | None = None  # where extrapolation has taken the inputs in the last step
+        self.known: PortValues | None = None  # or what they were interpolated to: values that others had reached already
 
-    def inputs(self) -> Row:
+    def inputs(self) -> PortValues:
         """Present values of the driven inputs, in the order of `links`."""
         values = self._pick()
         if self._conversions is not None:
@@ -42,21 +42,21 @@ class Node:
     def restart(self) -> None:
         """After a jump: the past of the inputs tells nothing any more, their present values are the only sample."""
         self.history.restart(self.inputs())
-        if isinstance(self.unit, Slow):
+        if isinstance(self.unit, MultirateUnit):
             self.unit.restart()
 
     def drive(self, terms: Terms, h: float) -> None:
         """Give the unit its inputs over the coming step, and note where they will end."""
         self.unit.drive(*terms, h)
-        self.fresh = None
+        self.known = None
         self.reached = self.rows.end(*terms, h)
 
-    def lead(self, fresh: Row, h: float) -> None:
+    def interpolate(self, known: PortValues, h: float) -> None:
         """Give the unit inputs over the coming step that end at values which are known already."""
-        self.unit.drive(*self.history.towards(fresh, h), h)
-        self.fresh, self.reached = fresh, None
+        self.unit.drive(*self.history.towards(known, h), h)
+        self.known, self.reached = known, None
 
-    def stands(self, values: Row) -> bool:
+    def outputs_hold(self, values: PortValues) -> bool:
         """Whether the outputs hold for these inputs as they are: none that they depend on at once has moved."""
         reached = self.reached
         return reached is not None and all(
@@ -80,6 +80,6 @@ class SmoothNode(Node):
         super().drive((values, slopes, halves), h)
 
 
-def rows_held(rows: Rows, row: Row, held: Sequence[int], values: Row) -> Row:
+def rows_held(rows: Rows, row: PortValues, held: Sequence[int], values: PortValues) -> PortValues:
     """The row with those of `values` that are held."""
     return rows.put(row, held, rows.picked(values, held)) if held else row

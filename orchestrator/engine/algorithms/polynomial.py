@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...units.interface import Row
+from ...units.interface import PortValues
 from .rows import Lists, Rows
 
-Terms = tuple[Row, Row | None, Row | None]  # value, slope, half of the second derivative at the start of the step
+Terms = tuple[PortValues, PortValues | None, PortValues | None]  # value, slope, half the second derivative at the start
 
 
 class History:
@@ -22,19 +22,19 @@ class History:
     def __init__(self, degree: int, rows: Rows = Lists):
         self.degree, self.rows = degree, rows
         self.count = 0  # samples kept, up to degree + 1
-        self.present: Row = None
-        self.before: Row = None
-        self.earlier: Row = None
+        self.present: PortValues = None
+        self.before: PortValues = None
+        self.earlier: PortValues = None
         self.h1 = self.h2 = 0.0  # s, from `present` back to `before`, from there back to `earlier`
 
-    def push(self, values: Row, h: float) -> None:
+    def push(self, values: PortValues, h: float) -> None:
         """Add a sample that lies h behind the newest one."""
         self.earlier, self.before, self.present = self.before, self.present, values
         self.h1, self.h2 = h, self.h1
         if self.count <= self.degree:
             self.count += 1
 
-    def restart(self, values: Row) -> None:
+    def restart(self, values: PortValues) -> None:
         """Forget everything but these present values."""
         self.present, self.before, self.earlier, self.count = values, None, None, 1
 
@@ -52,17 +52,18 @@ class History:
             return present, slopes, None
         return present, *self._bent(slopes, h1, self.rows.chord(self.before, self.earlier, self.h2), self.h2, h1)
 
-    def towards(self, fresh: Row, h: float) -> Terms:
+    def towards(self, known: PortValues, h: float) -> Terms:
         """Interpolation from the present sample to values that are known at the end of the step, h ahead."""
         if self.degree == 0:
-            return fresh, None, None
+            return known, None, None
         present = self.present
-        slopes = self.rows.chord(fresh, present, h)
-        if self.degree == 1 or self.count <= 1:  # none: forgotten behind the present sample, see `Slow.restart`
+        slopes = self.rows.chord(known, present, h)
+        if self.degree == 1 or self.count <= 1:  # none: forgotten behind the present sample, see `MultirateUnit.restart`
             return present, slopes, None
         return present, *self._bent(slopes, h, self.rows.chord(present, self.before, self.h1), self.h1, -h)
 
-    def _bent(self, slopes: Row, h: float, older: Row, older_h: float, behind: float) -> tuple[Row, Row]:
+    def _bent(self, slopes: PortValues, h: float, older: PortValues, older_h: float, behind: float
+              ) -> tuple[PortValues, PortValues]:
         """(slope, half of the second derivative) of the parabola through three samples, at one end of the newer chord.
 
         `slopes` over the newer chord of length h, `older` over the one before; `behind`: h at its end, -h at its start.
@@ -82,10 +83,10 @@ class PartlyHeld(History):
     def ahead(self) -> Terms:
         return self._hold(*super().ahead())
 
-    def towards(self, fresh: Row, h: float) -> Terms:
-        return self._hold(*super().towards(fresh, h))
+    def towards(self, known: PortValues, h: float) -> Terms:
+        return self._hold(*super().towards(known, h))
 
-    def _hold(self, values: Row, slopes: Row | None, halves: Row | None) -> Terms:
+    def _hold(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None) -> Terms:
         rows, held = self.rows, self.held
         return (rows.put(values, held, rows.picked(self.present, held)),
                 slopes if slopes is None else rows.put(slopes, held, self._zeros),

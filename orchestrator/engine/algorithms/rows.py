@@ -12,52 +12,52 @@ from typing import Any
 
 import numpy as np
 
-from ...units.interface import WIDE, Row
+from ...units.interface import ARRAY_THRESHOLD, PortValues
 
 
 class Lists:
     """Rows that are lists."""
 
     @staticmethod
-    def of_array(values: np.ndarray) -> Row:
+    def of_array(values: np.ndarray) -> PortValues:
         """A row of its own with these values, (n,)."""
         return values.tolist()
 
     @staticmethod
-    def picker(table: Any, positions: Sequence[int]) -> Callable[[], Row]:
+    def picker(table: Any, positions: Sequence[int]) -> Callable[[], PortValues]:
         """A function that gives the table's present values at the positions."""
         cells = table if isinstance(table, list) else memoryview(table)
         return lambda: [cells[k] for k in positions]
 
     @staticmethod
-    def chord(new: Row, old: Row, h: float) -> Row:
+    def chord(new: PortValues, old: PortValues, h: float) -> PortValues:
         """Slopes from `old` to `new`, h apart."""
         return [d / h for d in map(sub, new, old)]
 
     @staticmethod
-    def end(values: Row, slopes: Row | None, halves: Row | None, h: float) -> Row:
+    def end(values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> PortValues:
         """values + slopes h + halves h²."""
         if halves is not None:
             return [v + h * (s + h * c) for v, s, c in zip(values, slopes or (), halves)]  # noqa: B905 - slow
         return values if slopes is None else [v + h * s for v, s in zip(values, slopes)]  # noqa: B905 - slow
 
     @staticmethod
-    def shifted(slopes: Row, halves: Row, behind: float) -> Row:
+    def shifted(slopes: PortValues, halves: PortValues, behind: float) -> PortValues:
         """slopes + behind * halves."""
         return [s + behind * c for s, c in zip(slopes, halves)]  # noqa: B905 - slow
 
     @staticmethod
-    def zeros(n: int) -> Row:
+    def zeros(n: int) -> PortValues:
         """A row of n zeros."""
         return [0.0] * n
 
     @staticmethod
-    def picked(row: Row, at: Sequence[int]) -> Row:
+    def picked(row: PortValues, at: Sequence[int]) -> PortValues:
         """The numbers at some positions."""
         return [row[k] for k in at]
 
     @staticmethod
-    def put(row: Row, at: Sequence[int], values: Row) -> Row:
+    def put(row: PortValues, at: Sequence[int], values: PortValues) -> PortValues:
         """A copy of a row, with these values at some positions."""
         row = row[:]
         for k, value in zip(at, values, strict=True):
@@ -65,7 +65,7 @@ class Lists:
         return row
 
     @staticmethod
-    def joined(first: Row | None, second: Row | None, late: int, n: int) -> Row | None:
+    def joined(first: PortValues | None, second: PortValues | None, late: int, n: int) -> PortValues | None:
         """The first `late` numbers of one row and the rest of another; zeros for a row that is None."""
         if first is None and second is None:
             return None
@@ -76,52 +76,52 @@ class Arrays:
     """Rows that are arrays."""
 
     @staticmethod
-    def of_array(values: np.ndarray) -> Row:
+    def of_array(values: np.ndarray) -> PortValues:
         """As in `Lists`."""
         return values.copy()
 
     @staticmethod
-    def picker(table: Any, positions: Sequence[int]) -> Callable[[], Row]:
+    def picker(table: Any, positions: Sequence[int]) -> Callable[[], PortValues]:
         """As in `Lists`."""
         at = np.array(positions)
         return lambda: table[at]
 
     @staticmethod
-    def chord(new: Row, old: Row, h: float) -> Row:
+    def chord(new: PortValues, old: PortValues, h: float) -> PortValues:
         """As in `Lists`."""
         return (new - old) / h
 
     @staticmethod
-    def end(values: Row, slopes: Row | None, halves: Row | None, h: float) -> Row:
+    def end(values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> PortValues:
         """As in `Lists`."""
         if halves is not None:
             return values + h * (slopes + h * halves)
         return values if slopes is None else values + h * slopes
 
     @staticmethod
-    def shifted(slopes: Row, halves: Row, behind: float) -> Row:
+    def shifted(slopes: PortValues, halves: PortValues, behind: float) -> PortValues:
         """As in `Lists`."""
         return slopes + behind * halves
 
     @staticmethod
-    def zeros(n: int) -> Row:
+    def zeros(n: int) -> PortValues:
         """As in `Lists`."""
         return np.zeros(n)
 
     @staticmethod
-    def picked(row: Row, at: Sequence[int]) -> Row:
+    def picked(row: PortValues, at: Sequence[int]) -> PortValues:
         """As in `Lists`."""
         return row[list(at)]
 
     @staticmethod
-    def put(row: Row, at: Sequence[int], values: Row) -> Row:
+    def put(row: PortValues, at: Sequence[int], values: PortValues) -> PortValues:
         """As in `Lists`."""
         row = row.copy()
         row[list(at)] = values
         return row
 
     @staticmethod
-    def joined(first: Row | None, second: Row | None, late: int, n: int) -> Row | None:
+    def joined(first: PortValues | None, second: PortValues | None, late: int, n: int) -> PortValues | None:
         """As in `Lists`."""
         if first is None and second is None:
             return None
@@ -134,4 +134,4 @@ Rows = type[Lists] | type[Arrays]
 
 def rows_for(n: int) -> Rows:
     """The kind of rows of n numbers."""
-    return Arrays if n > WIDE else Lists
+    return Arrays if n > ARRAY_THRESHOLD else Lists

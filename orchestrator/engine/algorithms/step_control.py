@@ -13,7 +13,7 @@ import numpy as np
 
 from ...settings import ControlSettings
 from ..coupling import Coupling
-from ..coupling.graph import jumps
+from ..coupling.graph import is_discrete
 from .energy import EnergyAccount
 from .master import Master, Node, SmoothNode
 
@@ -70,10 +70,10 @@ class Milne:
         for (node, at, nominal), (predicted, count, weights) in zip(self._nodes, self._predicted, strict=True):
             present = np.asarray(node.history.present)[at]
             missed = np.abs(present - predicted)
-            ends = node.fresh if node.reached is None else node.reached
-            led = np.abs(present - np.asarray(ends)[at]) < LED * missed
+            ends = node.known if node.reached is None else node.reached
+            interpolated = np.abs(present - np.asarray(ends)[at]) < LED * missed
             allowed = self._settings.absolute * nominal + self._settings.relative * np.abs(present)
-            worst = max(worst, float(np.max(np.where(led, weights[1], weights[0]) * missed / allowed)))
+            worst = max(worst, float(np.max(np.where(interpolated, weights[1], weights[0]) * missed / allowed)))
             order = min(order, count)
         return worst, order
 
@@ -106,8 +106,8 @@ class Doubling:
     def __init__(self, master: Master, coupling: Coupling, settings: ControlSettings):
         self._master, self._settings = master, settings
         ends = [(k, coupling.interfaces[u].outputs[n]) for (u, n), k in master.positions.items()]
-        self._at = np.array([k for k, signal in ends if not jumps(signal)], dtype=int)
-        self._nominal = np.array([signal.nominal for _, signal in ends if not jumps(signal)])
+        self._at = np.array([k for k, signal in ends if not is_discrete(signal)], dtype=int)
+        self._nominal = np.array([signal.nominal for _, signal in ends if not is_discrete(signal)])
         self._counts = 1
 
     def prepare(self, h: float) -> None:

@@ -1,6 +1,6 @@
 """Who feeds whom in a scene: connections, contacts, bonds and faults as one checked graph, before anything runs."""
 
 from .graph import Endpoint, Link
-from .settling import Coupling, settle
+from .resolve import Coupling, resolve_coupling
 
-__all__ = ["Coupling", "Endpoint", "Link", "settle"]
+__all__ = ["Coupling", "Endpoint", "Link", "resolve_coupling"]

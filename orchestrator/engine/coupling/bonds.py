@@ -55,10 +55,10 @@ def _size(measure: str) -> float:
 
 
 def _link(where: str, output: Endpoint, unit: str, links: Iterable[Link]) -> Link:
-    found = [link for link in links if link.source == output and link.target[0] == unit]
-    if len(found) != 1:
-        raise BadInput(where, f"{'.'.join(output)}, which feeds {len(found) or 'no'} inputs of {unit}", "one connection each way")
-    if found[0].offset or not found[0].factor:
-        raise BadInput(where, f"factor {found[0].factor:g} and offset {found[0].offset:g} on the way from {'.'.join(output)}",
+    both = [link for link in links if link.source == output and link.target[0] == unit]
+    if len(both) != 1:
+        raise BadInput(where, f"{'.'.join(output)}, which feeds {len(both) or 'no'} inputs of {unit}", "one connection each way")
+    if both[0].offset or not both[0].factor:
+        raise BadInput(where, f"factor {both[0].factor:g} and offset {both[0].offset:g} on the way from {'.'.join(output)}",
                        "a factor other than 0 and no offset")
-    return found[0]
+    return both[0]

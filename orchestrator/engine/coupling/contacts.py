@@ -36,12 +36,12 @@ def describe_contact(contact: ContactSettings) -> Interface:
 def connections(contact: ContactSettings) -> dict[str, ConnectionSettings]:
     """Every connection of a contact by its place in the scene; the force pushes the bodies apart."""
     place = f"contacts.{contact.name}"
-    found = {f"{place}.{name.replace('_', '.')}": ConnectionSettings(source=source, target=f"{contact.name}.{name}")
+    table = {f"{place}.{name.replace('_', '.')}": ConnectionSettings(source=source, target=f"{contact.name}.{name}")
              for name, source in sources(contact).items()}
     for label, factor in zip(SIDES, (-1.0, 1.0), strict=True):
         target = getattr(contact, label).force
-        found[f"{place}.{label}.force"] = ConnectionSettings(source=f"{contact.name}.force", target=target, factor=factor)
-    return found
+        table[f"{place}.{label}.force"] = ConnectionSettings(source=f"{contact.name}.force", target=target, factor=factor)
+    return table
 
 
 def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> None:
@@ -56,8 +56,9 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
     if not names:
         raise BadInput("master.algorithm", "'interface-model' without contacts", "at least one [[contacts]]",
                        "Or take another algorithm.")
-    if master.feedthrough == "stale":
-        raise BadInput("master.feedthrough", "'stale' with interface-model", "'fresh'; a contact's force follows its bodies")
+    if master.feedthrough == "delayed":
+        raise BadInput("master.feedthrough", "'delayed' with interface-model",
+                       "'immediate'; a contact's force follows its bodies")
     if master.smoothing:
         raise BadInput("master.smoothing", "true with interface-model", "none; the impulse of a contact would not be preserved")
     if master.control is not None and master.control.method != "doubling":
@@ -72,8 +73,8 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
     for contact in scene.contacts:
         if contact.leader is not None:
             sides = (contact.first, contact.second) if contact.leader == "first" else (contact.second, contact.first)
-            for found, side in zip((leaders, followers), sides, strict=True):
-                found[_unit(side.force, interfaces)] = contact.name
+            for by_unit, side in zip((leaders, followers), sides, strict=True):
+                by_unit[_unit(side.force, interfaces)] = contact.name
     if both := leaders.keys() & followers.keys():
         unit = min(both)
         raise BadInput(f"contacts.{leaders[unit]}.leader", f"{unit}, which follows in {followers[unit]!r}",

@@ -51,10 +51,10 @@ def free(interface: Interface) -> bool:
     return interface.variable_step and not interface.fixed_step
 
 
-def _all(where: str, came: str, able: str, units: Mapping[str, bool]) -> None:
+def _all(where: str, actual: str, able: str, units: Mapping[str, bool]) -> None:
     unable = [name for name, can in units.items() if not can]
     if unable:
-        raise BadInput(where, came, f"units that {able}; {', '.join(unable)} cannot")
+        raise BadInput(where, actual, f"units that {able}; {', '.join(unable)} cannot")
 
 
 def _check_correction(interfaces: Mapping[str, Interface], bonds: tuple[Bond, ...]) -> None:

@@ -30,17 +30,17 @@ def targets(fault: FaultSettings, where: str, end: Endpoint | None, scene: Scene
             raise BadInput(f"{where}.unit", repr(fault.unit), "a unit of the scene", nearest(fault.unit, interfaces))
         return ()
     unit, name = end
-    found = tuple(link for link in links if end in (link.source, link.target))
-    if not found:
+    fed = tuple(link for link in links if end in (link.source, link.target))
+    if not fed:
         interface = interfaces[unit]
         if name in interface.inputs or name in interface.outputs:
             raise BadInput(f"{where}.signal", f"{fault.signal!r}, which nothing is connected to", "a connected signal",
                            "A value for such an input stands in its unit's parameters." if name in interface.inputs else "")
         raise BadInput(f"{where}.signal", repr(fault.signal), f"an output or input of {unit}",
                        nearest(name, [*interface.outputs, *interface.inputs]))
-    for link in found:
+    for link in fed:
         _check_kind(fault, where, link, interfaces)
-    return tuple(link.target for link in found)
+    return tuple(link.target for link in fed)
 
 
 def _check_kind(fault: FaultSettings, where: str, link: Link, interfaces: Mapping[str, Interface]) -> None:

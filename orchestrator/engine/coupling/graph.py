@@ -22,15 +22,15 @@ class Link:
     offset: float
 
 
-def jumps(signal: Signal) -> bool:
+def is_discrete(signal: Signal) -> bool:
     """Whether a signal changes at instants only, and is held between them."""
     return signal.discrete or signal.kind != "real"
 
 
 def smooth(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> list[Link]:
     """The links whose values change inside a step: neither end jumps."""
-    return [link for link in links if not jumps(interfaces[link.source[0]].outputs[link.source[1]])
-            and not jumps(interfaces[link.target[0]].inputs[link.target[1]])]
+    return [link for link in links if not is_discrete(interfaces[link.source[0]].outputs[link.source[1]])
+            and not is_discrete(interfaces[link.target[0]].inputs[link.target[1]])]
 
 
 def groups(interfaces: Mapping[str, Interface], links: Iterable[Link]) -> tuple[tuple[str, ...], ...]:
@@ -61,7 +61,7 @@ class Loop:
         return ", ".join(map(".".join, self.outputs))
 
 
-def passes(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str | Loop, ...]:
+def feedthrough_schedule(interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> tuple[str | Loop, ...]:
     """Levels of the graph of direct dependences: a unit is updated once for each level its outputs stand on.
 
     Outputs that depend on one another are a loop, which has a level as one.

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ..algorithms import Master
 from ..coupling import Coupling
-from ..coupling.graph import Endpoint, jumps
+from ..coupling.graph import Endpoint, is_discrete
 
 PATIENCE = 40  # trials, after which the bracket is halved; for a smooth signal ten are enough
 
@@ -20,7 +20,7 @@ class Crossings:
 
     def __init__(self, master: Master, ends: Sequence[Endpoint], coupling: Coupling):
         self._signals, self._places = master.signals, [master.positions[end] for end in ends]
-        self._levels = [0.5 if jumps(coupling.interfaces[u].outputs[n]) else 0.0 for u, n in ends]
+        self._levels = [0.5 if is_discrete(coupling.interfaces[u].outputs[n]) else 0.0 for u, n in ends]
         self.signs = [0.0] * len(ends)
         self.start = [0.0] * len(ends)
 
@@ -28,7 +28,7 @@ class Crossings:
         """The signals now, from where they change their sign."""
         return [self._signals[k] - level for k, level in zip(self._places, self._levels, strict=True)]
 
-    def settle(self) -> None:
+    def start_step(self) -> None:
         """A new step starts here."""
         self.start = self.values()
         self.signs = [sign if value == 0.0 else (1.0 if value > 0.0 else -1.0)

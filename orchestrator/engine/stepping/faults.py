@@ -12,15 +12,15 @@ from typing import Any
 
 from ...settings import FaultSettings
 from ...units import Unit
-from ...units.interface import Row
+from ...units.interface import PortValues
 from ..algorithms import Master
-from ..algorithms.rates import Slow
+from ..algorithms.multirate import MultirateUnit
 from ..coupling import Coupling
 from .clock import Clock
 from .loop import Action
 
 
-class Mortal:
+class LosableUnit:
     """A unit that can be lost: from then on it takes no steps and no inputs, and its outputs stay as they are."""
 
     def __init__(self, unit: Unit):
@@ -34,7 +34,7 @@ class Mortal:
         """The first event inside the last step, none in one that was not taken."""
         return None if self.lost else self._unit.event
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """As of the unit."""
         if not self.lost:
             self._unit.drive(values, slopes, halves, h)
@@ -44,7 +44,7 @@ class Mortal:
         if not self.lost:
             self._unit.step(t, h)
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         """As of the unit."""
         if not self.lost:
             self._unit.update(values)
@@ -56,11 +56,11 @@ def edges(faults: Iterable[FaultSettings]) -> list[float]:
 
 
 class Faults:
-    """The faults of a scene on the way to the inputs of a master's units; `mortals`: the units that will be lost, by name."""
+    """The faults of a scene on the way to the inputs of a master's units; `losable`: the units that will be lost, by name."""
 
-    def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, mortals: Mapping[str, Mortal],
+    def __init__(self, faults: tuple[FaultSettings, ...], coupling: Coupling, master: Master, losable: Mapping[str, LosableUnit],
                  clock: Clock):
-        self.faults, self._master, self._mortals, self._clock = faults, master, mortals, clock
+        self.faults, self._master, self._losable, self._clock = faults, master, losable, clock
         inputs = {link.target: (node, k) for node in master.nodes for k, link in enumerate(node.links)}
         self._places = [[inputs[end] for end in ends] for ends in coupling.faults]
         self._starts = [[float(coupling.interfaces[u].inputs[n].start) for u, n in ends] for ends in coupling.faults]
@@ -75,32 +75,32 @@ class Faults:
 
     def stops(self) -> dict[int, list[Action]]:
         """Ticks where faults begin or end, each with one action for all of them."""
-        found: dict[int, tuple[list[int], list[int]]] = {}
+        edges_at: dict[int, tuple[list[int], list[int]]] = {}
         for i, fault in enumerate(self.faults):
             if i not in self._from_start:
-                found.setdefault(self._clock.ticks(fault.begin), ([], []))[0].append(i)
+                edges_at.setdefault(self._clock.ticks(fault.begin), ([], []))[0].append(i)
             if fault.end is not None:
-                found.setdefault(self._clock.ticks(fault.end), ([], []))[1].append(i)
-        return {tick: [partial(self._edge, self._clock.seconds(tick), *edge)] for tick, edge in found.items()}
+                edges_at.setdefault(self._clock.ticks(fault.end), ([], []))[1].append(i)
+        return {tick: [partial(self._edge, self._clock.seconds(tick), *edge)] for tick, edge in edges_at.items()}
 
     def state(self) -> dict[str, Any]:
         """What acts now, as plain data for a checkpoint."""
         return {"values": [[i, values] for i, values in self._values.items()],
-                "lost": [name for name, unit in self._mortals.items() if unit.lost]}
+                "lost": [name for name, unit in self._losable.items() if unit.lost]}
 
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`; the units and the master's histories come from elsewhere."""
         self._values = {i: list(values) for i, values in state["values"]}
         for name in state["lost"]:
-            self._mortals[name].lost = True
+            self._losable[name].lost = True
         self._alter()
 
     def _begin(self, i: int) -> None:
         fault = self.faults[i]
         if fault.kind == "lost":
-            self._mortals[fault.unit].lost = True
+            self._losable[fault.unit].lost = True
             unit = next(node.unit for node in self._master.nodes if node.unit.name == fault.unit)
-            if isinstance(unit, Slow):
+            if isinstance(unit, MultirateUnit):
                 unit.hold()
         elif fault.kind == "freeze":
             self._values[i] = [float(node.inputs()[k]) for node, k in self._places[i]]
@@ -125,7 +125,7 @@ class Faults:
         for node, values in zip(fed, before, strict=True):
             if id(node) in changed or list(node.inputs()) != values:
                 node.restart()
-                node.reached = node.fresh = None  # where its inputs were led to is no guess of where they have jumped
+                node.reached = node.known = None  # where its inputs were led to is no guess of where they have jumped
 
     def _alter(self) -> None:
         """Put what acts now between the signals and the units, in the order of the scene."""
@@ -137,7 +137,7 @@ class Faults:
             node.alter = partial(_changed, changes[id(node)]) if id(node) in changes else None
 
 
-def _changed(changes: list[tuple[int, float | None, float]], values: Row) -> Row:
+def _changed(changes: list[tuple[int, float | None, float]], values: PortValues) -> PortValues:
     for k, value, offset in changes:
         values[k] = values[k] + offset if value is None else value
     return values

@@ -25,18 +25,18 @@ Sample = Callable[[], list[float]]
 FOREVER = 1_000_000  # steps
 
 
-class Patient:
+class BatchObserver:
     """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
 
-    def idle(self, tick: int, length: int) -> int:
+    def steps_not_needed(self, tick: int, length: int) -> int:
         """How many of the coming steps of `length` ticks it need not see."""
         return FOREVER
 
-    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
         """Steps it was not called at: the ticks and times (s) they have reached, and the master's sample there, (n, signals)."""
 
 
-class Recorder(Patient):
+class Recorder(BatchObserver):
     """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
 
     def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False):
@@ -51,12 +51,12 @@ class Recorder(Patient):
             self._times.append(t)
             self._values.fromlist(self._sample())
 
-    def idle(self, tick: int, length: int) -> int:
-        """As in `Patient`."""
+    def steps_not_needed(self, tick: int, length: int) -> int:
+        """As in `BatchObserver`."""
         return FOREVER if self._of_master else max(-(-(self._due - tick) // length) - 1, 0)
 
-    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
-        """As in `Patient`."""
+    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `BatchObserver`."""
         if self._of_master and self._interval <= ticks.step:  # every step is due
             self._due = ticks[-1] - ticks[-1] % self._interval + self._interval
             self._times.extend(times)
@@ -104,7 +104,7 @@ def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
     return sample
 
 
-class Misses(Patient):
+class ExtrapolationError(BatchObserver):
     """How far the inputs that units were led to missed those that the other units then gave.
 
     rms of the miss over the standard deviation of the input, sampled now and then. It counts every ripple, also such as a
@@ -131,12 +131,12 @@ class Misses(Patient):
                 total += values
                 total2 += values**2
 
-    def idle(self, tick: int, length: int) -> int:
-        """As in `Patient`."""
+    def steps_not_needed(self, tick: int, length: int) -> int:
+        """As in `BatchObserver`."""
         return self.EVERY - 1 - self._calls % self.EVERY
 
-    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
-        """As in `Patient`."""
+    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `BatchObserver`."""
         self._calls += len(ticks)
 
     def state(self) -> dict[str, Any]:
@@ -160,7 +160,7 @@ class Misses(Patient):
         return result
 
 
-class Interrupt(Patient):
+class Interrupt(BatchObserver):
     """Lets Ctrl-C take effect between two macro steps: inside one it would hit an FMU's own Python and look like its failure.
 
     A second Ctrl-C takes effect at once.
@@ -193,7 +193,7 @@ class Interrupt(Patient):
             raise KeyboardInterrupt
 
 
-class Progress(Patient):
+class Progress(BatchObserver):
     """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
 
     REFRESH = 0.1  # s

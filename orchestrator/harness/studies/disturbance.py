@@ -21,14 +21,14 @@ from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import master_of
 from ...engine.algorithms.energy import EnergyAccount, metered
 from ...engine.algorithms.node import Node
-from ...engine.coupling import Coupling, settle
+from ...engine.coupling import Coupling, resolve_coupling
 from ...engine.coupling.demands import free
+from ...engine.stepping.batch import batch_loop_for
 from ...engine.stepping.loop import Steppable
-from ...engine.stepping.stretched import stretch_of
-from ...open_all import opened
+from ...open_all import open_units
 from ...scene.scene import Scene
 from ...settings import IterationSettings
-from ...units.interface import Row
+from ...units.interface import PortValues
 
 PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
@@ -115,12 +115,12 @@ class Disturbed:
             tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
             scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
         self._noise = LOST if iterative else 0.0
-        self._coupling = coupling = settle(scene)
+        self._coupling = coupling = resolve_coupling(scene)
         for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
                            ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
             if what:
                 raise BadInput(f"{scene.name}: stability", ", ".join(what), f"units that {able}")
-        units = opened(scene, stack, in_process=True)
+        units = open_units(scene, stack, in_process=True)
         meters = metered(units, coupling)
         units |= meters
         self.scene, self.units, self.master = scene, units, master_of(scene, units, coupling)
@@ -128,7 +128,7 @@ class Disturbed:
         (account or self.master).initialize(0.0)
         self._steppable: Steppable = account or self.master
         self._start = self._steppable.save()
-        self._stretch = stretch_of(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
+        self._stretch = batch_loop_for(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
 
     @property
@@ -202,7 +202,7 @@ def _push(nodes: Sequence[Node], coupling: Coupling) -> None:
             node.alter = partial(_pushed, [(k, (-1) ** k * s.nominal) for k, s in enumerate(signals) if k not in node.held])
 
 
-def _pushed(sizes: Sequence[tuple[int, float]], values: Row) -> Row:
+def _pushed(sizes: Sequence[tuple[int, float]], values: PortValues) -> PortValues:
     """The values of inputs after the push; sizes: position and nominal value, with a sign, of those that are pushed."""
     for k, nominal in sizes:
         values[k] += PUSH * math.copysign(max(abs(values[k]), abs(nominal)), nominal)

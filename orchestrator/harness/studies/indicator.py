@@ -22,8 +22,8 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import Master, master_of
 from ...engine.algorithms.master import Saved
-from ...engine.coupling import settle
-from ...open_all import opened
+from ...engine.coupling import resolve_coupling
+from ...open_all import open_units
 from ...scene.scene import Scene
 from ...units.component import ComponentUnit
 from .quantities import Quantity
@@ -112,8 +112,8 @@ class Windows:
         return max(found)
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:
-        coupling = settle(scene)
-        master = master_of(scene, opened(scene, stack, in_process=True), coupling, self._signals)
+        coupling = resolve_coupling(scene)
+        master = master_of(scene, open_units(scene, stack, in_process=True), coupling, self._signals)
         master.initialize(0.0)
         return master
 

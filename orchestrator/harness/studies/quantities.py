@@ -12,7 +12,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
 from ..analysis.signals import amplitude_at, uniform
@@ -94,7 +94,7 @@ class Quantity:
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     """The quantities that the scene names, or else the course and the maximum of every recorded signal."""
-    coupling = settle(scene)
+    coupling = resolve_coupling(scene)
     texts = [wanted(text) for text in scene.study.quantities] or [
         Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("course", "maximum")]
     transient = float(scene.analysis.get("transient", 0.0))
@@ -109,7 +109,7 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
 
 def recording(scene: Scene) -> Scene:
     """The scene with what its quantities need among the recorded signals."""
-    recorded = [".".join(end) for end in settle(scene).signals]
+    recorded = [".".join(end) for end in resolve_coupling(scene).signals]
     missing = [q.signal for q in quantities_of(scene) if q.signal not in recorded]
     return scene.with_changes({"record.signals": [*recorded, *dict.fromkeys(missing)]}) if missing else scene
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....components.core.errors import BadInput
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene, load_scene
@@ -103,7 +103,7 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, told: Callab
         pass
     tried: set[tuple[str, int]] = set()
     for patience in (PATIENCE, inf):  # what takes too long comes last
-        for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if settle(scene).links else MASTERS[:2]:
+        for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if resolve_coupling(scene).links else MASTERS[:2]:
             if len(found) < 2 and (algorithm, degree) not in tried:
                 how, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not found else 2))
                 if _expected(scene, changes) > patience:
@@ -150,7 +150,7 @@ def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, 
     changes: dict[str, Any] = {**refined(scene, factor), "master.step": step, "record.signals": list(signals),
                                "record.interval": None, "record.snapshots": (), "record.snapshot_interval": None}
     how = f"internal steps / {round(1.0 / factor)}"
-    if settle(scene).links:
+    if resolve_coupling(scene).links:
         changes |= coupling_changes(scene, algorithm, degree)
         changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if algorithm == "iterative" else {}
         how = f"{algorithm}, {DEGREES[degree]} inputs, macro step {step:.3g} s, {how}"
@@ -184,7 +184,7 @@ def _monolith(scene: Scene, quantities: Sequence[Quantity], course: Course, fine
     given = scene.study.monolith
     assert given is not None
     whole = load_scene(given.scene).with_changes({"stop_time": scene.stop_time})
-    there = {f"{unit}.{name}" for unit, interface in settle(whole).interfaces.items() for name in interface.outputs}
+    there = {f"{unit}.{name}" for unit, interface in resolve_coupling(whole).interfaces.items() for name in interface.outputs}
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
     names = {ours: theirs for ours, theirs in names.items() if theirs in there}
     if not names:

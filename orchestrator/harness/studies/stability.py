@@ -19,7 +19,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
 from ...advice.probing import contacts
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...results import write_table
 from ...scene.scene import Scene
 from ..sweep import points, tracked, unit_of
@@ -98,7 +98,7 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     `steps`: macro steps of each run; a slower growth than they can show counts as none.
     Raises `BadInput` where no units feed one another, and for units that cannot be run again from their start.
     """
-    if all(len(group) == 1 for group in settle(scene).groups):
+    if all(len(group) == 1 for group in resolve_coupling(scene).groups):
         raise BadInput(f"{scene.name}: stability", "units of which none feeds back to another",
                        "a coupling that can grow", "For the internal step of a component: cosimo stability component:Name.")
     if steps < FEWEST:
@@ -175,7 +175,7 @@ def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own
 def _closed_form(disturbed: Disturbed, degree: int) -> float:
     """The shortest limit of all pairs that tell what it needs, s; NaN where none does."""
     scene = disturbed.scene
-    if scene.master.feedthrough == "stale" and degree:
+    if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces
-    found, _ = contacts(scene, settle(scene), disturbed.master, disturbed.units)
+    found, _ = contacts(scene, resolve_coupling(scene), disturbed.master, disturbed.units)
     return min((contact.longest[degree] for contact in found), default=math.nan)

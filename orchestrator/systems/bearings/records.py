@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
 from ...units.component import make
@@ -86,7 +86,7 @@ def component_of(scene: Scene, unit: str) -> Component | None:
 
 def source(scene: Scene, unit: str, name: str) -> str:
     """"unit.output" that drives an input; "" if nothing does."""
-    return next((".".join(link.source) for link in settle(scene).links if link.target == (unit, name)), "")
+    return next((".".join(link.source) for link in resolve_coupling(scene).links if link.target == (unit, name)), "")
 
 
 def recorded(result: Result, unit: str, name: str) -> str:

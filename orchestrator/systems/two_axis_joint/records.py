@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...harness.analysis.sections import crossings, section
 from ...harness.analysis.spectra import TURN
 from ..bearings.records import component_of
@@ -117,7 +117,7 @@ def _constant(result: Result, unit: str, component: Component | None) -> frozens
     """What the equations of a joint keep: nothing where motors, losses or partners change it, or nothing is known of it."""
     if component is None or (LOSSES | EXCHANGE) & set(component.on):
         return frozenset()
-    if any(link.target[0] == unit for link in settle(result.scene).links) or any(component.u[0]):
+    if any(link.target[0] == unit for link in resolve_coupling(result.scene).links) or any(component.u[0]):
         return frozenset()
     about_vertical = "axis_orientation" in component.parameters and component.get("axis_orientation") == "vertical"
     return frozenset({"energy"} if "gravity" in component.on and not about_vertical else {"energy", "momentum"})

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...engine.coupling import settle
+from ...engine.coupling import resolve_coupling
 from ...harness.analysis.signals import accumulated
 from ..bearings.records import recorded
 
@@ -64,7 +64,7 @@ class Running:
 
 def chains(result: Result) -> list[Chain]:
     """The wind pumps of a run whose pump speed was recorded, in the order of the scene."""
-    sources = {link.target: link.source for link in settle(result.scene).links}
+    sources = {link.target: link.source for link in resolve_coupling(result.scene).links}
     found = []
     for unit in result.scene.units:
         turbine = sources.get((unit, "turbine_speed"), ("", ""))[0]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import Master, master_of
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
 from cosimo.orchestrator.units import open_unit
@@ -163,7 +163,7 @@ def open_master(scene: dict, watched=STATES, iteration: IterationSettings | None
     if iteration is not None and checked.master.algorithm == "iterative":
         checked = read_scene({**scene, "master": {**scene["master"], "iteration": iteration.model_dump()}})
     units = {name: open_unit(name, settings, in_process=True) for name, settings in checked.units.items()}
-    master = master_of(checked, units, settle(checked), watched)
+    master = master_of(checked, units, resolve_coupling(checked), watched)
     master.initialize(0.0)
     return master
 

@@ -9,15 +9,15 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator import open_all
-from cosimo.orchestrator.engine.coupling import settle, settling
+from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.units.component import ComponentUnit
-from cosimo.orchestrator.units.interface import WIDE, Signal
+from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal
 from cosimo.tests.support import Integrals
 
 HERE = "cosimo.tests.engine.algorithms.test_discrete_signals"
-N = WIDE + 3
+N = ARRAY_THRESHOLD + 3
 STEP = 0.1
 
 
@@ -43,7 +43,7 @@ class Clocked(Component):
 class Both(Integrals):
     """Integrates two inputs exactly, and hands on the first."""
 
-    jumps = input_(0.0, "1", "an input")
+    is_discrete = input_(0.0, "1", "an input")
     moves = input_(0.0, "s", "another")
     sums = output("1", "integrals", size=2)
     now = output("1", "the first input", feedthrough=("jumps",))
@@ -71,7 +71,7 @@ class Many(Component):
 @pytest.fixture
 def described(monkeypatch):
     """A function that changes what the interfaces say of some signals: described(("c", "ticks"), kind="integer")."""
-    original, changes = settling.describe, {}
+    original, changes = resolve.describe, {}
 
     def describe(name, settings):
         interface = original(name, settings)
@@ -81,7 +81,7 @@ def described(monkeypatch):
             interface = replace(interface, **{side: signals})
         return interface
 
-    monkeypatch.setattr(settling, "describe", describe)
+    monkeypatch.setattr(resolve, "describe", describe)
     return lambda end, **what: changes.__setitem__(end, what)
 
 
@@ -154,14 +154,14 @@ def test_held_signals_are_no_missed_guesses(described):
     assert "b.moves" in result.info["input_misses"]
 
 
-@pytest.mark.parametrize("feedthrough", ["fresh", "stale"])
+@pytest.mark.parametrize("feedthrough", ["immediate", "delayed"])
 def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(feedthrough, described):
     both = {"component": f"{HERE}:Both"}
     loop = {"stop_time": 1.0, "units": {"p": both, "q": both}, "connections": ["p.now -> q.jumps", "q.now -> p.jumps"],
             "master": {"algorithm": "jacobi", "step": STEP, "feedthrough": feedthrough}}
     for unit in "pq":
         described((unit, "now"), discrete=True)
-    if feedthrough == "stale":
+    if feedthrough == "delayed":
         assert run(read_scene(loop)).outcome == "done"
     else:
         with pytest.raises(BadInput, match=r"algebraic loop of p\.now, q\.now, where p\.now only jumps"):
@@ -182,7 +182,7 @@ class Speaker(ComponentUnit):
 
 
 def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
-    opened, original = {}, settling.describe
+    opened, original = {}, resolve.describe
 
     def describe(name, settings):
         interface = original(name, settings)
@@ -196,12 +196,12 @@ def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
         opened[name] = Speaker(name, open_unit(name, settings, **how).component)
         return opened[name]
 
-    monkeypatch.setattr(settling, "describe", describe)
+    monkeypatch.setattr(resolve, "describe", describe)
     monkeypatch.setattr(open_all, "open_unit", speaking)
     talk = {**scene("jacobi", 1), "stop_time": 0.3, "record": {"signals": ["b.now"]}}
     talk["connections"] = [*talk["connections"], "c.says -> b.hears", "b.says -> c.hears"]
     settled = read_scene(talk)
-    assert settle(settled).groups in ((("c", "b"),), (("b", "c"),))
+    assert resolve_coupling(settled).groups in ((("c", "b"),), (("b", "c"),))
     result = run(settled)
     assert result.outcome == "done", result.message
     assert opened["b"].text_outputs == ["says"]

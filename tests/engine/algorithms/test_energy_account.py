@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
@@ -171,6 +171,6 @@ def test_connections_with_other_gains_forth_and_back_are_refused():
 
 
 def test_the_bond_knows_its_power():
-    bond = settle(read_scene(bonded("Link", "jacobi", 0.1, 1))).bonds[0]
+    bond = resolve_coupling(read_scene(bonded("Link", "jacobi", 0.1, 1))).bonds[0]
     assert bond.watts == 1.0
     assert [link.target for link in bond.links] == [("b", "velocity"), ("a", "force")]

@@ -7,7 +7,7 @@ from cosimo.components.core.reduced import LAWS, force_in_series, law_force, red
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import master_of
 from cosimo.orchestrator.engine.algorithms.contact import ContactUnit, line
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.units import open_unit
@@ -247,7 +247,7 @@ def test_a_repeated_step_and_one_from_bytes_are_the_same_to_the_last_bit():
     scene = pair(1e-3, 0.02, HEAVY, LIGHT, {"law": "unilateral", "stiffness": 1e6}, leader="second", acceleration=False, degree=2)
     units = {name: open_unit(name, settings, in_process=True) for name, settings in scene.units.items()}
     units["touch"] = contact = ContactUnit(scene.contacts[0], 2)
-    master = master_of(scene, units, settle(scene), [("touch", "force")])
+    master = master_of(scene, units, resolve_coupling(scene), [("touch", "force")])
     master.initialize(0.0)
     for k in range(5):
         master.step(k * 1e-3, 1e-3)
@@ -327,7 +327,7 @@ def test_contacts_that_cannot_be(place, value, words):
 
 @pytest.mark.parametrize(("changes", "words"), [
     ({"contacts": []}, "without contacts"),
-    ({"master.feedthrough": "stale"}, "feedthrough"),
+    ({"master.feedthrough": "delayed"}, "feedthrough"),
     ({"master.smoothing": True, "master.extrapolation": 1}, "smoothing"),
     ({"master.control": {"method": "milne"}}, "milne"),
     ({"master.bonds": ["a.velocity * touch.force"]}, "bonds"),

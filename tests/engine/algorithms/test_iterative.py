@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.engine.coupling import settling
+from cosimo.orchestrator.engine.coupling import resolve
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
@@ -56,13 +56,13 @@ class Ramp(Linear):
 def interface_of(monkeypatch):
     """Call with a unit's name and changes: the unit has this interface from then on."""
     def change(unit: str, **changes) -> None:
-        before = settling.describe
+        before = resolve.describe
 
         def described(name, settings):
             found = before(name, settings)
             return replace(found, **{k: v(found) if callable(v) else v for k, v in changes.items()}) if name == unit else found
 
-        monkeypatch.setattr(settling, "describe", described)
+        monkeypatch.setattr(resolve, "describe", described)
 
     return change
 
@@ -267,7 +267,7 @@ def refused(**master) -> str:
 
 
 def test_options_without_effect_are_refused():
-    assert "master.feedthrough" in refused(feedthrough="stale")
+    assert "master.feedthrough" in refused(feedthrough="delayed")
     assert "master.smoothing" in refused(smoothing=True)
     assert "master.order" in refused(order=["a", "b"]) or "order" in refused(order=["a", "b"])
     assert "iteration" in refused(algorithm="jacobi", iteration={"method": "newton"})

@@ -16,7 +16,7 @@ NEUTRAL = 1.0 + 1e-9  # eigenvalues of a matrix of up to 22 columns, some of the
 # -- a mass under the force of a spring-damper -------------------------------------------------------------------------
 
 
-def contact(damping_ratio: float, step: float, feedthrough: str = "fresh", degree: int = 0, stop: float = 1.0) -> dict:
+def contact(damping_ratio: float, step: float, feedthrough: str = "immediate", degree: int = 0, stop: float = 1.0) -> dict:
     """A unit mass on a spring-damper with w0 = 1/s."""
     return {
         "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
@@ -32,12 +32,12 @@ def contact(damping_ratio: float, step: float, feedthrough: str = "fresh", degre
 # inputs that the spring holds, a loop of other masters, that recursion gives 0.0200 and 0.0200 at D = 0.01.)
 RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.7071067811865476, 1.0)
 LIMITS = {
-    ("fresh", 0): (0.040000, 0.080000, 0.200000, 0.400000, 0.800000, 2.000000, 1.414214, 1.000000),
-    ("fresh", 1): (0.395364, 0.501644, 0.694174, 0.902731, 1.213169, 1.101021, 0.739315, 0.510875),
-    ("fresh", 2): (0.989325, 1.009576, 1.063371, 1.143517, 1.301332, 0.593485, 0.401216, 0.277997),
-    ("stale", 0): (0.013332, 0.026654, 0.066469, 0.131753, 0.254046, 0.481608, 0.494085, 0.426159),
-    ("stale", 1): (0.244970, 0.307394, 0.412848, 0.509969, 0.597782, 0.408960, 0.288426, 0.202283),
-    ("stale", 2): (0.626958, 0.624831, 0.614996, 0.582026, 0.391120, 0.132297, 0.091945, 0.064466),
+    ("immediate", 0): (0.040000, 0.080000, 0.200000, 0.400000, 0.800000, 2.000000, 1.414214, 1.000000),
+    ("immediate", 1): (0.395364, 0.501644, 0.694174, 0.902731, 1.213169, 1.101021, 0.739315, 0.510875),
+    ("immediate", 2): (0.989325, 1.009576, 1.063371, 1.143517, 1.301332, 0.593485, 0.401216, 0.277997),
+    ("delayed", 0): (0.013332, 0.026654, 0.066469, 0.131753, 0.254046, 0.481608, 0.494085, 0.426159),
+    ("delayed", 1): (0.244970, 0.307394, 0.412848, 0.509969, 0.597782, 0.408960, 0.288426, 0.202283),
+    ("delayed", 2): (0.626958, 0.624831, 0.614996, 0.582026, 0.391120, 0.132297, 0.091945, 0.064466),
 }
 
 
@@ -75,8 +75,8 @@ def test_undamped_contact_with_held_force_grows_at_any_step():
 
 SCHEMES = {
     "FF Jacobi": {"algorithm": "jacobi"},
-    "FD Jacobi fresh": {"algorithm": "jacobi"},
-    "FD Jacobi stale": {"algorithm": "jacobi", "feedthrough": "stale"},
+    "FD Jacobi immediate": {"algorithm": "jacobi"},
+    "FD Jacobi delayed": {"algorithm": "jacobi", "feedthrough": "delayed"},
     "DD Jacobi": {"algorithm": "jacobi"},
     "FD GS": {"algorithm": "gauss-seidel", "order": ["a", "b"]},
     "DD GS": {"algorithm": "gauss-seidel", "order": ["a", "b"]},
@@ -93,7 +93,7 @@ def radius_of(masses: TwoMasses, scheme: str, degree: int, step: float) -> float
 
 # Largest stable H in ms for the LIM oscillator, case 1, by degree; inf: none found up to 0.5 s
 LIM_LIMITS = {
-    "FF Jacobi": (0.367, 7.977, 35.74), "FD Jacobi fresh": (0.455, 14.02, 37.07), "FD Jacobi stale": (0.130, 11.24, 35.31),
+    "FF Jacobi": (0.367, 7.977, 35.74), "FD Jacobi immediate": (0.455, 14.02, 37.07), "FD Jacobi delayed": (0.130, 11.24, 35.31),
     "DD Jacobi": (2.222, 14.30, 29.77), "FD GS": (0.364, 18.06, 35.65), "DD GS": (INF, 18.86, 35.74),
     "FF implicit": (INF, 95.25, 16.06), "FD implicit": (150.0, 343.0, 30.1), "DD implicit": (1.82, 280.0, 30.6),
 }
@@ -112,7 +112,7 @@ def test_limits_of_the_lim_oscillator(scheme):
 # Spectral radius without damping at H = 10 ms, by scheme and degree
 UNDAMPED = {
     ("FF Jacobi", 0): 1.002956916, ("FF Jacobi", 1): 1.000220837, ("FF Jacobi", 2): 0.999985102,
-    ("FD Jacobi fresh", 0): 1.001979462, ("DD Jacobi", 0): 1.000481891, ("DD GS", 0): 1.000000000,
+    ("FD Jacobi immediate", 0): 1.001979462, ("DD Jacobi", 0): 1.000481891, ("DD GS", 0): 1.000000000,
     ("FF implicit", 0): 0.998000155, ("FF implicit", 1): 1.0, ("FD implicit", 1): 1.0, ("DD implicit", 1): 1.0,
 }
 
@@ -137,11 +137,11 @@ TABLE = {
     ("FF Jacobi", 0): (0.3425, 0.2142, 0.2014, 0.218, 0.2198, 0.2198, 0.04283, 0.8598),
     ("FF Jacobi", 1): (0.7376, 0.7078, 0.6957, 0.711, 0.7125, 0.7125, 0.4035, 1.241),
     ("FF Jacobi", 2): (0.9845, 1.065, 1.064, 1.065, 1.065, 1.065, 0.9887, 1.313),
-    ("FD Jacobi fresh", 0): (0.4593, 0.2857, 0.2686, 0.2198, 0.2198, 11.24, 0.05711, 1.152),
-    ("FD Jacobi fresh", 1): (0.8118, 0.7771, 0.7634, 0.713, 0.7125, 7.99, 0.4433, 1.373),
-    ("FD Jacobi fresh", 2): (1.042, 1.13, 1.128, 1.067, 1.065, 3.644, 1.038, 1.416),
-    ("FD Jacobi stale", 0): (0.2811, 0.05659, 0.00566, 0.08205, 0.07398, 0.2173, 0.01132, 0.2279),
-    ("FD Jacobi stale", 1): (0.5681, 0.5638, 0.5556, 0.4385, 0.4233, 8.699, 0.3409, 0.8435),
+    ("FD Jacobi immediate", 0): (0.4593, 0.2857, 0.2686, 0.2198, 0.2198, 11.24, 0.05711, 1.152),
+    ("FD Jacobi immediate", 1): (0.8118, 0.7771, 0.7634, 0.713, 0.7125, 7.99, 0.4433, 1.373),
+    ("FD Jacobi immediate", 2): (1.042, 1.13, 1.128, 1.067, 1.065, 3.644, 1.038, 1.416),
+    ("FD Jacobi delayed", 0): (0.2811, 0.05659, 0.00566, 0.08205, 0.07398, 0.2173, 0.01132, 0.2279),
+    ("FD Jacobi delayed", 1): (0.5681, 0.5638, 0.5556, 0.4385, 0.4233, 8.699, 0.3409, 0.8435),
     ("DD Jacobi", 0): (0.7052, 0.4303, 0.4042, 3.961, 13.77, 13.77, 0.08567, 1.882),
     ("DD Jacobi", 1): (0.9663, 0.9109, 0.8935, 1.322, 8.154, 8.154, 0.5117, 1.694),
     ("DD Jacobi", 2): (1.129, 1.251, 1.247, 1.482, 3.624, 3.624, 1.116, 1.649),

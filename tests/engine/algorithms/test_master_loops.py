@@ -7,7 +7,7 @@ from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms.loops import LoopSolver
 from cosimo.orchestrator.engine.algorithms.master import Node
 from cosimo.orchestrator.engine.algorithms.polynomial import History
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.coupling.graph import Link, Loop
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
@@ -105,7 +105,7 @@ def test_the_published_end_values_are_reached():
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_stale_is_stable_and_unstable_as_published():
     """One exchange a step without a solution: fine at 0.5 ms, lost at 5 ms, and with a gain above 1 lost at any step."""
-    stale = {"extrapolation": 0, "feedthrough": "stale"}
+    stale = {"extrapolation": 0, "feedthrough": "delayed"}
     fine = states(run(read_scene(pair(-0.9, 5e-4, **stale))))
     np.testing.assert_allclose(fine, [0.0859764, 0.00839266], rtol=0.02)
     assert run(read_scene(pair(-0.9, 5e-3, **stale))).outcome == "failed"
@@ -233,7 +233,7 @@ def test_loops_of_units_with_rates_of_their_own_are_refused():
     with pytest.raises(BadInput, match=r"units\.q\.every.*algebraic loop of p\.y_out, q\.y_out"):
         read_scene(scene)
     scene["units"]["q"]["every"] = 1
-    assert [type(step) for step in settle(read_scene(scene)).passes] == [Loop]
+    assert [type(step) for step in resolve_coupling(read_scene(scene)).feedthrough_schedule] == [Loop]
 
 
 @pytest.mark.parametrize("flag", ["", 'providesDirectionalDerivatives="true"'])

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 
@@ -25,7 +25,7 @@ def scene(listed, **master) -> dict:
 def test_sources_step_first_whatever_the_scene_says(order):
     """Inside the circle the order of the scene stands."""
     circle = tuple(name for name in order if name in ("near", "mass"))
-    assert settle(read_scene(scene(order))).order() == ("push", *circle, "far")
+    assert resolve_coupling(read_scene(scene(order))).order() == ("push", *circle, "far")
 
 
 def test_only_the_order_inside_a_circle_changes_results():
@@ -41,5 +41,5 @@ def test_only_the_order_inside_a_circle_changes_results():
 
 def test_a_given_order_stands():
     usual, given = scene(UNITS), scene(UNITS, order=["far", "mass", "near", "push"])
-    assert settle(read_scene(given)).order(tuple(given["master"]["order"])) == ("far", "mass", "near", "push")
+    assert resolve_coupling(read_scene(given)).order(tuple(given["master"]["order"])) == ("far", "mass", "near", "push")
     assert (run(read_scene(usual))["near.x_out"] != run(read_scene(given))["near.x_out"]).any()

@@ -7,10 +7,10 @@ from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.engine.algorithms.rows import Arrays, Lists, rows_for
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
-from cosimo.orchestrator.units.interface import WIDE
+from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD
 from cosimo.tests.support import Integrals, OfTime
 
-N = WIDE + 6
+N = ARRAY_THRESHOLD + 6
 
 
 class Source(OfTime):
@@ -37,8 +37,8 @@ def test_lists_and_arrays_give_the_same_bits(degree):
         values = rng.normal(size=N) * 10.0 ** rng.integers(-9, 9, size=N)
         lists.push(values.tolist(), h)
         arrays.push(values, h)
-        fresh = rng.normal(size=N)
-        for a, b in ((lists.ahead(), arrays.ahead()), (lists.towards(fresh.tolist(), 0.3), arrays.towards(fresh, 0.3))):
+        known = rng.normal(size=N)
+        for a, b in ((lists.ahead(), arrays.ahead()), (lists.towards(known.tolist(), 0.3), arrays.towards(known, 0.3))):
             assert [row is None for row in a] == [row is None for row in b]
             assert [row for row in a if row is not None] == [row.tolist() for row in b if row is not None]
             assert Lists.end(*a, 0.3) == Arrays.end(*b, 0.3).tolist()

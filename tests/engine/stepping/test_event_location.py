@@ -6,11 +6,11 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import input_, output, parameter
+from cosimo.orchestrator.engine.algorithms.multirate import MultirateUnit
 from cosimo.orchestrator.engine.algorithms.polynomial import History
-from cosimo.orchestrator.engine.algorithms.rates import Slow
 from cosimo.orchestrator.engine.algorithms.step_control import Controller
+from cosimo.orchestrator.engine.stepping.adaptive import AdaptiveStepping
 from cosimo.orchestrator.engine.stepping.clock import Clock
-from cosimo.orchestrator.engine.stepping.guided import Guided
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 
@@ -171,7 +171,7 @@ class Telling:
 def told(rollback: bool, *times: float) -> tuple[list[float], list[float], int]:
     """Ends of the steps of 0.1 s to 0.5 s, times of the restarts, and events counted."""
     clock, unit, ends, restarts = Clock.dividing(0.1, 0.5).finer(10**6), Telling(*times), [], []
-    loop = Guided(unit, clock, 10**6, 5 * 10**6, early=[unit], rollback=rollback,
+    loop = AdaptiveStepping(unit, clock, 10**6, 5 * 10**6, early=[unit], rollback=rollback,
                   restarts=[lambda: restarts.append(round(sum(unit.steps[-1]), 9))])
     loop.run([lambda tick, t: ends.append(t)])
     return ends, restarts, loop.counts["events"]
@@ -196,7 +196,7 @@ def test_without_rollback_the_step_stays_and_inputs_restart_at_its_end():
 def test_a_step_whose_error_was_not_measured_leaves_the_next_one_as_long():
     unit, clock = Telling(*np.arange(0.05, 1.0, 0.1)), Clock.dividing(0.1, 1.0).finer(1000)
     control = Controller(1000, 1, 10_000)
-    loop = Guided(unit, clock, 1000, 10_000, early=[unit], rollback=False, control=control, estimate=Faultless())
+    loop = AdaptiveStepping(unit, clock, 1000, 10_000, early=[unit], rollback=False, control=control, estimate=Faultless())
     loop.run([])
     assert loop.counts["events"] == loop.counts["accepted"] == 10
     assert control.length == 1000
@@ -216,7 +216,7 @@ def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
     """It steps with every third macro step; the event in its first step shortens none of the others."""
     unit = Telling(0.27)
     unit.name, unit.drive, unit.get = "u", lambda *_: None, lambda: [0.0]
-    slow = Slow(unit, 3, History(0), History(0), [0.0], slice(0, 1), 10.0)
+    slow = MultirateUnit(unit, 3, History(0), History(0), [0.0], slice(0, 1), 10.0)
     slow._given = [0.0]
 
     class Only:
@@ -229,7 +229,7 @@ def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
             slow.restore(saved)
 
     clock = Clock.dividing(0.1, 0.9).finer(10**6)
-    loop = Guided(Only(), clock, 10**6, 9 * 10**6, early=[slow])
+    loop = AdaptiveStepping(Only(), clock, 10**6, 9 * 10**6, early=[slow])
     ends = []
     loop.run([lambda tick, t: ends.append(t)])
     assert loop.counts["events"] == 1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.engine.stepping.faults import Faults
 from cosimo.orchestrator.run import run
@@ -158,7 +158,7 @@ def test_a_scene_without_faults_has_no_trace_of_them():
     class NotTouched:
         nodes = ()
 
-    faults = Faults(scene.faults, settle(scene), NotTouched(), {}, Clock.dividing(1.0))
+    faults = Faults(scene.faults, resolve_coupling(scene), NotTouched(), {}, Clock.dividing(1.0))
     assert faults.stops() == {}
     faults.before_start()
 

@@ -59,7 +59,7 @@ class Wall(Linear):
 
 
 def component(cls, **parameters):
-    name = cls if isinstance(cls, str) else f"cosimo.tests.orchestrator.advice.test_advice:{cls.__name__}"
+    name = cls if isinstance(cls, str) else f"cosimo.tests.run.advice.test_advice:{cls.__name__}"
     return {"component": name} | ({"parameters": parameters} if parameters else {})
 
 
@@ -144,7 +144,7 @@ def test_a_step_that_is_too_long_is_warned_of_with_the_limit():
 
 def test_what_cannot_be_told_is_said():
     told = {
-        "smoothed": spring(smoothing=True), "stale": spring(feedthrough="stale", algorithm="gauss-seidel"),
+        "smoothed": spring(smoothing=True), "delayed": spring(feedthrough="delayed", algorithm="gauss-seidel"),
         "rate": {**spring(), "units": {**spring()["units"], "s": {**spring()["units"]["s"], "every": 2}}},
     }
     for word, scene in told.items():
@@ -154,7 +154,7 @@ def test_what_cannot_be_told_is_said():
 
 
 def test_stale_outputs_have_the_shorter_limit():
-    (contact,) = advise(read_scene(spring(m=1.0, feedthrough="stale"))).contacts
+    (contact,) = advise(read_scene(spring(m=1.0, feedthrough="delayed"))).contacts
     assert contact.longest == pytest.approx((0.0131753, 0.0194849, 0.0200274), rel=1e-4)  # ω = 10 rad/s, D = 0.1
 
 

@@ -47,7 +47,7 @@ def test_libcosim_comes_to_the_same_numbers(folder):
         "units": {"a": {"fmu": str(folder / "metres.fmu"), "parameters": {"u": 0.3, "count": 1, "flag": True, "text": "abc"}},
                   "b": {"fmu": str(folder / "mixed.fmu"), "parameters": {"gain": 1.5}}, "c": {"fmu": str(folder / "metres.fmu")}},
         "connections": ["a.y -> b.u", {"source": "b.x", "target": "c.u", "factor": 0.1, "offset": 2.0}],
-        "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0, "feedthrough": "stale"},
+        "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0, "feedthrough": "delayed"},
     }, "adders", folder)
     ours = {name: column[-1] for name, column in run(scene).columns.items()}
     theirs = libcosim(write(scene, folder / "there.ssp"), 10_000_000, 100)

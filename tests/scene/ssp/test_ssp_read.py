@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.engine.coupling import settle
+from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
@@ -55,7 +55,7 @@ def test_connections_go_by_the_kinds_of_their_ends_whichever_stands_first(load):
 def test_conversion_comes_before_the_linear_transformation(load, given, taken, inside, more, link):
     elements = component("a", source=given) + component("b", source=taken)
     scene = read(load, system("s", elements, connection("a.y", "b.u", inside, more)))
-    found = settle(scene).links[0]
+    found = resolve_coupling(scene).links[0]
     assert (found.factor, found.offset) == pytest.approx(link, rel=1e-15)  # one division, rounded
 
 

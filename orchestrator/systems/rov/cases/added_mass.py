@@ -17,7 +17,8 @@ FORCE, MASS, ADDED = 10.0, 11.5, 14.57  # N, kg, kg: heave of Wu's vehicle
 TRUE = FORCE / (MASS + ADDED)
 EXCHANGES, RELAXATION = 30, 0.3
 SPLIT, WHOLE = "hull.external.acceleration_z", "whole.external.acceleration_z"
-LAGGED = {"master.algorithm": "gauss-seidel", "master.feedthrough": "stale", "master.extrapolation": 0, "master.iteration": None}
+LAGGED = {"master.algorithm": "gauss-seidel", "master.feedthrough": "delayed", "master.extrapolation": 0,
+          "master.iteration": None}
 KINDS = {"told once a step": LAGGED, "loop solved": {}, "told once a step, half the step": {**LAGGED, "master.step": 0.0025}}
 
 

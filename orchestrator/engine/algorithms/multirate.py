@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...units import Unit
-from ...units.interface import Row
+from ...units.interface import PortValues
 from .polynomial import History, PartlyHeld, Terms
 from .rows import Rows
 
@@ -36,7 +36,7 @@ class Part:
         self.at, self.every, self.elapsed = at, every, 0.0  # s, since the last sample
         self.history = history(degree, rows, len(at), [k for k, place in enumerate(at) if place in held])
 
-    def push(self, values: Row, h: float, due: bool) -> None:
+    def push(self, values: PortValues, h: float, due: bool) -> None:
         self.elapsed += h
         if due:
             self.history.push(self.history.rows.picked(values, self.at), self.elapsed)
@@ -45,10 +45,10 @@ class Part:
     def ahead(self) -> Terms:
         return self._seen(*self.history.ahead())
 
-    def towards(self, fresh: Row, h: float) -> Terms:
-        return self._seen(*self.history.towards(self.history.rows.picked(fresh, self.at), self.elapsed + h))
+    def towards(self, known: PortValues, h: float) -> Terms:
+        return self._seen(*self.history.towards(self.history.rows.picked(known, self.at), self.elapsed + h))
 
-    def _seen(self, values: Row, slopes: Row | None, halves: Row | None) -> Terms:
+    def _seen(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None) -> Terms:
         """The polynomial from the present instant instead of from the last sample."""
         rows, e = self.history.rows, self.elapsed
         if slopes is None or e == 0.0:
@@ -71,13 +71,13 @@ class Mixed(History):
         new.present, new.h1, new.count, new.pushes = self.present, self.h1, self.count, self.pushes
         return new
 
-    def push(self, values: Row, h: float) -> None:
+    def push(self, values: PortValues, h: float) -> None:
         for part in self.parts:
             part.push(values, h, self.pushes % part.every == 0)
         self.present, self.h1, self.count = values, h, 1
         self.pushes += 1
 
-    def restart(self, values: Row) -> None:
+    def restart(self, values: PortValues) -> None:
         for part in self.parts:
             part.history.restart(self.rows.picked(values, part.at))
             part.elapsed = 0.0
@@ -89,12 +89,12 @@ class Mixed(History):
     def ahead(self) -> Terms:
         return self._together([part.ahead() for part in self.parts])
 
-    def towards(self, fresh: Row, h: float) -> Terms:
+    def towards(self, known: PortValues, h: float) -> Terms:
         """Towards what units have reached that step now; the others have nothing new, their polynomials go on."""
-        return self._together([part.towards(fresh, h) if self.pushes % part.every == 0 else part.ahead() for part in self.parts])
+        return self._together([part.towards(known, h) if self.pushes % part.every == 0 else part.ahead() for part in self.parts])
 
     def _together(self, terms: Sequence[Terms]) -> Terms:
-        def whole(k: int) -> Row | None:
+        def whole(k: int) -> PortValues | None:
             if all(term[k] is None for term in terms):
                 return None
             row = self.rows.zeros(self.n)
@@ -106,33 +106,33 @@ class Mixed(History):
         return whole(0), whole(1), whole(2)
 
 
-class Slow:
+class MultirateUnit:
     """A unit with a rate of its own, in the place of the unit: it takes part in every macro step, and steps in every n-th.
 
     `own`: history of its inputs at its own instants; `past`: of its outputs. `estimates`: where in the table of signals the
     values of its outputs stand that the others go by; its own place holds what it really gave.
     """
 
-    def __init__(self, unit: Unit, every: int, own: History, past: History, signals: Row, estimates: slice, end: float):
+    def __init__(self, unit: Unit, every: int, own: History, past: History, signals: PortValues, estimates: slice, end: float):
         self.unit, self.name, self.every = unit, unit.name, every
         self._own, self._past, self._signals, self._estimates, self._end = own, past, signals, estimates, end
         self._count = 0  # macro steps since its own instant
         self._t0 = self._length = 0.0  # s, that instant, and how far behind it the others are
-        self._given: Row = []  # what it gave there
-        self._aim: Row | None = None  # where its inputs are now
+        self._given: PortValues = []  # what it gave there
+        self._aim: PortValues | None = None  # where its inputs are now
 
     @property
     def event(self) -> float | None:
         """The first event inside its last step, asked for after it has stepped."""
         return None if self._count else self.unit.event
 
-    def initialize(self, t: float, values: Row) -> None:
+    def initialize(self, t: float, values: PortValues) -> None:
         self.unit.initialize(t, values)
 
     def start(self) -> None:
         self.unit.start()
 
-    def drive(self, values: Row, slopes: Row | None, halves: Row | None, h: float) -> None:
+    def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """Note where the inputs are at the end of the macro step; the unit gets them when it steps."""
         if self._count == 0:
             self._own.push(values, self._length)
@@ -150,11 +150,11 @@ class Slow:
             self.unit.step(self._t0, self._length)
             self._count = 0
 
-    def update(self, values: Row) -> None:
+    def update(self, values: PortValues) -> None:
         if self._count == 0:  # between its instants its outputs are what the polynomial says
             self.unit.update(values)
 
-    def get(self) -> Row:
+    def get(self) -> PortValues:
         if self._count == 0:
             self._given = self.unit.get().copy()
             self._signals[self._estimates] = self._given

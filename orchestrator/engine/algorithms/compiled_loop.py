@@ -10,15 +10,15 @@ from ....components.core.errors import StepFailed
 from ....components.core.kernels import COMPILED
 from ...units.fmi2 import Fmi2CoSimulation
 from ...units.machine import Machine
-from .compiled import Now, Plan, march
+from .compiled import LoopLayout, LoopState, run_steps
 from .gauss_seidel import GaussSeidel
+from .generated_loop import beyond
 from .initial import RUNAWAY
 from .master import Master
-from .straight import beyond
 
 
-class Stretch:
-    """Macro steps of a master in compiled code, with the same bits; made by `fmu_stretch`.
+class CompiledLoop:
+    """Macro steps of a master in compiled code, with the same bits; made by `compiled_loop_for`.
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
     changes a master there need not know of this.
@@ -34,27 +34,27 @@ class Stretch:
         shape = [(first, len(node.links), node.place.start, node.place.stop - node.place.start, machine.way, behind,
                   behind == 0 and node.follows)
                  for node, machine, first, behind in zip(nodes, machines, ends, late, strict=False)]
-        passes = [nodes.index(node) for node in master.passes]
+        feedthrough_schedule = [nodes.index(node) for node in master.feedthrough_schedule]
         direct = [(k, place, change) for k, node in enumerate(nodes) for place, change in node.direct]
         factors, offsets = (np.array([getattr(link, name) for link in links], dtype=float) for name in ("factor", "offset"))
-        self._plan = Plan(
+        self._plan = LoopLayout(
             calls=np.array([machine.calls for machine in machines], dtype=np.int64),
             shape=np.array(shape, dtype=np.int64),
             source=np.array([s for node in nodes for s in node.sources], dtype=np.int64),
             factor=factors, offset=offsets, converted=(factors != 1.0) | (offsets != 0.0),
-            passes=np.array(passes, dtype=np.int64),
+            feedthrough_schedule=np.array(feedthrough_schedule, dtype=np.int64),
             direct=np.array([d[:2] for d in direct], dtype=np.int64).reshape(-1, 2),
             change=np.array([d[2] for d in direct], dtype=float),
             inverse=np.array(master.weights),
             degree=int(master.degree), sequential=isinstance(master, GaussSeidel),
         )
         link, unit = np.zeros(n), np.zeros(u)
-        self._now = Now(
+        self._now = LoopState(
             signals=np.zeros(len(master.signals)), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
-            fresh=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
-            is_led=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64),
+            known=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
+            interpolates=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64),
         )
-        march(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, self._now.signals.size)))  # compiles it
+        run_steps(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, self._now.signals.size)))  # compiles it
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     @property
@@ -66,7 +66,7 @@ class Stretch:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
         self._load()
         rows = np.empty((len(times), self._now.signals.size))
-        done, unit, status = march(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows)
+        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows)
         self._store(done)
         failure = None
         t = times[min(done, len(times) - 1)]
@@ -106,14 +106,14 @@ class Stretch:
             past.count, (past.h1, past.h2) = count, now.spacing[k].tolist()
             past.present = take(now.present[at])
             past.before, past.earlier = take(now.before[at]), take(now.earlier[at])
-            led = bool(now.is_led[k])
-            node.reached, node.fresh = (None, take(now.fresh[at])) if led else (take(now.reached[at]), None)
+            interpolated = bool(now.interpolates[k])
+            node.reached, node.known = (None, take(now.known[at])) if interpolated else (take(now.reached[at]), None)
 
 
-def fmu_stretch(master: Master, halt: np.ndarray) -> Stretch | None:
-    """The stretches of a master whose units are FMUs; None where one of them needs Python. `halt`: as in `stretch_of`."""
+def compiled_loop_for(master: Master, halt: np.ndarray) -> CompiledLoop | None:
+    """The stretches of a master whose units are FMUs; None where one of them needs Python. `halt`: as in `batch_loop_for`."""
     if not COMPILED:
         return None
     units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
     machines = [machine for unit in units if (machine := unit.machine()) is not None]
-    return Stretch(master, units, machines, halt) if len(machines) == len(master.nodes) else None
+    return CompiledLoop(master, units, machines, halt) if len(machines) == len(master.nodes) else None

@@ -14,7 +14,7 @@ import numpy as np
 from ....components.core.errors import StepFailed
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.master import Master
-from .observers import Patient
+from .observers import BatchObserver
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
@@ -25,10 +25,10 @@ MISSED = 0.1  # of the largest value in the last one: the extrapolation does not
 BEYOND = 300.0  # times the interface's scale: the nominal value, or what was reached before these blocks; a resonance gives 50
 
 
-class Growth(Patient):
+class InstabilityMonitor(BatchObserver):
     """Looks at the inputs now and then; raises `StepFailed` with the connection, its growth, and what would help."""
 
-    EVERY = 29  # macro steps: longer runs are looked at after multiples of it, where `Misses` cuts their stretches anyway
+    EVERY = 29  # macro steps: longer runs are looked at after multiples of it, where `ExtrapolationError` ends batches anyway
     RARELY = 3  # at most so many of it
 
     def __init__(self, master: Master, steps: int, remedy: Callable[[], str], account: EnergyAccount | None = None):
@@ -83,12 +83,12 @@ class Growth(Patient):
                              f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it",
                              self._remedy())
 
-    def idle(self, tick: int, length: int) -> int:
-        """As in `Patient`."""
+    def steps_not_needed(self, tick: int, length: int) -> int:
+        """As in `BatchObserver`."""
         return self._every - 1 - self._calls % self._every
 
-    def skipped(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
-        """As in `Patient`."""
+    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+        """As in `BatchObserver`."""
         self._calls += len(ticks)
 
 
@@ -121,12 +121,12 @@ class _Blocks:
 
 def _grown(kinds: Sequence[_Blocks], count: int, values: np.ndarray, missed: np.ndarray) -> int | None:
     """Takes the shortest block, the `count`-th one, by absolute values and misses (n,); tells which of them has grown, if any."""
-    found = None
+    worst = None
     for blocks in kinds:
         blocks.add(values, missed)
         if blocks is not kinds[0] and count % LOOKS:
             break
         count //= 1 if blocks is kinds[0] else LOOKS
         values, missed, which = blocks.close()
-        found = which if found is None else found
-    return found
+        worst = which if worst is None else worst
+    return worst

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ...units.interface import Interface, Row
+from ...units.interface import Interface, PortValues
 from ..coupling import Endpoint, Link
 from .master import Node
-from .rates import Slow
+from .multirate import MultirateUnit
 
 TRIED = 6  # units of a circle all orders of which are tried; of a larger one every rotation is
 
@@ -29,14 +29,14 @@ def best_cut(names: Sequence[str], links: Iterable[Link]) -> tuple[str, ...]:
     return min(orders, key=guessed)
 
 
-class Chain:
+class StronglyConnectedGroup:
     """Units in an order such that most are fed by earlier ones; `cut`: places of the signals that feed backwards.
 
     Signals that only jump between steps are held inside one, and need no guess. Units on one level feed none of each other,
     and step at the same time where they run in processes of their own.
     """
 
-    def __init__(self, nodes: Sequence[Node], signals: Row, positions: Mapping[Endpoint, int],
+    def __init__(self, nodes: Sequence[Node], signals: PortValues, positions: Mapping[Endpoint, int],
                  interfaces: Mapping[str, Interface]):
         self.nodes = list(nodes)
         self._signals = signals
@@ -112,7 +112,7 @@ class Chain:
             answers: dict[int, np.ndarray] = {}
             for node in level:
                 answer = np.zeros((node.place.stop - node.place.start, n))
-                if node in self._direct and not isinstance(node.unit, Slow):
+                if node in self._direct and not isinstance(node.unit, MultirateUnit):
                     own = node.unit.jacobian()
                     for j, (k, link) in enumerate(zip(node.sources, node.links, strict=True)):
                         if k in rows:
@@ -129,7 +129,7 @@ class Chain:
                 if node.sources:
                     values = node.inputs()
                     if node.follows:
-                        node.lead(values, h)
+                        node.interpolate(values, h)
                     else:
                         node.drive(node.history.towards(values, h), h)
                 node.unit.step(t, h)

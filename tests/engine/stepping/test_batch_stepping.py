@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
+from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
-from cosimo.orchestrator.engine.algorithms.straight import StraightStretch
-from cosimo.orchestrator.engine.algorithms.stretch import Stretch
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import load_scene, read_scene
 from cosimo.tests.support import two_masses
@@ -22,7 +22,7 @@ def both_ways(data, monkeypatch, kind, **options):
     scene = data if not isinstance(data, dict) else read_scene(data)
     together = run(scene, **options)
     alone = len(steps)
-    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.guided.stretch_of", lambda *_: None)
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.adaptive.batch_loop_for", lambda *_: None)
     apart = run(scene, **options)
     assert stretches
     return together, apart, alone
@@ -54,7 +54,7 @@ def test_components_give_the_same_bits(algorithm, degree, monkeypatch):
     data = two_masses(algorithm, 7e-3, degree)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe"}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, alone = both_ways(data, monkeypatch, StraightStretch)
+    together, apart, alone = both_ways(data, monkeypatch, GeneratedLoop)
     assert_alike(together, apart)
     assert alone <= degree  # only those from which the histories get their first samples
 
@@ -66,7 +66,7 @@ def test_fmus_give_the_same_bits(algorithm, degree, monkeypatch):
     scene = load_scene("en50318-2002").with_changes(
         {"stop_time": 0.15, "master.algorithm": algorithm, "master.extrapolation": degree, "units.catenary.parameters.spans": 3,
          "record.snapshot_interval": 0.05})
-    together, apart, alone = both_ways(scene, monkeypatch, Stretch)
+    together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert alone == 0
 
@@ -78,7 +78,7 @@ def wide(algorithm):
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_wide_ports_of_fmus_give_the_same_bits(algorithm, monkeypatch):
-    assert_alike(*both_ways(wide(algorithm), monkeypatch, Stretch)[:2])
+    assert_alike(*both_ways(wide(algorithm), monkeypatch, CompiledLoop)[:2])
 
 
 @pytest.mark.parametrize("flags", ["", 'canInterpolateInputs="true"'])
@@ -89,7 +89,7 @@ def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, fore
     back = {"source": "g.x", "target": "f.u", "factor": -1.0, "offset": 0.1}
     data = {"stop_time": 10.0, "connections": ["f.x -> g.u", back], "units": {u: {"fmu": foreign(flags)} for u in "fg"},
             "master": {"algorithm": algorithm, "step": 0.01, "extrapolation": degree}}
-    together, apart, _ = both_ways(data, monkeypatch, Stretch)
+    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert np.ptp(together["f.x"]) > 0.15  # it swings about 0.1 with an amplitude of 0.1
 
@@ -97,13 +97,13 @@ def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, fore
 @pytest.mark.parametrize("interval", [0.01, 0.03, 0.035])
 def test_records_at_intervals_are_the_same(interval, monkeypatch):
     data = two_masses("jacobi", 1e-2, 1) | {"record": {"signals": ["b.x_out"], "interval": interval}}
-    assert_alike(*both_ways(data, monkeypatch, StraightStretch)[:2])
+    assert_alike(*both_ways(data, monkeypatch, GeneratedLoop)[:2])
 
 
 def test_faults_cut_a_stretch(monkeypatch):
     faults = [{"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
               {"signal": "a.x_out", "kind": "freeze", "begin": 0.7}]
-    together, apart, alone = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch, StraightStretch)
+    together, apart, alone = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch, GeneratedLoop)
     assert_alike(together, apart)
     assert alone >= 450  # while a fault lasts
 
@@ -121,7 +121,7 @@ def test_a_failure_keeps_every_step_before_it(monkeypatch):
     data = two_masses("jacobi", 1e-2, 1)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.555}}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, _ = both_ways(data, monkeypatch, StraightStretch)
+    together, apart, _ = both_ways(data, monkeypatch, GeneratedLoop)
     assert_alike(together, apart)
     assert len(together.time) == 56
     assert together.message.startswith("p failed at t = 0.5")
@@ -132,7 +132,7 @@ def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
     limit = {"limit": 3.0}
     loop = {"stop_time": 100.0, "connections": ["f.x -> g.u", {"source": "g.x", "target": "f.u", "offset": 1.0}],
             "units": {u: {"fmu": foreign(), "parameters": limit} for u in "fg"}, "master": {"algorithm": "jacobi", "step": 0.01}}
-    together, apart, _ = both_ways(loop, monkeypatch, Stretch)
+    together, apart, _ = both_ways(loop, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert "is above the limit" in together.message
     assert together["f.x"].max() <= 3.0
@@ -141,6 +141,6 @@ def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
 def test_growth_without_bound_ends_both_at_the_same_step(monkeypatch):
     data = two_masses("jacobi", 0.2, 2) | {"stop_time": 200.0}
-    together, apart, _ = both_ways(data, monkeypatch, StraightStretch)
+    together, apart, _ = both_ways(data, monkeypatch, GeneratedLoop)
     assert_alike(together, apart)
     assert "has grown to" in together.message

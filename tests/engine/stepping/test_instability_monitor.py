@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.engine.algorithms.straight import StraightStretch
-from cosimo.orchestrator.engine.stepping.growth import Growth
+from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
+from cosimo.orchestrator.engine.stepping.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
 from cosimo.tests.support import two_masses
@@ -57,13 +57,13 @@ def test_a_motion_that_swings_up_and_is_followed_goes_on():
 
 def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     """By the account of the bond alone: the inputs' own growth is not looked at here."""
-    made = Growth.__init__
+    made = InstabilityMonitor.__init__
 
     def without_inputs(self, *arguments):
         made(self, *arguments)
         self._free[:] = False
 
-    monkeypatch.setattr(Growth, "__init__", without_inputs)
+    monkeypatch.setattr(InstabilityMonitor, "__init__", without_inputs)
     data = two_masses("jacobi", 0.03, 1) | {"stop_time": 100.0}
     wild = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",)}))
     assert wild.outcome == "failed"
@@ -85,7 +85,7 @@ def test_no_shipped_scene_raises_an_alarm(name):
 def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
     """Counted: as many stretches with it as without it, and one look in 29 steps."""
     stretches, looks = [], []
-    taken, looked = StraightStretch.run, Growth.__call__
+    taken, looked = GeneratedLoop.run, InstabilityMonitor.__call__
 
     def counted(self, times, h):
         stretches.append(len(times))
@@ -95,13 +95,13 @@ def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
         looks.append(tick)
         looked(self, tick, t)
 
-    monkeypatch.setattr(StraightStretch, "run", counted)
+    monkeypatch.setattr(GeneratedLoop, "run", counted)
     scene = spring(0.01, 1, steps=6000)
-    monkeypatch.setattr(Growth, "__call__", seen)
+    monkeypatch.setattr(InstabilityMonitor, "__call__", seen)
     run(scene)
     with_it, stretches[:] = len(stretches), []
-    monkeypatch.setattr(Growth, "__call__", lambda self, tick, t: None)
-    monkeypatch.setattr(Growth, "idle", lambda self, tick, length: 1_000_000)
+    monkeypatch.setattr(InstabilityMonitor, "__call__", lambda self, tick, t: None)
+    monkeypatch.setattr(InstabilityMonitor, "steps_not_needed", lambda self, tick, length: 1_000_000)
     run(scene)
     assert with_it == len(stretches)
     assert len(looks) <= 6000 / 29 + 4

@@ -12,19 +12,19 @@ from ...settings import ControlSettings, SceneSettings
 from ...units import Unit
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
-from ..algorithms.rates import Slow
+from ..algorithms.multirate import MultirateUnit
 from ..algorithms.step_control import Controller, Doubling, Estimate, Milne, Residual
 from ..coupling import Coupling
+from .batch import BatchStepping, batch_loop_for
 from .clock import Clock
 from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
-from .stretched import Stretched, stretch_of
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none
 
 
-class Guided(Stepping):
+class AdaptiveStepping(Stepping):
     """Steps that follow what happens in them: their error, events, and failures.
 
     With `control`, each step is as long as the controller wishes, its error is what `estimate` says, and `stride` is the first
@@ -37,7 +37,7 @@ class Guided(Stepping):
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
                  restarts: Sequence[Action] = (), control: Controller | None = None, estimate: Estimate | None = None,
-                 crossings: Crossings | None = None, early: Sequence[Unit | Slow] = (), resolution: int = 1,
+                 crossings: Crossings | None = None, early: Sequence[Unit | MultirateUnit] = (), resolution: int = 1,
                  rollback: bool = True):
         super().__init__(master, clock, stride, end, stops)
         self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
@@ -61,7 +61,7 @@ class Guided(Stepping):
         if self._rollback:
             self._saved = self.master.save(self._saved)
         if self._crossings is not None:
-            self._crossings.settle()
+            self._crossings.start_step()
         while True:
             length = self._length(stop)
             try:
@@ -205,9 +205,9 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
     early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         halt = np.zeros(1, dtype=np.uint8)
-        stretch = stretch_of(master, halt) if account is None else None
+        stretch = batch_loop_for(master, halt) if account is None else None
         return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
-            Stretched(master, clock, stride, end, stops, stretch, halt)
+            BatchStepping(master, clock, stride, end, stops, stretch, halt)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:
@@ -217,7 +217,7 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
         estimate = _estimate(given.control, coupling, master, account)
     crossings = Crossings(master, coupling.events, coupling) if coupling.events else None
     rollback = all(interface.saves_state for interface in coupling.interfaces.values())
-    return Guided(steppable, clock, stride, end, stops, restarts=restarts, control=control, estimate=estimate,
+    return AdaptiveStepping(steppable, clock, stride, end, stops, restarts=restarts, control=control, estimate=estimate,
                   crossings=crossings, early=early, resolution=max(stride // RESOLUTION, 1), rollback=rollback)
 
 

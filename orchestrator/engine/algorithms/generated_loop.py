@@ -3,7 +3,7 @@
 The source of one function is written for the graph of the scene: every signal, and every sample of an input's history, is a
 local variable, and inputs and outputs are elements of the components' own arrays. It does what `Jacobi.step` and
 `GaussSeidel.step` do, in the same order and to the last bit, without their calls and lists: for components with little work
-of their own a macro step takes a fifth of the time. `StraightStretch.source` is that source, to be read.
+of their own a macro step takes a fifth of the time. `GeneratedLoop.source` is that source, to be read.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .initial import RUNAWAY
 from .master import Master, Node
 
 
-class StraightStretch:
+class GeneratedLoop:
     """Macro steps of a master in straight-line code; the nodes' histories are the only truth between two stretches."""
 
     def __init__(self, master: Master, units: Sequence[ComponentUnit], halt: np.ndarray):
@@ -53,17 +53,17 @@ class StraightStretch:
         pasts = [nodes[k].history for k, _ in self._links]
         samples = [v for (_, j), past in zip(self._links, pasts, strict=True) for v in _samples(past, j)]
         h1, h2 = (pasts[0].h1, pasts[0].h2) if pasts else (0.0, 0.0)
-        found = self._steps(times, h, master.signals, samples, h1, h2, rows)
-        master.signals[:], samples, (h1, h2), reached, led, failure, far = found
+        results = self._steps(times, h, master.signals, samples, h1, h2, rows)
+        master.signals[:], samples, (h1, h2), reached, interpolated, failure, far = results
         master.steps += len(rows)
         at = 0
-        for node, is_led in zip(nodes, led, strict=True):
+        for node, interpolates in zip(nodes, interpolated, strict=True):
             n = len(node.links)
             if n and rows:
                 past, mine = node.history, samples[3 * at : 3 * (at + n)]
                 past.present, past.before, past.earlier = mine[::3], mine[1::3], mine[2::3]
                 past.h1, past.h2 = h1, h2
-                node.reached, node.fresh = (None, mine[::3]) if is_led else (reached[at : at + n], None)
+                node.reached, node.known = (None, mine[::3]) if interpolates else (reached[at : at + n], None)
             at += n
         if far:
             failure = beyond(master, times[len(rows) - 1] + h)
@@ -117,11 +117,11 @@ class StraightStretch:
         yield "    except StepFailed as error:"
         yield "        failure = error"
         reached = [f"v{i} + h * (d{i} + h * c{i})" if master.degree == 2 else f"v{i} + h * d{i}" for i in links]
-        led = [str(self._is_led(k)) for k in range(len(master.nodes))]
+        interpolated = [str(self._interpolates(k)) for k in range(len(master.nodes))]
         states = f"[{', '.join(signals)}], [{', '.join(samples)}], (h1, h2), [{', '.join(reached)}]"
-        yield f"    return {states}, {_tuple(led)}, failure, far"
+        yield f"    return {states}, {_tuple(interpolated)}, failure, far"
 
-    def _is_led(self, k: int) -> bool:
+    def _interpolates(self, k: int) -> bool:
         node = self._master.nodes[k]
         return bool(node.links) and isinstance(self._master, GaussSeidel) and self._late[k] == 0 and node.follows
 
@@ -146,15 +146,15 @@ class StraightStretch:
 
     def _follow(self, units: Sequence[ComponentUnit], firsts: Sequence[int]) -> Iterator[str]:
         """Outputs follow their inputs within the instant, as `Master._update` has it."""
-        passes = self._master.passes
-        if not passes:
+        feedthrough_schedule = self._master.feedthrough_schedule
+        if not feedthrough_schedule:
             return
         yield "updated = False"
-        for node in passes:
+        for node in feedthrough_schedule:
             k = self._master.nodes.index(node)
             first = firsts[k]
             columns = units[k].ports().columns
-            yield f"if {'updated' if self._is_led(k) else 'True'}:"
+            yield f"if {'updated' if self._interpolates(k) else 'True'}:"
             for j in range(len(node.links)):
                 yield f"    f{first + j} = {_input(node, j)}"
             stays = []
@@ -162,8 +162,8 @@ class StraightStretch:
                 i = first + j
                 end = f"v{i} + h * (d{i} + h * c{i})" if self._master.degree == 2 else f"v{i} + h * d{i}"
                 stays.append(f"abs(f{i} - ({end})) <= {change!r} * abs(f{i})")
-            stands = "False" if self._is_led(k) else " and ".join(stays) or "True"
-            yield f"    if not ({stands}):"
+            outputs_hold = "False" if self._interpolates(k) else " and ".join(stays) or "True"
+            yield f"    if not ({outputs_hold}):"
             for j in range(len(node.links)):
                 yield f"        u{k}_0[{columns[j]}] = f{first + j}"
             yield f"        refresh{k}()"

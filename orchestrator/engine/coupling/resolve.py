@@ -1,4 +1,4 @@
-"""From a scene to its settled graph: who feeds whom, in what units of measure, and what follows within an instant.
+"""From a scene to its resolved coupling: who feeds whom, in what units of measure, and what follows within an instant.
 
 An output's direct dependence on inputs is what its unit declares. An FMU that declares none is taken to have none:
 assuming all, as FMI permits, would call every loop of such FMUs an algebraic one.
@@ -18,7 +18,7 @@ from .bonds import Bond, bond
 from .contacts import check_contacts, connections, describe_contact
 from .demands import check_stepping
 from .fault_targets import targets
-from .graph import Endpoint, Link, Loop, groups, jumps, passes, smooth
+from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discrete, smooth
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Coupling:
     undriven: tuple[str, ...]  # "unit.input" that keeps its start value
     signals: tuple[Endpoint, ...]  # recorded outputs
     snapshots: Mapping[Endpoint, tuple[str, ...]]  # (unit, array) -> its elements
-    passes: tuple[str | Loop, ...]  # units to update and loops to solve, in this order, until every output follows its inputs
+    feedthrough_schedule: tuple[str | Loop, ...]  # units to update and loops to solve, in this order
     groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
     rates: Mapping[str, int]  # units that step with every n-th macro step only -> n
     faults: tuple[tuple[Endpoint, ...], ...]  # inputs that each fault of the scene changes
@@ -43,24 +43,24 @@ class Coupling:
         return wished or tuple(name for group in self.groups for name in group)
 
 
-def settle(scene: SceneSettings) -> Coupling:
+def resolve_coupling(scene: SceneSettings) -> Coupling:
     """Describe all units and check every connection and record; raises one `BadInput` that starts with the scene's name."""
     try:
         interfaces = {name: describe(name, unit) for name, unit in scene.units.items()}
         check_contacts(scene, interfaces)
         interfaces |= {contact.name: describe_contact(contact) for contact in scene.contacts}
-        found = _links(scene, interfaces)
-        texts = tuple(link for link in found if interfaces[link.target[0]].inputs[link.target[1]].is_text)
-        links = tuple(link for link in found if link not in texts)
+        connected = _links(scene, interfaces)
+        texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
+        links = tuple(link for link in connected if link not in texts)
         coupling = Coupling(
             interfaces, links, texts,
-            undriven=_undriven(interfaces, found),
+            undriven=_undriven(interfaces, connected),
             signals=_signals(scene, interfaces),
             snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
-            passes=passes(interfaces, links),
-            groups=groups(interfaces, found),
+            feedthrough_schedule=feedthrough_schedule(interfaces, links),
+            groups=groups(interfaces, connected),
             rates={name: unit.every for name, unit in scene.units.items() if unit.every > 1},
-            faults=tuple(_faults(scene, interfaces, found)),
+            faults=tuple(_faults(scene, interfaces, connected)),
             events=tuple(_output(text, "master.events", interfaces) for text in scene.master.events),
             bonds=tuple(_bond(text, interfaces, links) for text in scene.master.bonds),
         )
@@ -140,12 +140,12 @@ def _pairs(text: str, where: str, interfaces: Mapping[str, Interface]) -> list[t
         return [(source, target)]
     before, after = source[1][:-1], target[1][:-1]
     rests = [n.removeprefix(before) for n in interfaces[source[0]].outputs if n.startswith(before)]
-    found = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
-    if not found:
+    pairs = [((source[0], before + r), (target[0], after + r)) for r in rests if after + r in interfaces[target[0]].inputs]
+    if not pairs:
         inputs = [n for n in interfaces[target[0]].inputs if n.startswith(after)]
         raise BadInput(where, f"outputs {', '.join(rests) or 'of no name'} and inputs {', '.join(inputs) or 'of no name'}",
                        "at least one name on both sides", "Switch on the effect that has them, or name the variables.")
-    return found
+    return pairs
 
 
 def _no_variable(where: str, end: Endpoint, wished: str, interfaces: Mapping[str, Interface]) -> BadInput:
@@ -184,7 +184,7 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
 def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     if scene.record.signals is None:
         return tuple((u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if "[" not in n and not s.is_text)
-    found: dict[Endpoint, None] = {}
+    signals: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
         names = (variable,) if variable in interfaces[unit].outputs else _elements(variable, interfaces[unit])
@@ -192,8 +192,8 @@ def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple
             raise _no_variable("record.signals", (unit, variable), "output", interfaces)
         if interfaces[unit].outputs[names[0]].is_text:
             raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers")
-        found |= dict.fromkeys((unit, n) for n in names)
-    return tuple(found)
+        signals |= dict.fromkeys((unit, n) for n in names)
+    return tuple(signals)
 
 
 def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:
@@ -226,10 +226,10 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     if not coupling.links and needless:
         option = min(needless)
         raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")
-    if master.feedthrough == "stale" and not coupling.passes:
-        raise BadInput("master.feedthrough", "'stale'", "none; no driven output depends on an input directly", "Remove it.")
-    if master.feedthrough == "fresh":
-        for loop in (step for step in coupling.passes if isinstance(step, Loop)):
+    if master.feedthrough == "delayed" and not coupling.feedthrough_schedule:
+        raise BadInput("master.feedthrough", "'delayed'", "none; no driven output depends on an input directly", "Remove it.")
+    if master.feedthrough == "immediate":
+        for loop in (step for step in coupling.feedthrough_schedule if isinstance(step, Loop)):
             _check_loop(loop, coupling)
     if master.smoothing:
         _check_smoothing(scene, coupling)
@@ -259,7 +259,7 @@ def _check_loop(loop: Loop, coupling: Coupling) -> None:
     """Algebraic loops are solved at each communication point: their signals must be smooth, and all units must be there."""
     where, remedy = "connections", "Give one of the units a state, or put the loop inside one unit."
     for unit, name in loop.outputs:
-        if jumps(coupling.interfaces[unit].outputs[name]):
+        if is_discrete(coupling.interfaces[unit].outputs[name]):
             raise BadInput(where, f"an algebraic loop of {loop.text}, where {unit}.{name} only jumps",
                            "a loop of continuous numbers, or one that a state breaks", remedy)
         if unit in coupling.rates:
@@ -278,8 +278,9 @@ def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
         if not interfaces[name].saves_state:
             raise BadInput(where, "'iterative'", f"units that save their state, so that a step can be repeated; {name} cannot",
                            'Take "jacobi" or "gauss-seidel".')
-    if scene.master.feedthrough == "stale":
-        raise BadInput("master.feedthrough", "'stale'", "'fresh' with iterative, where outputs fit the inputs of their instant")
+    if scene.master.feedthrough == "delayed":
+        raise BadInput("master.feedthrough", "'delayed'",
+                       "'immediate' with iterative, where outputs fit the inputs of their instant")
 
 
 def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
@@ -295,11 +296,11 @@ def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
 
 
 def _check_rate(name: str, scene: SceneSettings) -> None:
-    master, where, came = scene.master, f"units.{name}.every", str(scene.units[name].every)
+    master, where, actual = scene.master, f"units.{name}.every", str(scene.units[name].every)
     if master.algorithm not in ("jacobi", "gauss-seidel"):
-        raise BadInput(where, came, f"1 with {master.algorithm}; jacobi and gauss-seidel can step units at rates of their own")
+        raise BadInput(where, actual, f"1 with {master.algorithm}; jacobi and gauss-seidel can step units at rates of their own")
     for option in ("control", "events"):
         if getattr(master, option):
-            raise BadInput(where, came, f"1 with master.{option}; a step that changes has no n-th one")
+            raise BadInput(where, actual, f"1 with master.{option}; a step that changes has no n-th one")
     if master.step * scene.units[name].every > scene.stop_time * (1.0 + 1e-9):
-        raise BadInput(where, came, f"at most the steps of the run, {scene.stop_time / master.step:.0f}")
+        raise BadInput(where, actual, f"at most the steps of the run, {scene.stop_time / master.step:.0f}")

@@ -11,25 +11,25 @@ import numpy as np
 from ...units.component import ComponentUnit
 from ..algorithms import Master
 from ..algorithms.gauss_seidel import GaussSeidel
+from ..algorithms.generated_loop import GeneratedLoop
 from ..algorithms.jacobi import Jacobi
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
-from ..algorithms.straight import StraightStretch
 from .clock import Clock
 from .loop import Observer, Stepping, Stops, lengths
 
 PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar have to wait
 
 
-class Stretched(Stepping):
-    """Equal steps in stretches of a master, see `algorithms.straight` and `algorithms.stretch`; all observers are `Patient`.
+class BatchStepping(Stepping):
+    """Equal steps in batches, see `algorithms.generated_loop` and `algorithms.compiled_loop`; observers are `BatchObserver`s.
 
     The observers see what they would have seen step by step.
     """
 
     def __init__(self, master: Master, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
                  halt: np.ndarray):
-        """`halt`: what ends a stretch early, see `stretch_of`."""
+        """`halt`: what ends a stretch early, see `batch_loop_for`."""
         super().__init__(master, clock, stride, end, stops)
         self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
 
@@ -56,7 +56,8 @@ class Stretched(Stepping):
             self.master.step(seconds(tick), h)
             self.tick = tick + length
             return
-        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *(1 + o.idle(tick, length) for o in observers))
+        unseen = [1 + o.steps_not_needed(tick, length) for o in observers]
+        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unseen)
         ticks = range(tick, tick + (n + 1) * length, length)
         times = [seconds(k) for k in ticks]
         begun = perf_counter()
@@ -67,13 +68,13 @@ class Stretched(Stepping):
         unseen = done if failure is not None else done - 1
         if unseen > 0:
             for observe in observers:
-                observe.skipped(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
+                observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]
         if failure is not None:
             raise failure
 
 
-def stretch_of(master: Master, halt: np.ndarray) -> Any:
+def batch_loop_for(master: Master, halt: np.ndarray) -> Any:
     """Stretches for a master, of components in this process or of FMUs; None where the scene needs what they do not have.
 
     `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
@@ -84,7 +85,7 @@ def stretch_of(master: Master, halt: np.ndarray) -> Any:
         return None
     if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
         narrow = isinstance(master.signals, list)
-        return StraightStretch(master, components, halt) if narrow and len(components) == len(nodes) else None
-    from ..algorithms.stretch import fmu_stretch  # loads what only FMUs need
+        return GeneratedLoop(master, components, halt) if narrow and len(components) == len(nodes) else None
+    from ..algorithms.compiled_loop import compiled_loop_for  # loads what only FMUs need
 
-    return fmu_stretch(master, halt)
+    return compiled_loop_for(master, halt)

@@ -1,0 +1,71 @@
+"""Identifiers are the field's words: names that were replaced, and names that say nothing of a value, stay out."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+# former name: the one to use. Banned in the whole of the orchestrator.
+FORMER = {
+    "settle": "resolve_coupling", "settling": "resolve", "Settled": "InitializationResult", "Slow": "MultirateUnit",
+    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping", "StraightStretch": "GeneratedLoop", "Stretch": "CompiledLoop",
+    "march": "run_steps", "Patient": "BatchObserver", "idle": "steps_not_needed", "Mortal": "LosableUnit",
+    "mortals": "losable", "Misses": "ExtrapolationError", "Chain": "StronglyConnectedGroup", "told_late": "delayed_feedthrough",
+    "Now": "LoopState", "Plan": "LoopLayout", "Row": "PortValues", "WIDE": "ARRAY_THRESHOLD", "KEPT": "CACHED_CALLS",
+    "prove": "check_step_repeatable", "opened": "open_units", "passes": "feedthrough_schedule", "jumps": "is_discrete",
+    "is_led": "interpolates",
+}
+ALLOWED = {  # other things of the same name
+    "orchestrator/harness": {"Row", "WIDE"},  # a row of a validation table; a wide axis
+    "orchestrator/systems": {"Row", "Chain", "WIDE", "KEPT", "settle", "jumps"},  # kinematic chains, tables, transients
+    "orchestrator/scene": {"opened"},  # archives
+    "orchestrator/units": {"settle"},  # discrete states of a foreign model
+}
+MEANINGLESS = {"found", "made", "told", "said", "heard", "settled", "came", "things"}
+CLEAN = ("orchestrator/engine", "orchestrator/advice", "orchestrator/run.py", "orchestrator/checkpoint.py",
+         "orchestrator/open_all.py")  # where no name may be one of these; a folder that is clean is added
+
+
+def identifiers(path: Path) -> Iterator[str]:
+    """Every name that a module defines, assigns, imports or takes as an argument, and its own name."""
+    yield path.stem
+    for node in ast.walk(ast.parse(path.read_text())):
+        match node:
+            case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.Name(id=name, ctx=ast.Store()):
+                yield name
+            case ast.Attribute(attr=name, ctx=ast.Store()) | ast.arg(arg=name) | ast.keyword(arg=str(name)):
+                yield name
+            case ast.alias(name=name, asname=other):
+                yield other or name.rpartition(".")[2]
+
+
+def offences(place: str, banned: set[str]) -> set[str]:
+    """`file: name` of banned names below a place of the tree."""
+    root = ROOT / place
+    files = [root] if root.is_file() else sorted(root.rglob("*.py"))
+    assert files, f"{place} does not exist"
+    return {f"{path.relative_to(ROOT)}: {name}" for path in files for name in set(identifiers(path))
+            if name.removeprefix("_") in banned - _allowed(path)}
+
+
+def _allowed(path: Path) -> set[str]:
+    return next((names for place, names in ALLOWED.items() if path.is_relative_to(ROOT / place)), set())
+
+
+def test_former_names_do_not_return():
+    assert offences("orchestrator", set(FORMER)) == set()
+
+
+@pytest.mark.parametrize("place", CLEAN)
+def test_a_name_says_what_its_value_is(place):
+    assert offences(place, MEANINGLESS) == set()
+
+
+def test_names_are_seen_wherever_they_are_written(tmp_path):
+    path = tmp_path / "module.py"
+    path.write_text("import a.settle\ndef idle(told, *, made=1):\n    self.found, came = f(said=2)\nfor things in x: pass\n")
+    assert {"settle", "idle", "told", "made", "found", "came", "said", "things"} <= set(identifiers(path))
