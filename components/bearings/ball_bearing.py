@@ -113,7 +113,42 @@ class GivenStart(Effect):
 
 
 class TwoDofBearing(OdeComponent):
-    """What the dimensional and the dimensionless bearing share: a subclass declares the same effects, inputs and outputs."""
+    """What the dimensional and the dimensionless bearing share; the dimensionless one replaces what has a unit."""
+
+    system = "bearings"
+
+    clearance = RadialClearance
+    contact_damping = ContactDamping
+    unbalance = Unbalance
+    inner_waviness = Waviness
+    outer_waviness = Waviness
+    inner_defect = Defect
+    outer_defect = Defect
+    ball_defect = BallDefect
+    load_variation = LoadVariation
+    speed_ramp = SpeedRamp
+    given_start = GivenStart
+
+    balls = integer(8, "number of balls", low=1, high=200)
+    contact_angle = parameter(0.0, "rad", "contact angle, for the speed of the cage", low=0.0, high=1.5)
+    start_cage_angle = parameter(0.0, "rad", "angle of ball 1 from the line of the load at time 0")
+
+    speed = input_(104.71975511965978, "rad/s", "speed of the inner ring, positive from x to y", nominal=100.0)
+    load = input_(196.0, "N", "load along x", nominal=100.0)
+    transverse_load = input_(0.0, "N", "load along y", nominal=100.0)
+
+    displacement_x = output("m", "position along the load", nominal=1e-6)
+    displacement_y = output("m", "position across the load", nominal=1e-6)
+    velocity_x = output("m/s", "velocity along the load", nominal=1e-3)
+    velocity_y = output("m/s", "velocity across the load", nominal=1e-3)
+    acceleration_x = output("m/s2", "acceleration along the load", feedthrough=("load", "speed"))
+    acceleration_y = output("m/s2", "acceleration across the load", feedthrough=("transverse_load", "speed"))
+    force_x = output("N", "force of the balls on the shaft along x", nominal=100.0, feedthrough=("speed",))
+    force_y = output("N", "force of the balls on the shaft along y", nominal=100.0, feedthrough=("speed",))
+    max_ball_load = output("N", "load of the most loaded ball", nominal=100.0, feedthrough=("speed",))
+    loaded_balls = output("1", "number of balls in contact")
+    inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
+    cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 
     advance = advance
     output_kernel = bearing_outputs
@@ -296,48 +331,15 @@ class BallBearing(TwoDofBearing):
     """
 
     title = "Ball bearing with two degrees of freedom"
-    system = "bearings"
     default_stop = 0.5
 
-    clearance = RadialClearance
-    contact_damping = ContactDamping
-    unbalance = Unbalance
-    inner_waviness = Waviness
-    outer_waviness = Waviness
-    inner_defect = Defect
-    outer_defect = Defect
-    ball_defect = BallDefect
-    load_variation = LoadVariation
-    speed_ramp = SpeedRamp
-    given_start = GivenStart
-
-    balls = integer(8, "number of balls", low=1, high=200)
     ball_diameter = parameter(11.9e-3, "m", "diameter of the balls", low=1e-6, nominal=0.01)
     pitch_diameter = parameter(52e-3, "m", "diameter of the circle of their centres", low=1e-6, nominal=0.1)
-    contact_angle = parameter(0.0, "rad", "contact angle, for the speed of the cage", low=0.0, high=1.5)
     contact_stiffness = parameter(1.334e10, "1", "stiffness of a ball between both races, N/m^1.5; no unit has broken exponents",
                                   low=1e-3, nominal=1e10)
     mass = parameter(20.0, "kg", "mass of shaft and inner ring", low=1e-12)
     damping = parameter(200.0, "N.s/m", "damping of the mass against the outer ring", low=0.0, nominal=100.0)
-    start_cage_angle = parameter(0.0, "rad", "angle of ball 1 from the line of the load at time 0")
     substep = parameter(5e-5, "s", "longest internal step", low=1e-12, high=1.0)
-
-    speed = input_(104.71975511965978, "rad/s", "speed of the inner ring, positive from x to y", nominal=100.0)
-    load = input_(196.0, "N", "load along x", nominal=100.0)
-    transverse_load = input_(0.0, "N", "load along y", nominal=100.0)
-
-    displacement_x = output("m", "position along the load", nominal=1e-6)
-    displacement_y = output("m", "position across the load", nominal=1e-6)
-    velocity_x = output("m/s", "velocity along the load", nominal=1e-3)
-    velocity_y = output("m/s", "velocity across the load", nominal=1e-3)
-    acceleration_x = output("m/s2", "acceleration along the load", feedthrough=("load", "speed"))
-    acceleration_y = output("m/s2", "acceleration across the load", feedthrough=("transverse_load", "speed"))
-    force_x = output("N", "force of the balls on the shaft along x", nominal=100.0, feedthrough=("speed",))
-    force_y = output("N", "force of the balls on the shaft along y", nominal=100.0, feedthrough=("speed",))
-    max_ball_load = output("N", "load of the most loaded ball", nominal=100.0, feedthrough=("speed",))
-    loaded_balls = output("1", "number of balls in contact")
-    inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
-    cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
 
     presets = {
         "JIS 6306": Preset(

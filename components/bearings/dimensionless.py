@@ -7,16 +7,17 @@ three, chosen so that mass, stiffness and load become 1.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ..core.component import Effect, Preset
+from ..core.component import Preset
 from ..core.errors import BadInput
 from ..core.measure import BASES, parse
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import Variable, parameter
+from . import ball_bearing, races
 from .ball_bearing import JIS6306_SOURCE, BallBearing, TwoDofBearing
 from .geometry import BallGeometry
-from .races import ORDERS, TWO_PI
+from .races import ORDERS
 from .two_dof import Constants, constants
 
 
@@ -34,83 +35,68 @@ class Scales:
         return self.mass ** powers["kg"] * self.length ** powers["m"] * self.time ** powers["s"]
 
 
-class RadialClearance(Effect):
+def unitless(variable: Variable, start: float | None = None, text: str = "") -> Variable:
+    """The dimensionless form of a dimensional variable."""
+    return replace(variable, unit="1", nominal=1.0, start=variable.start if start is None else start, text=text or variable.text)
+
+
+class RadialClearance(ball_bearing.RadialClearance):
     """A gap between balls and races; off, the concentric bearing is free of gap and of preload."""
 
-    radial_clearance = parameter(1.667, "1", "radial gap; negative for preload")
+    radial_clearance = unitless(ball_bearing.RadialClearance.radial_clearance, 1.667, "radial gap; negative for preload")
 
 
-class ContactDamping(Effect):
+class ContactDamping(ball_bearing.ContactDamping):
     """Damping of each contact after Hunt and Crossley, Q = delta^1.5 (1 + 1.5 k delta'), never pulling."""
 
-    coefficient = parameter(1.533e-3, "1", "k", low=0.0)
+    coefficient = unitless(ball_bearing.ContactDamping.coefficient, 1.533e-3)
 
 
-class Unbalance(Effect):
+class Unbalance(ball_bearing.Unbalance):
     """The mass sits off the shaft's axis."""
 
-    eccentricity = parameter(0.8335, "1", "distance of the centre of mass from the axis", low=0.0)
-    phase = parameter(0.0, "rad", "its angle on the inner ring")
+    eccentricity = unitless(ball_bearing.Unbalance.eccentricity, 0.8335)
 
 
-class Waviness(Effect):
+class Waviness(races.Waviness):
     """Waves of a race: the surface lies deeper by the sum of amplitude * cos(order * angle + phase), angle along the race."""
 
-    order = integer((2, 3, 4, 5, 6, 7, 8, 9), "number of waves along the race; amplitude 0 leaves an order out", size=ORDERS,
-                    low=1, high=10000)
     amplitude = parameter((0.1667, *[0.0] * (ORDERS - 1)), "1", "amplitude of the order", size=ORDERS)
-    phase = parameter(0.0, "rad", "phase of the order at the race's own angle 0", size=ORDERS)
 
 
-class Defect(Effect):
+class Defect(races.Defect):
     """A pit in a race with the profile of a raised cosine: depth and slope are continuous, so nothing jumps as a ball passes."""
 
-    explicit_only = True
-
-    depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
-    width = parameter(math.radians(3.0), "rad", "extent along the race", low=1e-6, high=TWO_PI)
-    position = parameter(0.0, "rad", "middle of the pit on its race")
+    depth = unitless(races.Defect.depth, 0.8335)
 
 
-class BallDefect(Effect):
+class BallDefect(races.BallDefect):
     """A pit on one ball that meets the inner race and, half a turn of the ball later, the outer race."""
 
-    explicit_only = True
-
-    depth = parameter(0.8335, "1", "depth in the middle; negative for a bump")
-    width = parameter(math.radians(10.0), "rad", "extent along the ball's circumference", low=1e-6, high=TWO_PI)
-    position = parameter(0.0, "rad", "turn of the ball from its start at which the pit meets the inner race")
-    ball = integer(1, "number of the ball, counted from 1", low=1)
+    depth = unitless(races.BallDefect.depth, 0.8335)
 
 
-class LoadVariation(Effect):
+class LoadVariation(ball_bearing.LoadVariation):
     """A load beside the given one: amplitude * sin(2 pi frequency tau + phase) along x."""
 
-    explicit_only = True
-
-    amplitude = parameter(0.1020, "1", "amplitude")
-    frequency = parameter(0.03912, "1", "periods per unit of time", low=0.0)
-    phase = parameter(0.0, "rad", "phase at time 0")
+    amplitude = unitless(ball_bearing.LoadVariation.amplitude, 0.1020)
+    frequency = unitless(ball_bearing.LoadVariation.frequency, 0.03912, "periods per unit of time")
 
 
-class SpeedRamp(Effect):
+class SpeedRamp(ball_bearing.SpeedRamp):
     """Speed that changes evenly from time 0 and then stays, on top of the input."""
 
-    explicit_only = True
-
-    acceleration = parameter(6.121e-5, "1", "angular acceleration")
-    duration = parameter(1278.0, "1", "time after which the speed stays", low=0.0)
+    acceleration = unitless(ball_bearing.SpeedRamp.acceleration, 6.121e-5)
+    duration = unitless(ball_bearing.SpeedRamp.duration, 1278.0)
 
 
-class GivenStart(Effect):
+class GivenStart(ball_bearing.GivenStart):
     """Start from a given state instead of from equilibrium."""
 
-    explicit_only = True
-
-    x = parameter(0.0, "1", "position along the load")
-    y = parameter(0.0, "1", "position across the load")
-    velocity_x = parameter(0.0, "1", "velocity along the load")
-    velocity_y = parameter(0.0, "1", "velocity across the load")
+    x = unitless(ball_bearing.GivenStart.x)
+    y = unitless(ball_bearing.GivenStart.y)
+    velocity_x = unitless(ball_bearing.GivenStart.velocity_x)
+    velocity_y = unitless(ball_bearing.GivenStart.velocity_y)
 
 
 class DimensionlessBallBearing(TwoDofBearing):
@@ -121,7 +107,6 @@ class DimensionlessBallBearing(TwoDofBearing):
     """
 
     title = "Ball bearing with two degrees of freedom, dimensionless"
-    system = "bearings"
     default_step = 1.0
     default_stop = 640.0
 
@@ -137,29 +122,24 @@ class DimensionlessBallBearing(TwoDofBearing):
     speed_ramp = SpeedRamp
     given_start = GivenStart
 
-    balls = integer(8, "number of balls", low=1, high=200)
     diameter_ratio = parameter(11.9 / 52.0, "1", "ball diameter over pitch diameter", low=1e-6, high=1.0)
-    contact_angle = parameter(0.0, "rad", "contact angle, for the speed of the cage", low=0.0, high=1.5)
     damping_ratio = parameter(3.9119e-3, "1", "damping over 2 m w_0", low=0.0)
-    start_cage_angle = parameter(0.0, "rad", "angle of ball 1 from the line of the load at time 0")
     substep = parameter(0.06391, "1", "longest internal step", low=1e-12, high=1e3)
 
-    speed = input_(0.081931, "1", "speed of the inner ring over w_0, positive from x to y", nominal=0.1)
-    load = input_(1.0, "1", "load along x over that of the scales")
-    transverse_load = input_(0.0, "1", "load along y over that of the scales")
+    speed = replace(TwoDofBearing.speed, start=0.081931, unit="1", nominal=0.1,
+                    text="speed of the inner ring over w_0, positive from x to y")
+    load = unitless(TwoDofBearing.load, 1.0, "load along x over that of the scales")
+    transverse_load = unitless(TwoDofBearing.transverse_load, 0.0, "load along y over that of the scales")
 
-    displacement_x = output("1", "position along the load")
-    displacement_y = output("1", "position across the load")
-    velocity_x = output("1", "velocity along the load")
-    velocity_y = output("1", "velocity across the load")
-    acceleration_x = output("1", "acceleration along the load", feedthrough=("load", "speed"))
-    acceleration_y = output("1", "acceleration across the load", feedthrough=("transverse_load", "speed"))
-    force_x = output("1", "force of the balls on the shaft along x", feedthrough=("speed",))
-    force_y = output("1", "force of the balls on the shaft along y", feedthrough=("speed",))
-    max_ball_load = output("1", "load of the most loaded ball", feedthrough=("speed",))
-    loaded_balls = output("1", "number of balls in contact")
-    inner_angle = output("rad", "angle of the inner ring in [0, 2 pi)")
-    cage_angle = output("rad", "angle of ball 1 in [0, 2 pi)")
+    displacement_x = unitless(TwoDofBearing.displacement_x)
+    displacement_y = unitless(TwoDofBearing.displacement_y)
+    velocity_x = unitless(TwoDofBearing.velocity_x)
+    velocity_y = unitless(TwoDofBearing.velocity_y)
+    acceleration_x = unitless(TwoDofBearing.acceleration_x)
+    acceleration_y = unitless(TwoDofBearing.acceleration_y)
+    force_x = unitless(TwoDofBearing.force_x)
+    force_y = unitless(TwoDofBearing.force_y)
+    max_ball_load = unitless(TwoDofBearing.max_ball_load)
 
     presets = {
         "JIS 6306": Preset({"balls": 8, "diameter_ratio": 11.9 / 52.0, "damping_ratio": 3.9119e-3},

@@ -24,8 +24,23 @@ from .kernels import DONE, REASONS, kernel_tuple
 from .variables import Causality, Variable
 
 
+def _inherited(cls: type, kind: type) -> dict[str, Any]:
+    """Attributes that are instances of `kind`, or subclasses of it, by name: those of base classes and mix-ins first.
+
+    A name that is declared again keeps its place; one that is set to something else, such as None, is gone.
+    """
+    merged: dict[str, Any] = {}
+    for base in reversed(cls.__mro__):
+        for name, value in vars(base).items():
+            if isinstance(value, kind) or (isinstance(value, type) and issubclass(value, kind)):
+                merged[name] = value
+            else:
+                merged.pop(name, None)
+    return merged
+
+
 def _declared(cls: type) -> tuple[Variable, ...]:
-    return tuple(v for v in vars(cls).values() if isinstance(v, Variable))
+    return tuple(_inherited(cls, Variable).values())
 
 
 def _values_type(owner: type, fields: Iterable[str]) -> type:
@@ -52,7 +67,7 @@ class Effect:
     Values: ClassVar[Any]
 
     def __init_subclass__(cls) -> None:
-        cls.variables = tuple({v.name: v for base in reversed(cls.__mro__) for v in _declared(base)}.values())
+        cls.variables = _declared(cls)
         ports = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
         cls.Values = _values_type(cls, ports + [v.name for v in cls.variables if v.causality is Causality.PARAMETER] or ["on"])
 
@@ -68,7 +83,10 @@ class Preset:
 
 
 class Component:
-    """Base of all components; see the module's docstring for the order of calls."""
+    """Base of all components; see the module's docstring for the order of calls.
+
+    Variables, effects and presets are inherited from base classes and mix-ins, by the method resolution order.
+    """
 
     title: ClassVar[str] = ""
     system: ClassVar[str] = ""
@@ -85,7 +103,8 @@ class Component:
 
     def __init_subclass__(cls) -> None:
         cls.own_variables = _declared(cls)
-        cls.effects = {n: e for n, e in vars(cls).items() if isinstance(e, type) and issubclass(e, Effect)}
+        cls.effects = _inherited(cls, Effect)
+        cls.presets = {n: p for base in reversed(cls.__mro__) for n, p in vars(base).get("presets", {}).items()}
         cls.variables = {s.name: s for v in cls.own_variables for s in v.scalars}
         for name, effect in cls.effects.items():
             cls.variables |= {s.name: s for v in effect.variables for s in _prefixed(v, name).scalars}

@@ -44,7 +44,21 @@ class ShaftFriction(Effect):
     stuck = output("1", "1 while the shaft stands, 0 while it turns")
 
 
-class ServoMotor(EventComponent):
+class MotorParameters:
+    """Winding, gear and inertias of a motor, for its own unit and for drives that contain such motors."""
+
+    inductance = Inductance
+
+    resistance = parameter(2.3, "Ohm", "resistance of the winding", low=1e-9)
+    constant = parameter(23.4e-3, "N.m/A", "torque of the motor per current, the same number as voltage per rate", low=0.0,
+                         nominal=0.01)
+    gear_ratio = parameter(19.0, "1", "turns of the motor per turn of the wheel; negative: against it", nominal=10.0)
+    rotor_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the rotor, at the motor's shaft", low=0.0, nominal=1e-6)
+    wheel_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the wheel and the gear's last shaft", low=1e-15, nominal=1e-6)
+    damping = parameter(1e-7, "N.m.s/rad", "viscous damping at the motor's shaft", low=0.0, nominal=1e-6)
+
+
+class ServoMotor(MotorParameters, EventComponent):
     """A DC motor with constant field, a gear, and a wheel on the gear's shaft; w is the rate of the wheel, N the gear ratio.
 
         L i' = V - R i - k N w
@@ -60,17 +74,9 @@ class ServoMotor(EventComponent):
     system = "drives"
     default_stop = 0.5
 
-    inductance = Inductance
     saturation = Saturation
     shaft_friction = ShaftFriction
 
-    resistance = parameter(2.3, "Ohm", "resistance of the winding", low=1e-9)
-    constant = parameter(23.4e-3, "N.m/A", "torque of the motor per current, the same number as voltage per rate", low=0.0,
-                         nominal=0.01)
-    gear_ratio = parameter(19.0, "1", "turns of the motor per turn of the wheel; negative: against it", nominal=10.0)
-    rotor_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the rotor, at the motor's shaft", low=0.0, nominal=1e-6)
-    wheel_inertia = parameter(1e-6, "kg.m2", "moment of inertia of the wheel and the gear's last shaft", low=1e-15, nominal=1e-6)
-    damping = parameter(1e-7, "N.m.s/rad", "viscous damping at the motor's shaft", low=0.0, nominal=1e-6)
     start_angle = parameter(0.0, "rad", "angle of the wheel at the start")
     start_rate = parameter(0.0, "rad/s", "rate of the wheel at the start")
     substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)

@@ -6,26 +6,19 @@ import math
 
 import numpy as np
 
-from ..core.component import Effect
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.integrators import RK4_STABILITY_RADIUS, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output
 from ..drives import servo_motor
-from ..drives.servo_motor import Inductance, ServoMotor, shaft_inertia
+from ..drives.servo_motor import MotorParameters, shaft_inertia
 from .sleeve import (
     FEED,
     FEED_RATE,
     GUARDS,
     ROTATION,
     ROTATION_RATE,
-    ExactSlip,
-    Gravity,
-    LuGreSlip,
-    PreloadLoss,
-    SmoothedSlip,
-    TrocarFriction,
     contact_outputs,
     contacts,
     seal_place,
@@ -38,23 +31,26 @@ from .sleeve import (
     stuck_outputs,
     wheel_loads,
 )
-from .wheels import FrictionWheels, refuse_idle
+from .wheels import FrictionWheels, SleeveDeclarations, refuse_idle
 
 RATES, CURRENTS = 2, 4  # behind the motors' place in the state: two angles, two rates, two currents; at last two modes
 
 
-class ShaftFriction(Effect):
+class ShaftFriction(servo_motor.ShaftFriction):
     """Dry friction of both motors' bearings and gears with exact standstill, as in the motor's unit."""
 
-    level = servo_motor.ShaftFriction.level
-    static_ratio = servo_motor.ShaftFriction.static_ratio
-    gear_loss = servo_motor.ShaftFriction.gear_loss
-
+    stuck = None  # there are two
     first_stuck = output("1", "1 while the first shaft stands, 0 while it turns")
     second_stuck = output("1", "1 while the second shaft stands, 0 while it turns")
 
 
-class FrictionDrive(EventComponent):
+class MotorDeclarations(MotorParameters):
+    """Effects and parameters of both motors."""
+
+    shaft_friction = ShaftFriction
+
+
+class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
     """Two equal servo motors whose wheels move a sleeve by friction: what `ServoMotor`, twice, and `FrictionWheels` couple to.
 
     Equations and numbers are theirs, solved as one: the reference for the split. Slip is between states here, so that the
@@ -66,36 +62,6 @@ class FrictionDrive(EventComponent):
     title = "Friction-wheel drive, whole"
     system = "friction_drive"
     guards_count = GUARDS + 2
-
-    inductance = Inductance
-    shaft_friction = ShaftFriction
-    smoothed_slip = SmoothedSlip
-    lugre_slip = LuGreSlip
-    exact_slip = ExactSlip
-    trocar_friction = TrocarFriction
-    gravity = Gravity
-    preload_loss = PreloadLoss
-
-    resistance = ServoMotor.resistance
-    constant = ServoMotor.constant
-    gear_ratio = ServoMotor.gear_ratio
-    rotor_inertia = ServoMotor.rotor_inertia
-    wheel_inertia = ServoMotor.wheel_inertia
-    damping = ServoMotor.damping
-    layout = FrictionWheels.layout
-    angle = FrictionWheels.angle
-    wheel_radius = FrictionWheels.wheel_radius
-    sleeve_radius = FrictionWheels.sleeve_radius
-    mass = FrictionWheels.mass
-    inertia = FrictionWheels.inertia
-    normal_force = FrictionWheels.normal_force
-    friction = FrictionWheels.friction
-    creep = FrictionWheels.creep
-    start_feed = FrictionWheels.start_feed
-    start_rotation = FrictionWheels.start_rotation
-    start_feed_rate = FrictionWheels.start_feed_rate
-    start_rotation_rate = FrictionWheels.start_rotation_rate
-    substep = FrictionWheels.substep
 
     first_voltage = input_(0.0, "V", "voltage of the first motor", nominal=10.0)
     second_voltage = input_(0.0, "V", "voltage of the second motor", nominal=10.0)

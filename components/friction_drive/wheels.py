@@ -38,23 +38,8 @@ from .sleeve import (
 FIRST, SECOND, BOTH = ("first_rate",), ("second_rate",), ("first_rate", "second_rate")
 
 
-class FrictionWheels(EventComponent):
-    """A sleeve with two degrees of freedom, feed z and rotation phi, and two wheels that are pressed on it.
-
-        s_k = (z', r phi') - R w_k t_k,    t_k = (cos a_k, sin a_k)
-        m z'' = sum of Q_k along + F,    J phi'' = r sum of Q_k around + M,    load of wheel k = R Q_k . t_k
-
-    s_k: slip, Q_k: force of wheel k on the sleeve, against the slip. With plain wheels it has both components, with free rollers
-    (see kinematics.py) the one along t_k only. Without an effect of friction the contacts creep: Q = -creep s, without a limit;
-    one of `smoothed_slip`, `lugre_slip` and `exact_slip` gives them one, friction * normal_force, whatever the direction.
-
-    Frączak (2013), known to us by its abstract, has friction wheels that move a laparoscope's sleeve in two degrees of freedom;
-    equations, layouts and numbers are ours, of the size that instrument has. The wheels' inertia belongs to their motors.
-    """
-
-    title = "Friction wheels and sleeve"
-    system = "friction_drive"
-    guards_count = GUARDS
+class SleeveDeclarations:
+    """Effects and parameters of wheels and sleeve, for the wheels' unit and for the whole drive."""
 
     smoothed_slip = SmoothedSlip
     lugre_slip = LuGreSlip
@@ -77,6 +62,25 @@ class FrictionWheels(EventComponent):
     start_feed_rate = parameter(0.0, "m/s", "rate of feed at the start")
     start_rotation_rate = parameter(0.0, "rad/s", "rate of rotation at the start")
     substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+
+class FrictionWheels(SleeveDeclarations, EventComponent):
+    """A sleeve with two degrees of freedom, feed z and rotation phi, and two wheels that are pressed on it.
+
+        s_k = (z', r phi') - R w_k t_k,    t_k = (cos a_k, sin a_k)
+        m z'' = sum of Q_k along + F,    J phi'' = r sum of Q_k around + M,    load of wheel k = R Q_k . t_k
+
+    s_k: slip, Q_k: force of wheel k on the sleeve, against the slip. With plain wheels it has both components, with free rollers
+    (see kinematics.py) the one along t_k only. Without an effect of friction the contacts creep: Q = -creep s, without a limit;
+    one of `smoothed_slip`, `lugre_slip` and `exact_slip` gives them one, friction * normal_force, whatever the direction.
+
+    Frączak (2013), known to us by its abstract, has friction wheels that move a laparoscope's sleeve in two degrees of freedom;
+    equations, layouts and numbers are ours, of the size that instrument has. The wheels' inertia belongs to their motors.
+    """
+
+    title = "Friction wheels and sleeve"
+    system = "friction_drive"
+    guards_count = GUARDS
 
     first_rate = input_(0.0, "rad/s", "rate of the first wheel", nominal=10.0)
     second_rate = input_(0.0, "rad/s", "rate of the second wheel", nominal=10.0)

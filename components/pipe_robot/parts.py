@@ -7,11 +7,33 @@ import math
 import numpy as np
 
 from ..core.component import Effect
+from ..core.events import EventComponent
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import kernel
 from ..core.variables import input_, output, parameter
 
 FASTEST_PHASE = 1.0  # rad in a substep, above which an excitation is not followed
+
+
+class ShakenRobot(EventComponent):
+    """A body in a pipe and in it an inner mass on a spring, shaken along the pipe."""
+
+    system = "pipe_robot"
+    default_stop = 10.0
+
+    body_mass = parameter(1.0, "kg", "mass of the body", low=1e-9)
+    inner_mass = parameter(0.5, "kg", "mass on the spring", low=1e-9)
+    stiffness = parameter(2000.0, "N/m", "stiffness of the spring", low=1e-9)
+    damping = parameter(5.0, "N.s/m", "damping between body and inner mass", low=0.0)
+    start_position = parameter(0.0, "m", "position of the body at the start")
+    start_velocity = parameter(0.0, "m/s", "velocity of body and inner mass at the start")
+    start_stretch = parameter(0.0, "m", "way of the inner mass from where it hangs, at the start")
+    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    position = output("m", "position of the body")
+    velocity = output("m/s", "velocity of the body")
+    inner_position = output("m", "position of the inner mass, unstretched that of the body")
+    inner_velocity = output("m/s", "velocity of the inner mass")
 
 
 class HarmonicForce(Effect):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..core.component import Preset
 from ..core.errors import BadInput, StepFailed
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.friction import directed_mode
 from ..core.integrators import rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
@@ -26,7 +26,7 @@ from .contact import (
     friction_on_body,
 )
 from .exciters import HarmonicExciter, PrescribedMotion, Unbalance
-from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, Tow, fastest_eigenvalue, hanging_stretch, limit_of
+from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, ShakenRobot, Tow, fastest_eigenvalue, hanging_stretch, limit_of
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -56,7 +56,7 @@ class Route(PipeSlope):
     largest_factor = parameter(1.5, "1", "factor of friction beyond which a run fails; it sets the stable step", low=0.0)
 
 
-class PipeRobot(EventComponent):
+class PipeRobot(ShakenRobot):
     """A body braced in a pipe by inclined elastic elements, and in it an inner mass on a spring that is shaken along the pipe.
 
         m1 x1'' = f - R - m1 g sin(slope) + tow,    m2 x2'' = -f - m2 g sin(slope)
@@ -73,8 +73,6 @@ class PipeRobot(EventComponent):
     """
 
     title = "Pipe robot with inclined elastic elements"
-    system = "pipe_robot"
-    default_stop = 10.0
 
     harmonic_force = HarmonicExciter
     prescribed_motion = PrescribedMotion
@@ -86,22 +84,10 @@ class PipeRobot(EventComponent):
     tow = Tow
     route = Route
 
-    body_mass = parameter(1.0, "kg", "mass of the body", low=1e-9)
-    inner_mass = parameter(0.5, "kg", "mass on the spring", low=1e-9)
-    stiffness = parameter(2000.0, "N/m", "stiffness of the spring", low=1e-9)
-    damping = parameter(5.0, "N.s/m", "damping between body and inner mass", low=0.0)
     forward_friction = parameter(2.0, "N", "kinetic friction against motion forwards", low=0.0)
     backward_friction = parameter(8.0, "N", "kinetic friction against motion backwards", low=0.0)
     static_ratio = parameter(1.0, "1", "static over kinetic friction, without smoothed_friction", low=1.0)
-    start_position = parameter(0.0, "m", "position of the body at the start")
-    start_velocity = parameter(0.0, "m/s", "velocity of body and inner mass at the start")
-    start_stretch = parameter(0.0, "m", "way of the inner mass from where it hangs, at the start")
-    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
-    position = output("m", "position of the body")
-    velocity = output("m/s", "velocity of the body")
-    inner_position = output("m", "position of the inner mass, unstretched that of the body")
-    inner_velocity = output("m/s", "velocity of the inner mass")
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
     mode = output("1", "1 sliding forwards, -1 backwards, 0 at rest")
     exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=(*FORCES, "unbalance.torque"))

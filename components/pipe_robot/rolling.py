@@ -8,11 +8,11 @@ import numpy as np
 
 from ..core.component import Preset
 from ..core.errors import StepFailed
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.friction import directed_friction, directed_guard, directed_mode, directed_switch
 from ..core.kernels import NOT_FINITE, bind, kernel
 from ..core.variables import input_, integer, output, parameter
-from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, Tow, fastest_eigenvalue, limit_of
+from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, fastest_eigenvalue, limit_of
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -34,7 +34,7 @@ SOFTEST = 0.2  # of the free diameter, pressed in, beyond which the small deflec
 FORCES = ("diameter", "taper", "harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
 
 
-class RollingPipeRobot(EventComponent):
+class RollingPipeRobot(ShakenRobot):
     """A body on elastic rings that the pipe presses in; at each end of the pressed diameter a roller on a one-way bearing.
 
         N = EI / ((pi / 4 - 2 / pi) R³) (2 R - D)            force of a ring on either roller, D: diameter of the pipe
@@ -50,17 +50,12 @@ class RollingPipeRobot(EventComponent):
     """
 
     title = "Pipe robot on elastic rings with one-way rollers"
-    system = "pipe_robot"
-    default_stop = 10.0
 
     harmonic_force = HarmonicForce
     tow = Tow
     route = PipeSlope
 
     body_mass = parameter(1.0, "kg", "mass of the body with its rings, without turning of rollers", low=1e-9)
-    inner_mass = parameter(0.5, "kg", "mass on the spring", low=1e-9)
-    stiffness = parameter(2000.0, "N/m", "stiffness of the spring", low=1e-9)
-    damping = parameter(5.0, "N.s/m", "damping between body and inner mass", low=0.0)
     rings = integer(2, "number of rings", low=1)
     free_diameter = parameter(0.204, "m", "diameter of a ring over its rollers without load", low=1e-6)
     bending_stiffness = parameter(0.2, "N.m2", "EI of the strip of a ring", low=0.0)
@@ -68,18 +63,10 @@ class RollingPipeRobot(EventComponent):
     friction = parameter(0.4, "1", "coefficient of friction of a locked roller", low=0.0)
     roller_inertia = parameter(2e-6, "kg.m2", "moment of inertia of a roller", low=0.0)
     roller_radius = parameter(0.01, "m", "radius of a roller", low=1e-9)
-    start_position = parameter(0.0, "m", "position of the body at the start")
-    start_velocity = parameter(0.0, "m/s", "velocity of body and inner mass at the start")
-    start_stretch = parameter(0.0, "m", "way of the inner mass from where it hangs, at the start")
-    substep = parameter(5e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
     diameter = input_(0.2, "m", "diameter of the pipe", nominal=1e-3)
     taper = input_(0.0, "1", "growth of the diameter along the pipe", nominal=1e-2)
 
-    position = output("m", "position of the body")
-    velocity = output("m/s", "velocity of the body")
-    inner_position = output("m", "position of the inner mass, unstretched that of the body")
-    inner_velocity = output("m/s", "velocity of the inner mass")
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
     mode = output("1", "1 rolling forwards, -1 sliding backwards, 0 at rest")
     exciter_power = output("W", "power that the exciter gives", nominal=10.0, feedthrough=("harmonic_force.amplitude",))

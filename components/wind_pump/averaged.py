@@ -6,12 +6,19 @@ import math
 
 import numpy as np
 
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
-from ..core.variables import input_, output, parameter
+from ..core.variables import output, parameter
 from .driven_shaft import (
-    MeshFriction,
+    DISSIPATION_OUT,
+    DRIVING_OUT,
+    LOAD,
+    RATIO_OUT,
+    SPEED_OUT,
+    TURBINE_OUT,
+    TURBINE_SPEED,
+    Transmission,
     mesh_loss,
     shaft_acceleration,
     shaft_guard,
@@ -21,7 +28,7 @@ from .driven_shaft import (
 )
 
 
-class AveragedConverter(EventComponent):
+class AveragedConverter(Transmission):
     """The mean torque of `InertialConverter` with rigid clutches, at the crank's speed w1 = n w_t and the driven shaft's w:
 
         T2 = k1 w1² - k2 w1 w,  T1 = n T2 w / w1 = n (k1 w1 - k2 w) w,  k1 = 2/pi rho m a b r,  k2 = 2/pi rho² (m b² + m_y)
@@ -35,11 +42,7 @@ class AveragedConverter(EventComponent):
     """
 
     title = "Inertial converter in the mean over a revolution"
-    system = "wind_pump"
     default_step = 5e-2
-    default_stop = 60.0
-
-    mesh_friction = MeshFriction
 
     gear_ratio = parameter(6.0, "1", "speed of the crank over that of the turbine", low=1e-3)
     crank_radius = parameter(0.05, "m", "radius of the crank", low=1e-6)
@@ -49,19 +52,11 @@ class AveragedConverter(EventComponent):
     clutch_arm = parameter(0.05, "m", "arm at which the slider turns the clutches", low=1e-6)
     driven_inertia = parameter(1.0, "kg.m2", "moment of inertia of the driven shaft and what it turns", low=1e-9)
     driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
-    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
     largest_turbine_speed = parameter(50.0, "rad/s", "turbine speed beyond which a run fails; it sets the stable step", low=1e-3)
     substep = parameter(2e-2, "s", "longest internal step", low=1e-9, high=10.0)
 
-    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
-    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
-
-    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
-    speed = output("rad/s", "speed of the driven shaft")
     driving_torque = output("N.m", "mean torque of the clutches on the driven shaft", nominal=10.0,
                             feedthrough=("turbine_speed",))
-    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
-                   feedthrough=("turbine_speed",))
     dissipation = output("W", "power lost in bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
 
     def coefficients(self) -> tuple[float, float]:
@@ -85,10 +80,6 @@ class AveragedConverter(EventComponent):
         return RK4_STABILITY_RADIUS * p.driven_inertia / (slope + p.driven_damping)
 
 
-TURBINE_SPEED, LOAD = AveragedConverter.input_indices("turbine_speed", "load_torque")
-TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = AveragedConverter.output_indices(
-    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
-)
 SPEED, MODE = 0, 1
 
 

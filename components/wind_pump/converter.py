@@ -19,11 +19,22 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
 from ..core.variables import input_, output, parameter
-from .driven_shaft import STANDING, TURNING, MeshFriction, mesh_loss, shaft_acceleration, shaft_guard, speed_ratio, switched_shaft
+from .driven_shaft import (
+    LOAD,
+    STANDING,
+    TURBINE_SPEED,
+    TURNING,
+    Transmission,
+    mesh_loss,
+    shaft_acceleration,
+    shaft_guard,
+    speed_ratio,
+    switched_shaft,
+)
 from .lever import engaged_lever, free_lever, joint_forces, locked_lever
 
 TWIST, ANGLE, RATE, SLIDER, VELOCITY, SPEED, MODE = range(7)  # of the state
@@ -72,7 +83,7 @@ class Stresses(Effect):
     lever_angle = output("rad", "angle of the lever, which the equations take as small", nominal=0.1)
 
 
-class InertialConverter(EventComponent):
+class InertialConverter(Transmission):
     """Transmission with an oscillating lever and two opposed one-way clutches, in full.
 
     The turbine's speed w_t turns the crank through a gear of ratio n and a compliant shaft, T = k theta + c theta',
@@ -91,12 +102,9 @@ class InertialConverter(EventComponent):
     """
 
     title = "Inertial converter with a floating lever and one-way clutches"
-    system = "wind_pump"
-    default_step = 1e-2
     default_stop = 10.0
     guards_count = 2
 
-    mesh_friction = MeshFriction
     compliant_clutches = CompliantClutches
     stresses = Stresses
 
@@ -110,19 +118,15 @@ class InertialConverter(EventComponent):
     slider_mass = parameter(0.25, "kg", "mass of the guided end of the lever", low=0.0)
     clutch_arm = parameter(0.05, "m", "arm at which the slider turns the clutches", low=1e-6)
     driven_inertia = parameter(1.0, "kg.m2", "moment of inertia of the driven shaft and what it turns", low=1e-9)
-    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
     start_angle = parameter(0.0, "rad", "angle of the crank at the start")
     substep = parameter(2e-3, "s", "longest internal step; the crank may turn 0.3 rad in it", low=1e-9, high=1.0)
 
     turbine_speed = input_(0.0, "rad/s", "speed of the turbine", nominal=3.0)
-    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
 
     turbine_torque = output("N.m", "torque that brakes the turbine", nominal=100.0, feedthrough=("turbine_speed",))
     speed = output("rad/s", "speed of the driven shaft", nominal=3.0)
     driving_torque = output("N.m", "torque of the clutches on the driven shaft", nominal=10.0,
                             feedthrough=("turbine_speed", "load_torque"))
-    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
-                   feedthrough=("turbine_speed",))
     dissipation = output("W", "power lost in the gear, in the input shaft's damping and in slipping clutches", nominal=10.0,
                          feedthrough=("turbine_speed",))
     crank_speed = output("rad/s", "speed of the crank", nominal=20.0)
@@ -166,9 +170,6 @@ class InertialConverter(EventComponent):
             slip = clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
             fastest += slip  # no less than the largest eigenvalue of both together
         return RK4_STABILITY_RADIUS / fastest
-
-
-TURBINE_SPEED, LOAD = InertialConverter.input_indices("turbine_speed", "load_torque")
 
 
 @kernel

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
+from ..core.events import EventComponent
 from ..core.kernels import kernel
-from ..core.variables import parameter
+from ..core.variables import input_, output, parameter
 
 STANDING, TURNING = 0.0, 1.0
 SLOWEST = 1e-6  # rad/s, a turbine slower than that stands, for what is divided by its speed
@@ -23,6 +24,33 @@ class MeshFriction(Effect):
 
     coefficient = parameter(0.03, "1", "lost share of the torque; a choice of ours", low=0.0, high=1.0)
     width = parameter(0.01, "rad/s", "turbine speed over which the friction changes sign", low=1e-9)
+
+
+class Transmission(EventComponent):
+    """Between turbine and pump: turbine's speed and load in, torque on the turbine and speed of the driven shaft out."""
+
+    system = "wind_pump"
+    default_step = 1e-2
+    default_stop = 60.0
+
+    mesh_friction = MeshFriction
+
+    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
+
+    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
+    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
+
+    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
+    speed = output("rad/s", "speed of the driven shaft")
+    driving_torque = output("N.m", "torque of the transmission on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",))
+    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
+                   feedthrough=("turbine_speed",))
+    dissipation = output("W", "power lost in shaft, bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
+
+
+TURBINE_SPEED, LOAD = Transmission.input_indices("turbine_speed", "load_torque")
+TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = Transmission.output_indices(
+    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation")
 
 
 @kernel

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import bind, kernel
-from ..core.variables import input_, output, parameter
+from ..core.variables import parameter
 from .driven_shaft import (
-    MeshFriction,
+    DISSIPATION_OUT,
+    DRIVING_OUT,
+    LOAD,
+    RATIO_OUT,
+    SPEED_OUT,
+    TURBINE_OUT,
+    TURBINE_SPEED,
+    Transmission,
     mesh_loss,
     shaft_acceleration,
     shaft_guard,
@@ -19,7 +26,7 @@ from .driven_shaft import (
 )
 
 
-class FixedTransmission(EventComponent):
+class FixedTransmission(Transmission):
     """Gear of ratio i = pump speed / turbine speed, a compliant shaft behind it, and the driven shaft with what turns on it.
 
         theta' = i w_t - w,    T = k theta + c theta',    T1 = i T,    J w' = T - T_load - b w
@@ -29,29 +36,14 @@ class FixedTransmission(EventComponent):
     """
 
     title = "Transmission of fixed ratio with a compliant shaft"
-    system = "wind_pump"
-    default_step = 1e-2
-    default_stop = 60.0
-
-    mesh_friction = MeshFriction
 
     gear_ratio = parameter(1.0, "1", "speed of the pump over that of the turbine", low=1e-3)
     stiffness = parameter(2000.0, "N.m/rad", "stiffness of the shaft", low=1e-3)
     shaft_damping = parameter(5.0, "N.m.s/rad", "damping of the shaft", low=0.0)
     driven_inertia = parameter(0.5, "kg.m2", "moment of inertia of the driven shaft and what turns on it", low=1e-9)
     driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
-    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
     substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
 
-    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
-    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
-
-    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
-    speed = output("rad/s", "speed of the driven shaft")
-    driving_torque = output("N.m", "torque of the transmission on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",))
-    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
-                   feedthrough=("turbine_speed",))
-    dissipation = output("W", "power lost in shaft, bearings and gear", nominal=10.0, feedthrough=("turbine_speed",))
 
     def initial_state(self) -> np.ndarray:
         """Twist, speed, mode: the shaft relaxed, its speed as given."""
@@ -71,10 +63,6 @@ class FixedTransmission(EventComponent):
         return RK4_STABILITY_RADIUS / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
 
 
-TURBINE_SPEED, LOAD = FixedTransmission.input_indices("turbine_speed", "load_torque")
-TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT = FixedTransmission.output_indices(
-    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation"
-)
 TWIST, SPEED, MODE = 0, 1, 2
 
 

@@ -8,13 +8,20 @@ import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.events import EventComponent, rk4_events
+from ..core.events import rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
 from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel, kernel_tuple
-from ..core.variables import choice, input_, output, parameter
+from ..core.variables import choice, output, parameter
 from .driven_shaft import (
-    MeshFriction,
+    DISSIPATION_OUT,
+    DRIVING_OUT,
+    LOAD,
+    RATIO_OUT,
+    SPEED_OUT,
+    TURBINE_OUT,
+    TURBINE_SPEED,
+    Transmission,
     mesh_loss,
     shaft_acceleration,
     shaft_guard,
@@ -44,7 +51,7 @@ class CentrifugalBrake(Effect):
     largest_speed = parameter(50.0, "rad/s", "speed of the third shaft beyond which a run fails; sets the stable step", low=1e-3)
 
 
-class PlanetaryTransmission(EventComponent):
+class PlanetaryTransmission(Transmission):
     """Gear set without inertia: on one shaft the turbine, through a compliant one, on another the pump, on the third a brake.
 
         Willis     w_s + k w_r = (1 + k) w_c,        T_s : T_r : T_c = 1 : k : -(1 + k),        k = teeth of ring / teeth of sun
@@ -61,12 +68,8 @@ class PlanetaryTransmission(EventComponent):
     """
 
     title = "Planetary transmission with a braked third shaft"
-    system = "wind_pump"
-    default_step = 1e-2
-    default_stop = 60.0
     guards_count = 2
 
-    mesh_friction = MeshFriction
     dry_brake = DryBrake
     centrifugal_brake = CentrifugalBrake
 
@@ -79,17 +82,9 @@ class PlanetaryTransmission(EventComponent):
     driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
     third_inertia = parameter(0.05, "kg.m2", "moment of inertia of the third shaft", low=1e-9)
     third_damping = parameter(5.0, "N.m.s/rad", "viscous brake of the third shaft", low=0.0)
-    start_speed = parameter(0.0, "rad/s", "speed of the driven shaft at the start", low=0.0)
     substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
 
-    turbine_speed = input_(0.0, "rad/s", "speed of the turbine")
-    load_torque = input_(0.0, "N.m", "torque that brakes the driven shaft", nominal=10.0)
-
-    turbine_torque = output("N.m", "torque that brakes the turbine", nominal=10.0, feedthrough=("turbine_speed",))
-    speed = output("rad/s", "speed of the driven shaft")
     driving_torque = output("N.m", "torque of the gear on the driven shaft", nominal=10.0, feedthrough=("turbine_speed",))
-    ratio = output("1", "speed of the driven shaft over that of the turbine; 0 while the turbine stands",
-                   feedthrough=("turbine_speed",))
     dissipation = output("W", "power lost in shafts, gear and brake", nominal=10.0, feedthrough=("turbine_speed",))
     third_speed = output("rad/s", "speed of the third shaft")
     third_torque = output("N.m", "torque of the brake against the third shaft", nominal=10.0, feedthrough=("turbine_speed",))
@@ -154,10 +149,7 @@ class Gear(NamedTuple):
     third_damping: float
 
 
-TURBINE_SPEED, LOAD = PlanetaryTransmission.input_indices("turbine_speed", "load_torque")
-TURBINE_OUT, SPEED_OUT, DRIVING_OUT, RATIO_OUT, DISSIPATION_OUT, THIRD_OUT, BRAKE_OUT = PlanetaryTransmission.output_indices(
-    "turbine_torque", "speed", "driving_torque", "ratio", "dissipation", "third_speed", "third_torque"
-)
+THIRD_OUT, BRAKE_OUT = PlanetaryTransmission.output_indices("third_speed", "third_torque")
 TWIST, SPEED, THIRD, MODE, SLIP = 0, 1, 2, 3, 4
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE
-from cosimo.components.core.component import Component, Effect
+from cosimo.components.core.component import Component, Effect, Preset
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import choice, input_, integer, output, parameter
 from cosimo.components.railway.catenary import Catenary
@@ -69,6 +69,41 @@ def test_declaration_order_and_arrays():
     assert sail._asdict() == {"y": 1}
     assert Boat(["rain"])._declared_arguments()[-1]._asdict() == {"on": True}
     assert rain is None
+
+
+class Rig:
+    """Test mix-in: what a component without it has not."""
+
+    sail = Sail
+    mast = parameter((3.0, 4.0), "m", "height of a mast of the rig", size=2)
+    drift = output("m", "drift of the rig")
+
+
+class Ketch(Rig, Boat):
+    """Test component that inherits from a component and a mix-in, declares a variable anew and drops one."""
+
+    mass = parameter(8.0, "kg", "mass of the ketch", low=1.0, high=10.0)
+    crew = None
+    heel = output("rad", "angle of heel")
+    presets = {"heavy": Preset({"mass": 10.0}, "a choice", "computed")}
+
+
+class Yawl(Ketch):
+    """Test component that inherits all it has."""
+
+    presets = {"light": Preset({"mass": 1.0}, "a choice", "computed")}
+
+
+def test_variables_effects_and_presets_are_inherited_in_the_order_of_method_resolution():
+    yawl = Yawl(["wind", "sail"], preset="heavy")
+    assert list(yawl.parameters) == ["mass", "mast[1]", "mast[2]", "hull", "wind.speed"]
+    assert (yawl["mass"], yawl["mast[1]"]) == (10.0, 3.0)
+    assert yawl.outputs == ("drift", "heel", "sail.pull")
+    assert Yawl.variables["drift"].text == "drift of the rig"
+    assert list(Yawl.effects) == list(Boat.effects)
+    assert Yawl.Values._fields == ("mass", "mast", "hull")
+    assert list(Yawl.presets) == ["heavy", "light"]
+    assert list(Boat.variables) != list(Yawl.variables)
 
 
 def test_off_is_absent():
