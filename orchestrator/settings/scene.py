@@ -65,7 +65,7 @@ class SceneSettings(Model):
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     sweep: Sweep = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
-    analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/analysis/keys.py")
+    analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/harness/keys.py")
     study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())

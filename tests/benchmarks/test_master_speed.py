@@ -34,8 +34,7 @@ def rates(tmp_path_factory):
     found, reached = {}, {}
     for _ in range(TURNS):
         for who, python in PEERS.items():
-            done = subprocess.run([python, HERE / "peers.py", who, *fmus, str(STEPS)], capture_output=True, text=True,
-                                  cwd=HERE.parent.parent, env={**os.environ, "PYTHONPATH": str(HERE.parent.parent)})
+            done = subprocess.run([python, HERE / "peers.py", who, *fmus, str(STEPS)], capture_output=True, text=True)
             if done.returncode == 0 and done.stdout.strip():
                 rate, place = done.stdout.split()[-2:]
                 found[who], reached[who] = max(found.get(who, 0.0), float(rate)), float(place)

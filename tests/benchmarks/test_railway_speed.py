@@ -101,7 +101,7 @@ def test_cost_over_the_number_of_spans():
 
 def test_memory_of_sixty_spans():
     # ru_maxrss would not do: a process inherits it from the one that started it
-    program = ("from orchestrator.run import run; from orchestrator.scene import load_scene\n"
+    program = ("from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import load_scene\n"
                "s = load_scene('en50318-2002').with_changes({'units.catenary.parameters.spans': 60, 'stop_time': 1.0})\n"
                "assert run(s).outcome == 'done'\n"
                "print(next(line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')))")

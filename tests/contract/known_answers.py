@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 HERE = "tests/contract/test_effect_sizes.py::test_"
-OWN = "tests/components/"
+OWN = "tests/systems/"
 
 
 def _in(file: str, **tests: str) -> dict[str, str]:
@@ -46,7 +46,7 @@ KNOWN: dict[str, dict[str, str]] = {
         **_in("bearings/test_ball_bearing.py", **dict.fromkeys(BY_EQUATIONS, "the_equations_are_those_of_the_docstring"),
               inner_waviness="waves_of_a_race_shake_the_shaft_at_the_known_lines",
               outer_waviness="waves_of_a_race_shake_the_shaft_at_the_known_lines"),
-        "given_start": "tests/components/bearings/test_ball_bearing.py::test_restitution_of_the_contact_damping",
+        "given_start": "tests/systems/bearings/test_ball_bearing.py::test_restitution_of_the_contact_damping",
     },
     "DimensionlessBallBearing": _in(
         "bearings/test_ball_bearing.py",

@@ -105,7 +105,7 @@ doubled(1)
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
 def test_processes_that_compile_one_kernel_at_once_do_not_get_each_others_code(tmp_path):
     (tmp_path / "doubled.py").write_text(
-        "from components.core.kernels import kernel\n\n\n@kernel\ndef doubled(x):\n    return x + x\n")
+        "from cosimo.components.core.kernels import kernel\n\n\n@kernel\ndef doubled(x):\n    return x + x\n")
     other = tmp_path / "other.py"
     other.write_text(TWICE)
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}

@@ -17,7 +17,6 @@ from fmpy.fmi2 import (
 
 OK, DISCARD = 0, 2
 HERE = Path(__file__).parent
-TOP = HERE.parent.parent
 
 
 class Driven:
@@ -67,8 +66,7 @@ class Driven:
 
 def run_script(text, *arguments, **environment):
     """The lines a Python script prints, run in a process of its own; a crash or a failed assertion fails the test."""
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(TOP), str(HERE)])} | environment
     command = [sys.executable, "-c", text, *map(str, arguments)]
-    done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=300)
+    done = subprocess.run(command, env=os.environ | environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, f"exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout.splitlines()
