@@ -10,7 +10,7 @@ from dataclasses import asdict
 from functools import cache, partial
 from importlib.metadata import version
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from ..components.core.errors import StepFailed
@@ -88,7 +88,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
             observers.append(checkpoints)
         if progress:
             observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, past.t if past else 0.0)))
-        started, outcome, message = perf_counter(), "failed", ""
+        started, cpu, outcome, message = perf_counter(), process_time(), "failed", ""
         try:
             faults.before_start()
             (account or master).initialize(0.0)
@@ -100,7 +100,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
                 restore(past, master, loop, parts)
             if checkpoints is not None:
                 checkpoints.resumed(clock.seconds(loop.tick))
-            started = perf_counter()
+            started, cpu = perf_counter(), process_time()
             loop.run(observers)
             outcome = "done"
         except Runaway as error:
@@ -112,7 +112,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
             if checkpoints is not None and interrupt.taken:
                 checkpoints.write()
                 message += f". resume = {str(checkpoints.path)!r} goes on from there"
-        timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started}
+        timing = {"simulated": clock.seconds(loop.tick), "start": started - begin, "run": perf_counter() - started,
+                  "cpu": process_time() - cpu}
         info = _info(scene, coupling, units, master) | {"outcome": outcome, "message": message, "timing": timing}
         relative_errors = errors.relative
         messages = [*scene.remarks, *dict.fromkeys(str(w.message) for w in caught_warnings), *master.warnings(), *loop.warnings()]

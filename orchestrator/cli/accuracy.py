@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
-from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table, shown
+from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table, status_spinner
 
 if TYPE_CHECKING:
     from ..harness.studies.accuracy import Accuracy
@@ -35,18 +35,19 @@ def accuracy(
     What is found is kept for cosimo run --accuracy.
     """
     from ..harness.report.studies.accuracy import for_accuracy
+    from ..harness.studies.accuracy_table import write_points
     from ..results import made
 
     if budget is not None and not budget > 0.0:
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
     made(output)  # now, not after a long measurement
     kept: Path | None = None
-    with shown() as told:
+    with status_spinner() as on_message:
         if what.startswith(COMPONENT):
-            measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, told)
+            measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, on_message)
         else:
-            measured, kept = _of_scene(what, budget, stop, effects, values, told)
-    written = [measured.save(output), for_accuracy(measured, output), *([kept] if kept else [])]
+            measured, kept = _of_scene(what, budget, stop, effects, values, on_message)
+    written = [write_points(measured, output), for_accuracy(measured, output), *([kept] if kept else [])]
     if as_json:
         import json
 
@@ -57,15 +58,15 @@ def accuracy(
 
 
 def _alone(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
-           told: Callable[[str], None]) -> Accuracy:
-    from ..harness.studies.alone import BUDGET, alone
+           on_message: Callable[[str], None]) -> Accuracy:
+    from ..harness.studies.component_accuracy import BUDGET, component_accuracy
 
     on = tuple(listed("--effects", effects)) if effects else ()
-    return alone(name, on, parameters_of(values or []), stop=stop, budget=budget or BUDGET, told=told)
+    return component_accuracy(name, on, parameters_of(values or []), stop=stop, budget=budget or BUDGET, on_message=on_message)
 
 
 def _of_scene(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
-              told: Callable[[str], None]) -> tuple[Accuracy, Path]:
+              on_message: Callable[[str], None]) -> tuple[Accuracy, Path]:
     from ..harness.studies.accuracy import BUDGET
     from ..harness.studies.accuracy import accuracy as measure
     from ..harness.studies.fronts import keep, marked
@@ -77,37 +78,44 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
     changes |= {} if stop is None else {"stop_time": stop}
     scene = scene.with_changes(changes) if changes else scene
-    measured = marked(scene, measure(scene, budget=budget or BUDGET, told=told))
+    measured = marked(scene, measure(scene, budget=budget or BUDGET, on_message=on_message))
     return measured, keep(scene, measured)
 
 
 def summary(measured: Accuracy) -> dict[str, Any]:
     """The fronts as plain data."""
     return {
-        "name": measured.name, "reference": measured.how, "witness": measured.witness, "agreement": dict(measured.floor),
-        "machine": measured.machine, "versions": measured.versions,
-        "fronts": {cost: [{"line": p.line, "size": p.size, "changes": dict(p.changes), "error": p.error, "held": p.held,
-                           "seconds": p.seconds, "work": dict(p.work)} for p in measured.front(cost)]
+        "name": measured.name, "reference": measured.reference, "second_solution": measured.second_solution,
+        "shared_with_reference": measured.shares, "agreement": dict(measured.agreement), "mesh_error": dict(measured.mesh_error),
+        "machine": measured.machine, "versions": measured.versions, "calibration": measured.calibration,
+        "fronts": {cost: [{"series": p.series, "size": p.size, "changes": dict(p.changes), "error": p.error,
+                           "error_with_finer": p.error_with_finer, "seconds": p.seconds, "work": dict(p.work)}
+                          for p in measured.front(cost)]
                    for cost in ("seconds", "calls")},
         "outcomes": {o: sum(p.outcome == o for p in measured.points) for o in dict.fromkeys(p.outcome for p in measured.points)},
+        "refused_times": measured.refused_times,
     }
 
 
 def print_front(measured: Accuracy) -> None:
-    """The front over seconds, the setting as it is, and what the reference is worth."""
+    """The front over CPU time, the scene's own settings, and how well the reference is known."""
     from ..harness.studies.quantities import percent
 
     front, own = measured.front(), measured.own
     rows = [own, *(p for p in front if p is not own)]
-    print_table(f"{measured.title}: what accuracy costs", ("setting", "size", "error", "seconds", "calls", "front"), [
-        (p.line, f"{p.size:.3g}", percent(p.held), p.seconds, p.work.get("calls", ""),
+    print_table(f"{measured.title}: what accuracy costs", ("setting", "size", "error", "CPU time, s", "calls", "front"), [
+        (p.series, f"{p.size:.3g}", percent(p.error_with_finer), p.seconds, p.work.get("calls", ""),
          ", ".join(name for name, cost in (("time", "seconds"), ("work", "calls")) if p in measured.front(cost)))
         for p in rows
     ])
-    print(f"reference: {measured.how}; against {measured.witness}: they agree to {percent(measured.least)}")
+    print(f"reference: {measured.reference}; it shares {measured.shares} with the runs")
+    print(f"  its own error, part of every error above: {percent(max(measured.agreement.values()))} by {measured.second_solution}"
+          + (f", {percent(max(measured.mesh_error.values()))} of the mesh (Richardson)" if measured.mesh_error else ""))
     bad = [p for p in measured.points if p.outcome != "done"]
     for outcome in dict.fromkeys(p.outcome for p in bad):
         print(f"{sum(p.outcome == outcome for p in bad)} settings {outcome}")
+    if measured.refused_times:
+        print(f"{measured.refused_times} times refused, as no two measurements agree: the machine is busy, or throttles")
 
 
 def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
@@ -116,18 +124,20 @@ def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
     from ..harness.studies.fronts import choose, keep, known, why
     from ..harness.studies.quantities import percent
 
-    found = known(scene)
-    if found is None:
-        print(f"nothing is known of the accuracy of {scene.name} with these settings: measuring first", file=sys.stderr)
-        with shown() as told:
-            keep(scene, measure(scene, told=told))
-        found = known(scene)
-        assert found is not None
-    point = choose(found.measured, tolerance)
-    reason = why(point, found, tolerance)
-    print(f"accuracy {percent(tolerance)}: {point.line}, {point.size:.3g}, error {percent(point.held)}; {reason['reason']}")
-    print(f"  from: {found.origin}")
-    return (scene.with_changes(point.changes) if point.changes else scene), reason
+    front = known(scene)
+    if front is None or front.stale:
+        reason = front.stale if front else f"nothing is known of the accuracy of {scene.name} with these settings"
+        print(f"{reason}: measuring first", file=sys.stderr)
+        with status_spinner() as on_message:
+            keep(scene, measure(scene, on_message=on_message))
+        front = known(scene)
+        assert front is not None
+    point = choose(front.measured, tolerance)
+    reasons = why(point, front, tolerance)
+    print(f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)}; "
+          f"{reasons['reason']}")
+    print(f"  from: {front.origin}")
+    return (scene.with_changes(point.changes) if point.changes else scene), reasons
 
 
 def verified(scene: Scene, tolerance: float) -> bool:

@@ -43,7 +43,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
 
 
 @contextmanager
-def shown() -> Iterator[Callable[[str], None]]:
+def status_spinner() -> Iterator[Callable[[str], None]]:
     """A function that shows what is being done, on a terminal."""
     if not sys.stderr.isatty():
         yield lambda text: None

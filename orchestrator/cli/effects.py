@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
-from .common import AsJson, Changes, app, change, listed, print_table, share, shown, warn
+from .common import AsJson, Changes, app, change, listed, print_table, share, status_spinner, warn
 
 if TYPE_CHECKING:
     from ..harness.studies.chosen import Choice
@@ -53,8 +53,8 @@ def effects(
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
     loaded = loaded.with_changes(changes) if changes else loaded
     made(output)  # now, not after many runs
-    with shown() as told:
-        found = find(loaded, allowed, more=listed("--with", more) if more else (), told=told)
+    with status_spinner() as on_message:
+        found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
     written = [found.save(output), for_effects(found, output)]
     written += [write_scene(found.chosen, write, remarks(found))] if write is not None else []
     if not more:
@@ -106,7 +106,7 @@ def print_found(found: Effects) -> None:
                   "yes" if f.chosen else "no", reason(f, found.tolerance)) for f in order])
     if left := [f.name for f in found.findings if f.standing == "left out"]:
         print(f"not in the full model: {', '.join(left)}")
-    for name, cost in (("all effects", found.full), ("as it is", found.given), ("smallest set", found.least)):
+    for name, cost in (("all effects", found.full), ("the scene's own effects", found.given), ("smallest set", found.least)):
         print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
     print(f"{found.runs} models were run")
 
@@ -116,8 +116,8 @@ def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
     from ..harness.studies.chosen import choose
     from ..harness.studies.quantities import percent
 
-    with shown() as told:
-        choice = choose(scene, tolerance, told)
+    with status_spinner() as on_message:
+        choice = choose(scene, tolerance, on_message)
     names = [f"{unit}.{e}" for unit, on in choice.on.items() for e in on]
     print(f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}")
     print(f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}", file=sys.stderr)
@@ -126,7 +126,7 @@ def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
 
 def said(result: Result, choice: Choice, tolerance: float) -> Result:
     """The result with the reasons of the choice in what run.json holds."""
-    return replace(result, info=choice.told(result.info, tolerance))
+    return replace(result, info=choice.on_message(result.info, tolerance))
 
 
 def tolerance_of(effects: list[str] | None, tolerance: str | None) -> float | None:

@@ -19,7 +19,7 @@ from ...components.core.errors import BadInput, nearest
 from .model import Model, Sweep
 from .ranges import ranged
 
-QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "course", "amplitude at F Hz")
+QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "time history", "amplitude at F Hz")
 AMPLITUDE = re.compile(r"amplitude at (\S+) Hz")
 
 
@@ -62,7 +62,7 @@ class StudySettings(Model):
 
     quantities: tuple[str, ...] = Field(default=(), description=(
         '"unit.output, kind", after the transient of [analysis]; kinds: ' + ", ".join(QUANTITY_KINDS)
-        + "; without it the course and the maximum of every recorded signal"))
+        + "; without it the time history and the maximum of every recorded signal"))
     mesh: tuple[str, ...] = Field(default=(), description="unit.parameter, lengths of elements; halved, the mesh is finer")
     monolith: MonolithSettings | None = Field(default=None, description="a scene that gives the same signals from one unit")
     effects: tuple[str, ...] = Field(default=(), description=(

@@ -1,65 +1,63 @@
-"""What accuracy costs: a scene at many settings, the error of each against a reference, its seconds and its counted work.
+"""What accuracy costs: a scene at many settings, the error of each against a reference, its CPU time and its counted work.
 
 Conventions are those of SciML's work-precision diagrams: minimum of several warm runs, failures kept with their reason, a
-reference from another method. Beside seconds stands counted work, which is the same on every machine.
+reference from another method. Beside seconds stands counted work, which is the same on every machine. A time that no second
+measurement confirms is refused. The error of a run is its distance from the reference and, added, the reference's own error.
 """
 
 from __future__ import annotations
 
-import csv
-import json
 import os
 import platform
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
-from ....components.core.errors import BadInput
-from ...results import write_table
 from ...scene.scene import Scene
-from .knobs import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .quantities import Quantity, errors, quantities_of, recording
 from .reference import Reference, reference
-from .trial import REPEATS, WORK, Trial, trial
+from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
+from .timing import SCATTER, Timing, calibrate
+from .trial import REPEATS, Trial, trial
 
 USELESS = 1.0  # error from which a run tells nothing
-OWN = "as it is"
+OWN = "the scene's own settings"
 BUDGET = 60.0  # s
-PATIENCE = 0.01  # of the budget: a setting is not run again once its runs have taken that long
+PATIENCE = 0.01  # of the budget: a setting is not run again once its runs have taken that long and two of them agree
 PROBED = 0.02  # of a run, to tell how long the whole will take
 FIRST = 0.6  # of the budget, for how the scene is coupled; the rest for internal steps
 DEAREST = 0.05  # of the budget, for one run
 REFINED = 4  # settings on the front whose internal steps are varied
 COSTS = ("seconds", "calls")
 PACKAGES = ("cosimo", "numpy", "scipy", "numba")
-LABELS = {"size": "size, s or tolerance", "seconds": "minimum, s", "middle": "median, s"}  # of columns with a unit
 
 
 @dataclass(frozen=True)
 class Point:
     """One measured setting.
 
-    line, knob, size, changes: see `Setting`.  outcome: "done", "failed", "refused", "useless" (error above 1) or "skipped" (for
-    want of time), with the reason.  error: the largest of `errors`, by quantity.  held: the largest error of this setting and
-    of all finer ones of its line: a small error by chance is none.  seconds, middle: minimum and median.  work: see `WORK`.
+    series, axis, size, changes: see `Setting`.  outcome: "done", "failed", "refused", "useless" (error above 1) or "skipped"
+    (for want of time), with the reason.  errors: distance from the reference, by quantity.  error: the largest of them, the
+    reference's own error added.  error_with_finer: the largest error of this setting and of all finer ones of its series: one
+    that is small by chance does not count.  seconds, median: CPU time, smallest and median; NaN where no two measurements
+    agree.  scatter: of the two smallest times, see `Timing`.  work: see `WORK`.
     """
 
-    line: str
-    knob: str
+    series: str
+    axis: str
     size: float
     changes: Mapping[str, Any]
     outcome: str
     reason: str = ""
     error: float = inf
-    held: float = inf
+    error_with_finer: float = inf
     seconds: float = nan
-    middle: float = nan
+    median: float = nan
+    scatter: float = nan
     work: Mapping[str, int] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
 
@@ -67,141 +65,167 @@ class Point:
         """Seconds, or a counter of `WORK`."""
         return self.seconds if kind == "seconds" else float(self.work.get(kind, nan))
 
+    def timed(self, timing: Timing | None) -> Point:
+        """The point with its times, without those that scatter too much, which the reason names."""
+        if timing is None:
+            return self
+        if timing.scatter > SCATTER:
+            text = f"time refused: the two smallest measurements differ by {100.0 * timing.scatter:.0f} %"
+            return replace(self, scatter=timing.scatter, reason="; ".join(filter(None, (self.reason, text))))
+        return replace(self, seconds=timing.seconds, median=timing.median, scatter=timing.scatter)
+
 
 @dataclass(frozen=True)
 class Accuracy:
     """The measured points of a scene.
 
-    how: of the reference.  witness: of its second solution.  floor: by quantity, how far the two agree: errors below it are below
-    the reference's own.  machine, versions: where it was measured.  marks: what tells whose it is, as further columns.
+    reference, second_solution: how they were computed.  agreement: by quantity, how far the two are apart.  shares: what the
+    reference has in common with the runs.  mesh_error: by quantity, of the reference's mesh.  machine, versions: where it was
+    measured.  calibration: CPU time of the calibration workload there, s.  marks: whose it is, as further columns.
     """
 
     name: str
     title: str
     points: tuple[Point, ...]
-    how: str
-    witness: str
-    floor: Mapping[str, float]
+    reference: str
+    second_solution: str
+    agreement: Mapping[str, float]
     machine: str
     versions: str
+    shares: str = ""
+    mesh_error: Mapping[str, float] = field(default_factory=dict)
+    calibration: float = nan
     marks: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def least(self) -> float:
-        """The smallest error of a run that the reference can tell."""
-        return max(self.floor.values(), default=inf)
+    def uncertainty(self) -> dict[str, float]:
+        """The reference's own error by quantity."""
+        return {name: error + self.mesh_error.get(name, 0.0) for name, error in self.agreement.items()}
+
+    @property
+    def smallest_known(self) -> float:
+        """The reference's largest own error: no run is known to have a smaller one."""
+        return max(self.uncertainty.values(), default=inf)
 
     @property
     def own(self) -> Point:
-        """The scene's setting as it is."""
-        return next(p for p in self.points if p.line == OWN)
+        """The scene's own settings."""
+        return next(p for p in self.points if p.series == OWN)
+
+    @property
+    def refused_times(self) -> int:
+        """Runs that came to their end, but whose time no second measurement confirms."""
+        return sum(p.outcome == "done" and isnan(p.seconds) for p in self.points)
 
     def front(self, cost: str = "seconds") -> list[Point]:
         """The settings of which none is both cheaper and more accurate, the cheapest first."""
         return front_of(self.points, cost)
 
-    def save(self, directory: str | Path) -> Path:
-        """Write accuracy.csv: one row a setting, the first line the column names."""
-        return write_points(self, directory)
-
 
 def front_of(points: Iterable[Point], cost: str) -> list[Point]:
-    """See `Accuracy.front`; on no front is what does not come to the end, or is another model, without one of its effects."""
+    """See `Accuracy.front`; left out is what does not come to the end, has no time, or is another model (without an effect)."""
     front: list[Point] = []
-    kept = [p for p in points if p.outcome == "done" and p.knob != "effect" and isfinite(p.held)]
-    for point in sorted(kept, key=lambda p: (p.cost(cost), p.held)):
-        if not front or point.held < front[-1].held:
+    kept = [p for p in points if p.outcome == "done" and p.axis != "effect" and isfinite(p.error_with_finer)
+            and isfinite(p.cost(cost))]
+    for point in sorted(kept, key=lambda p: (p.cost(cost), p.error_with_finer)):
+        if not front or point.error_with_finer < front[-1].error_with_finer:
             front.append(point)
     return front
 
 
 def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
-             told: Callable[[str], None] = lambda text: None) -> Accuracy:
+             on_message: Callable[[str], None] = lambda text: None) -> Accuracy:
     """Measure the default settings of a scene within a budget of seconds, to which the reference does not count.
 
     First how the scene is coupled over macro steps, from coarse to fine; then, for the settings on the front, the internal
     steps; then the scene without each of its effects, which shows what they are worth but is no way to run it. What the budget
-    does not reach is kept as "skipped". `told` hears what is being done.
+    does not reach is kept as "skipped". repeats: of each run; with 1, times are not confirmed. `on_message` gets what is being
+    done.
     """
     scene = recording(scene)
     quantities = quantities_of(scene)
     steps = macro_steps(scene)
-    truth = reference(scene, quantities, steps[-1], told)
-    bench = _Bench(scene, quantities, truth, budget, repeats, told)
+    truth = reference(scene, quantities, steps[-1], on_message)
+    bench = _Bench(scene, quantities, truth, budget, repeats, on_message)
     bench.left = FIRST * budget
     bench.measure(Setting(OWN, "own", scene.master.step, {}))
     for setting in settings(scene):
         bench.measure(setting)
-    points = held(bench.points)
+    points = with_finer_errors(bench.points)
     bench.left += (1.0 - FIRST) * budget
-    best = [front_of([p for p in points if p.knob in ("own", "coupling")], cost) for cost in COSTS]
-    chosen = {(p.line, p.size): p for p in (points[0], *(p for front in best for p in front[-REFINED:]))}
+    best = [front_of([p for p in points if p.axis in ("own", "coupling")], cost) for cost in COSTS]
+    chosen = {(p.series, p.size): p for p in (points[0], *(p for front in best for p in front[-REFINED:]))}
     for point in chosen.values():
-        for setting in finer_inside(scene, Setting(point.line, point.knob, point.size, dict(point.changes))):
+        for setting in finer_inside(scene, Setting(point.series, point.axis, point.size, dict(point.changes))):
             bench.measure(setting)
     for setting in without_effects(scene):
         bench.measure(setting)
-    how = ", ".join(f"{p} {version(p)}" for p in PACKAGES)
-    return Accuracy(scene.name, scene.title or scene.name, tuple(held(bench.points)), truth.how,
-                    "; ".join(w.how for w in truth.witnesses), truth.agreement, machine_name(),
-                    f"Python {platform.python_version()}, {how}")
+    return Accuracy(scene.name, scene.title or scene.name, tuple(with_finer_errors(bench.points)), truth.method,
+                    "; ".join(s.method for s in truth.second), truth.agreement, machine_name(), versions(),
+                    ", ".join(truth.shares), truth.mesh_error, calibrate().seconds)
 
 
 class _Bench:
     """Measures settings until the budget is spent."""
 
     def __init__(self, scene: Scene, quantities: tuple[Quantity, ...], truth: Reference, budget: float, repeats: int,
-                 told: Callable[[str], None]):
-        self._scene, self._quantities, self._truth, self._repeats, self._told = scene, quantities, truth, repeats, told
+                 on_message: Callable[[str], None]):
+        self._scene, self._quantities, self._truth, self._repeats = scene, quantities, truth, repeats
+        self._on_message = on_message
         self.left, self._budget = budget, budget
-        self._dear: dict[str, tuple[float, float]] = {}  # line -> size and seconds of its last point
+        self._last: dict[str, tuple[float, float]] = {}  # series -> size and seconds of its last point
         self.points: list[Point] = []
 
     def measure(self, setting: Setting) -> None:
         """Append the setting's point."""
         setting = replace(setting, changes={**pinned(self._scene), **setting.changes})
         expected = self._expected(setting)
-        known = Point(setting.line, setting.knob, setting.size, setting.changes, "skipped",
+        point = Point(setting.series, setting.axis, setting.size, setting.changes, "skipped",
                       f"not within the budget of {self._budget:g} s")
         if min(self.left, DEAREST * self._budget) <= expected:
-            self.points.append(known)
+            self.points.append(point)
             return
-        self._told(f"{setting.line}, {setting.size:.3g}")
-        begin = perf_counter()
-        found = trial(self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget)
-        if found.result is not None:
-            self.left -= perf_counter() - begin
-            self._dear[setting.line] = (setting.size, found.seconds)
-        self.points.append(self._judged(known, found))
+        self._on_message(f"{setting.series}, {setting.size:.3g}")
+        start = perf_counter()
+        run = trial(self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget,
+                    confirm=self._repeats > 1)
+        if run.result is not None:
+            self.left -= perf_counter() - start
+            self._last[setting.series] = (setting.size, run.seconds)
+        self.points.append(self._judged(point, run))
 
     def _expected(self, setting: Setting) -> float:
-        """What a run will take, s: by the last one of its line, or by a short part of the first."""
-        if setting.line in self._dear:
-            size, seconds = self._dear[setting.line]
+        """What a run will take, s: by the last one of its series, or by a short part of the first."""
+        if setting.series in self._last:
+            size, seconds = self._last[setting.series]
             return seconds * max(size / setting.size, 1.0)
         if self.left <= 0.0 or not self.points:
             return 0.0
         probe = trial(self._scene, {**setting.changes, "stop_time": PROBED * self._scene.stop_time}, repeats=1)
         return probe.seconds / PROBED if probe.done else 0.0
 
-    def _judged(self, known: Point, found: Trial) -> Point:
-        point = replace(known, outcome=found.outcome, reason=found.reason, seconds=found.seconds, middle=found.middle,
-                        work=found.work)
-        if not found.done:
+    def _judged(self, point: Point, run: Trial) -> Point:
+        point = replace(point, outcome=run.outcome, reason=run.reason, work=run.work).timed(run.timing)
+        if not run.done:
             return point
-        each = errors(self._quantities, found.course, self._truth.course)
+        distances, uncertainty = errors(self._quantities, run.history, self._truth.history), self._truth.uncertainty
+        each = {name: distance + uncertainty.get(name, 0.0) for name, distance in distances.items()}
         error = max(each.values())
         if not error <= USELESS:
             worst = max(each, key=lambda name: each[name])
-            return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=each, error=error)
-        return replace(point, error=error, errors=each)
+            return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=distances,
+                           error=error)
+        return replace(point, error=error, errors=distances)
 
 
-def held(points: Iterable[Point]) -> list[Point]:
-    """The points with the largest error of each and of the finer ones of its line."""
+def with_finer_errors(points: Iterable[Point]) -> list[Point]:
+    """The points with the largest error of each and of the finer ones of its series."""
     kept = list(points)
-    return [replace(p, held=max(q.error for q in kept if q.line == p.line and q.size <= p.size and q.outcome != "skipped"))
-            if p.outcome == "done" else p for p in kept]
+
+    def largest(p: Point) -> float:
+        return max(q.error for q in kept if q.series == p.series and q.size <= p.size and q.outcome != "skipped")
+
+    return [replace(p, error_with_finer=largest(p)) if p.outcome == "done" else p for p in kept]
 
 
 def machine_name() -> str:
@@ -213,53 +237,6 @@ def machine_name() -> str:
     return f"{name}, {os.cpu_count()} cores, {platform.system()}"
 
 
-PLAIN = ("line", "knob", "size", "outcome", "reason", "error", "held", "seconds", "middle")
-ABOUT = ("how", "witness", "machine", "versions")
-
-
-def write_points(measured: Accuracy, directory: str | Path, name: str = "accuracy.csv") -> Path:
-    """The points as a csv file; what is known of the measurement is the same in every row, behind them.
-
-    The last row, of the line "agreement of the reference", has the agreement of each quantity in the place of its error.
-    """
-    names = list(measured.floor)
-    about = {key: getattr(measured, key) for key in ABOUT} | dict(measured.marks)
-    header = [LABELS.get(n, n) for n in PLAIN] + ["changes", *WORK, *(f"error of {n}" for n in names), *about]
-    rows = [[*(_rounded(getattr(p, key)) for key in PLAIN), json.dumps(p.changes), *(p.work.get(n, "") for n in WORK),
-             *(_rounded(p.errors.get(n, nan)) for n in names), *about.values()] for p in measured.points]
-    blank = ["" for _ in range(len(PLAIN) - 1)]
-    rows.append([AGREEMENT, *blank, "{}", *("" for _ in WORK), *map(_rounded, measured.floor.values()), *about.values()])
-    return write_table(directory, name, header, rows)
-
-
-AGREEMENT = "agreement of the reference"
-
-
-def _rounded(value: Any) -> Any:
-    return float(f"{value:.6g}") if isinstance(value, float) else value
-
-
-def read_points(path: Path) -> Accuracy:
-    """What `write_points` wrote; raises `BadInput` for a file that is none of these."""
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-        (last,) = (r for r in rows if r["line"] == AGREEMENT)
-        names = [c.removeprefix("error of ") for c in last if c.startswith("error of ")]
-        points = tuple(_point(r, names) for r in rows if r is not last)
-        more = dict(list(last.items())[list(last).index(ABOUT[0]) :])
-        floor = {n: float(last[f"error of {n}"]) for n in names}
-    except (OSError, ValueError, KeyError) as error:
-        raise BadInput(str(path), f"no table of accuracy ({type(error).__name__}: {error})", "one that cosimo accuracy wrote",
-                       "Remove it and measure again.") from None
-    how, witness, machine, versions = (more.pop(key) for key in ABOUT)
-    return Accuracy(path.stem, path.stem, points, how, witness, floor, machine, versions, more)
-
-
-def _point(row: Mapping[str, str], names: Iterable[str]) -> Point:
-    return Point(
-        row["line"], row["knob"], float(row[LABELS["size"]]), json.loads(row["changes"]), row["outcome"], row["reason"],
-        float(row["error"]), float(row["held"]), float(row[LABELS["seconds"]]), float(row[LABELS["middle"]]),
-        {n: int(row[n]) for n in WORK if row[n]},
-        {n: v for n in names if not np.isnan(v := float(row[f"error of {n}"]))},
-    )
+def versions() -> str:
+    """Of Python and of the packages that numbers and times depend on."""
+    return ", ".join((f"Python {platform.python_version()}", *(f"{p} {version(p)}" for p in PACKAGES)))

@@ -38,7 +38,7 @@ class Choice:
         """The scene with exactly these effects."""
         return with_effects(scene, self.on)
 
-    def told(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
+    def on_message(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
         """What run.json holds, with the reasons of the choice in the place of what the scene says of its effects."""
         listed = {unit: dict(table) for unit, table in info["effects"].items()}
         for unit, on in self.on.items():
@@ -48,7 +48,7 @@ class Choice:
                 "selection": {"tolerance": tolerance, "error": self.error, "effects": self.why, "kept": str(self.kept)}}
 
 
-def choose(scene: Scene, tolerance: float, told: Callable[[str], None] = lambda text: None) -> Choice:
+def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
     path = _place(scene, tolerance)
     if path.is_file():
@@ -58,7 +58,7 @@ def choose(scene: Scene, tolerance: float, told: Callable[[str], None] = lambda 
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise BadInput(str(path), f"no set of effects ({type(error).__name__}: {error})", "one that was kept",
                            "Remove it, so that it is found anew.") from None
-    return keep(effects(scene, tolerance, told=told))
+    return keep(effects(scene, tolerance, on_message=on_message))
 
 
 def keep(found: Effects) -> Choice:

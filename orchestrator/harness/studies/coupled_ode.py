@@ -13,7 +13,7 @@ from ....components.core.errors import BadInput
 from ....components.core.integrators import OdeComponent
 from ...scene.scene import Scene
 from ..analysis.connected import Connected
-from .quantities import Course
+from .quantities import TimeHistory
 
 SMOOTH = (integrators.__name__, rosenbrock.__name__)  # templates whose step is an ODE's and nothing else
 
@@ -80,7 +80,7 @@ class CoupledOde:
         if self._linked or outputs:
             self._connected.refresh()
 
-    def course(self, time: np.ndarray, states: np.ndarray, signals: Sequence[str]) -> Course:
+    def history(self, time: np.ndarray, states: np.ndarray, signals: Sequence[str]) -> TimeHistory:
         """Outputs "unit.name" along states (k, n) at the instants (k,)."""
         components = self._connected.components
         ends = []
@@ -92,4 +92,4 @@ class CoupledOde:
         for k, (t, x) in enumerate(zip(time.tolist(), states, strict=True)):
             self._put(t, x, outputs=True)
             values[k] = [y[i] for y, i in ends]
-        return Course(time, dict(zip(signals, values.T, strict=True)))
+        return TimeHistory(time, dict(zip(signals, values.T, strict=True)))

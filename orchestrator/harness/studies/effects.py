@@ -28,7 +28,7 @@ PATIENCE = 1.0  # s: a run is not repeated any more once its runs have taken thi
 class Finding:
     """One effect of one unit.
 
-    given: whether the scene as it is has it.  standing: "measured", "required" (by the scene, or without it nothing runs),
+    given: whether the scene has it.  standing: "measured", "required" (by the scene, or without it nothing runs),
     "left out" (of the full model) or "unable" (cannot be run with the scene's numbers), with the reason.
     predicted, actual: error of the full model without it; NaN where there is none; an actual one is infinite where the run
     fails.  worst: quantity of the actual one.  states, calls, seconds: what it adds.  chosen: whether it is in the set.
@@ -97,22 +97,22 @@ def _yes(value: bool) -> str:
 
 
 def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
-            told: Callable[[str], None] = lambda text: None) -> Effects:
+            on_message: Callable[[str], None] = lambda text: None) -> Effects:
     """Measure every effect of a scene and find the smallest set that keeps `tolerance`, a share.
 
-    more: effects, "unit.effect", that are taken into the full model beside those that go with the scene. `told` hears what is
-    being done. Raises `BadInput` where the scene itself does not come to its end.
+    more: effects, "unit.effect", that are taken into the full model beside those that go with the scene. `on_message` gets what
+    is being done. Raises `BadInput` where the scene itself does not come to its end.
     """
-    bench = _Bench(_looking(scene), (*scene.study.effects, *more), told)
+    bench = _Bench(_looking(scene), (*scene.study.effects, *more), on_message)
     model, own = bench.model, effects_on(scene)
     groups: dict[Place, frozenset[Place]] = {}
     found: dict[Place, Finding] = {}
     for place in model.places:
-        told(f"without {'.'.join(place)}")
+        on_message(f"without {'.'.join(place)}")
         found[place] = bench.measured(Finding(*place, place[1] in own[place[0]], "measured"), model.dependents(place))
         if found[place].standing == "measured":
             groups[place] = model.dependents(place)
-    told("the smallest set")
+    on_message("the smallest set")
     chosen = select({p: found[p].actual for p in groups}, groups, bench.error, tolerance)
     for place in groups:
         found[place] = replace(found[place], chosen=place not in chosen.dropped, breaking=chosen.breaking.get(place, nan))
@@ -141,18 +141,18 @@ class _Bench:
     model: the full one.  unable: effects that were to be in it, but with which the scene does not come to its end, and why.
     """
 
-    def __init__(self, scene: Scene, more: Iterable[str], told: Callable[[str], None]):
-        self.scene, self._told, self.runs = scene, told, 0
+    def __init__(self, scene: Scene, more: Iterable[str], on_message: Callable[[str], None]):
+        self.scene, self._on_message, self.runs = scene, on_message, 0
         self.quantities: tuple[Quantity, ...] = quantities_of(scene)
         self.model, self.unable = full_model(scene, more), dict[Place, str]()
-        told("all effects")
+        on_message("all effects")
         found = self._trial(self.model.scene)
         if not found.done:
             found = self._build_up(found)
         self._trials: dict[frozenset[Place], Trial] = {frozenset(): found}
         self.remarks: tuple[str, ...] = ()
         self._windows: Windows | None = None
-        told("states on the way")
+        on_message("states along the solution")
         try:
             self._windows = Windows(self.model.scene, self.quantities)
         except (BadInput, StepFailed) as error:
@@ -171,7 +171,7 @@ class _Bench:
             raise BadInput(f"{self.scene.name}: effects", f"a scene that {best.outcome}: {best.reason}",
                            "one that comes to its end")
         for unit, effect in added:
-            self._told(f"with {unit}.{effect}")
+            self._on_message(f"with {unit}.{effect}")
             trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}
             found = self._trial(with_effects(self.scene, _ordered(whole, trying)))
             if found.done:
@@ -194,7 +194,7 @@ class _Bench:
             finding = replace(finding, predicted=predicted, states=states)
         if not found.done:
             return finding
-        return replace(finding, calls=full.work["calls"] - found.work["calls"], seconds=full.seconds - found.seconds)
+        return replace(finding, calls=full.work["calls"] - found.work["calls"], seconds=_difference(full, found))
 
     def error(self, dropped: frozenset[Place]) -> float:
         """Error of the full model without some effects; infinite where it does not come to its end."""
@@ -217,9 +217,17 @@ class _Bench:
         """The largest error, and of what; infinite where the run failed."""
         if not found.done:
             return inf, ""
-        each = errors(self.quantities, found.course, self._trials[frozenset()].course)
+        each = errors(self.quantities, found.history, self._trials[frozenset()].history)
         worst = max(each, key=lambda name: each[name])
         return each[worst], worst if each[worst] else ""
+
+
+def _difference(full: Trial, without: Trial) -> float:
+    """How much longer the full model's run takes, s; NaN where that is no more than the times of either scatter by."""
+    if full.timing is None or without.timing is None:
+        return nan
+    longer = full.timing.seconds - without.timing.seconds
+    return longer if all(abs(longer) > timing.spread for timing in (full.timing, without.timing)) else nan
 
 
 def _ordered(model: Model, on: Mapping[str, Iterable[str]]) -> dict[str, tuple[str, ...]]:

@@ -7,10 +7,12 @@ the shipped scene.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import json
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +24,19 @@ from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
 from ...units.component import find
-from .accuracy import Accuracy, Point, read_points, write_points
-from .knobs import refined
-from .quantities import Course, errors, quantities_of, recording
+from .accuracy import Accuracy, Point
+from .accuracy_table import read_points, write_points
+from .quantities import TimeHistory, errors, quantities_of, recording
+from .settings_axes import refined
+from .timing import calibrate, scaled
 
 SCENE, COMPONENTS = "scene digest", "components digest"
-KNOBS = {"title", "master", "record", "sweep", "analysis", "study"}
+NOT_PHYSICS = {"title", "master", "record", "sweep", "analysis", "study"}
 
 
 def scene_digest(scene: Scene) -> str:
     """Of what a scene simulates and of what is looked at; not of how it is computed."""
-    data = scene.model_dump(mode="json", exclude=KNOBS)
+    data = scene.model_dump(mode="json", exclude=NOT_PHYSICS)
     for name, unit in data["units"].items():
         meshes = {m.removeprefix(f"{name}.") for m in scene.study.mesh if m.startswith(f"{name}.")}
         unit["parameters"] = {k: v for k, v in unit["parameters"].items() if k not in {"substep", *meshes}}
@@ -43,14 +47,31 @@ def scene_digest(scene: Scene) -> str:
 
 
 def components_digest(scene: Scene) -> str:
-    """Of the sources of the scene's components."""
-    parts = []
+    """Of the code of the scene's components; comments, docstrings and layout do not count."""
+    parts: list[str] = []
     for name, unit in sorted(scene.units.items()):
         if unit.component in CATALOGUE:
-            parts += [content for _, content in sorted(sources(CATALOGUE[unit.component]).items())]
+            parts += [_code_digest(content) for _, content in sorted(sources(CATALOGUE[unit.component]).items())]
         elif unit.component:
-            parts.append(Path(inspect.getfile(find(unit.component, name))).read_bytes())
-    return _digest(*parts)
+            parts.append(_code_digest(Path(inspect.getfile(find(unit.component, name))).read_bytes()))
+    return _digest(" ".join(parts).encode())
+
+
+@cache
+def _code_digest(content: bytes) -> str:
+    return _digest(repr(_code(ast.parse(content))).encode())
+
+
+def _code(node: object) -> object:
+    """A syntax tree as nested tuples, the same for all versions of Python that have the same fields: empty ones are left out."""
+    if isinstance(node, list):
+        return [_code(item) for item in node]
+    if not isinstance(node, ast.AST):
+        return node
+    fields = {name: value for name, value in ast.iter_fields(node) if value not in (None, [])}
+    if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node, clean=False) is not None:
+        fields["body"] = node.body[1:]
+    return type(node).__name__, [(name, _code(value)) for name, value in fields.items()]
 
 
 def _digest(*parts: bytes) -> str:
@@ -62,30 +83,31 @@ def _digest(*parts: bytes) -> str:
 
 @dataclass(frozen=True)
 class Known:
-    """A measured front and where it comes from, in words."""
+    """A measured front. origin: where it comes from, in words.  stale: why it must not be used; empty where it may be."""
 
     measured: Accuracy
     origin: str
+    stale: str = ""
 
 
-def _place(scene: Scene) -> Path:
+def _path(scene: Scene) -> Path:
     return Path(cache_root()) / "fronts" / f"{scene_digest(scene)}-{components_digest(scene)}.csv"
 
 
 def marked(scene: Scene, measured: Accuracy) -> Accuracy:
-    """The measurement with the digests of the scene and of its components, by which a front is found to be a scene's."""
+    """The measurement with the digests of the scene and of its components, which tell whose it is."""
     return replace(measured, marks={SCENE: scene_digest(scene), COMPONENTS: components_digest(scene)})
 
 
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache."""
-    path = _place(scene)
+    path = _path(scene)
     return write_points(measured, path.parent, path.name)
 
 
 def known(scene: Scene) -> Known | None:
-    """The front of the scene: measured here, or else shipped; None where neither is."""
-    path = _place(scene)
+    """The front of the scene: measured here, or else shipped, with its times as they are expected here; None without either."""
+    path = _path(scene)
     if path.is_file():
         return Known(read_points(path), f"measured on this machine, {path}")
     tables = shipped("fronts", ".csv")
@@ -94,33 +116,45 @@ def known(scene: Scene) -> Known | None:
     measured = read_points(tables[scene.name])
     if measured.marks.get(SCENE) != scene_digest(scene):
         return None
-    same = measured.marks.get(COMPONENTS) == components_digest(scene)
-    return Known(measured, f"shipped table, measured on {measured.machine}"
-                 + ("" if same else "; the components have changed since, cosimo accuracy measures anew"))
+    if measured.marks.get(COMPONENTS) != components_digest(scene):
+        return Known(measured, "", f"the shipped table of {scene.name} was measured with an older version of its components")
+    here = calibrate().seconds
+    return Known(_expected_here(measured, here), f"shipped table, measured on {measured.machine}; times are scaled by "
+                 f"{here / measured.calibration:.3g} to this machine (CPU time of a calibration workload)")
+
+
+def _expected_here(measured: Accuracy, here: float) -> Accuracy:
+    points = [replace(p, seconds=scaled(p.seconds, measured.calibration, here),
+                      median=scaled(p.median, measured.calibration, here)) for p in measured.points]
+    return replace(measured, points=tuple(points))
 
 
 def choose(measured: Accuracy, tolerance: float) -> Point:
     """The setting on the front that is the quickest to keep the error within `tolerance`; raises `BadInput` where none does."""
-    if tolerance < measured.least:
-        raise BadInput("accuracy", f"{100.0 * tolerance:.3g} %", f"at least {100.0 * measured.least:.2g} %, to which the "
-                       "reference itself is known", f"It is {measured.how}.")
+    asked = f"{100.0 * tolerance:.3g} %"
+    if tolerance < measured.smallest_known:
+        raise BadInput("accuracy", asked, f"at least {100.0 * measured.smallest_known:.2g} %, the reference's own error",
+                       f"It is {measured.reference}.")
     front = measured.front()
     for point in front:
-        if point.held <= tolerance:
+        if point.error_with_finer <= tolerance:
             return point
-    best = f"the best setting measured has {100.0 * front[-1].held:.3g} %" if front else "no setting measured comes to the end"
-    raise BadInput("accuracy", f"{100.0 * tolerance:.3g} %", best, "Ask for less, or measure finer settings: cosimo accuracy "
-                   "with a larger --budget, or a scene with a shorter macro step.")
+    best = (f"the best setting measured has {100.0 * front[-1].error_with_finer:.3g} %" if front
+            else "no setting measured comes to the end with a time that could be confirmed")
+    raise BadInput("accuracy", asked, best, "Ask for less, or measure finer settings: cosimo accuracy with a larger --budget, "
+                   "or a scene with a shorter macro step.")
 
 
-def why(chosen: Point, found: Known, tolerance: float) -> dict[str, Any]:
+def why(chosen: Point, front: Known, tolerance: float) -> dict[str, Any]:
     """What run.json says of a choice."""
-    others = [p for p in found.measured.points if p.outcome == "done"]
+    measured = front.measured
+    others = [p for p in measured.points if p.outcome == "done"]
     return {
-        "asked": tolerance, "setting": chosen.line, "size": chosen.size, "changes": dict(chosen.changes),
-        "error": chosen.error, "held": chosen.held, "seconds": chosen.seconds, "measured": len(others), "from": found.origin,
-        "reference": found.measured.how, "agreement": found.measured.least,
-        "reason": f"the quickest of {len(others)} measured settings whose error, and that of all finer ones of its line, "
+        "asked": tolerance, "setting": chosen.series, "size": chosen.size, "changes": dict(chosen.changes),
+        "error": chosen.error, "error_with_finer": chosen.error_with_finer, "seconds": chosen.seconds, "measured": len(others),
+        "from": front.origin, "reference": measured.reference, "shared_with_reference": measured.shares,
+        "reference_error": measured.smallest_known,
+        "reason": f"the quickest of {len(others)} measured settings whose error, and that of all finer ones of its series, "
                   f"stays within {100.0 * tolerance:g} %",
     }
 
@@ -136,4 +170,4 @@ def verify(scene: Scene) -> dict[str, float]:
     for result in (first, second):
         if result.outcome != "done":
             raise BadInput(f"{scene.name}: verification", f"a run that failed: {result.message}", "two that come to the end")
-    return errors(quantities_of(scene), Course(first.time, first.columns), Course(second.time, second.columns))
+    return errors(quantities_of(scene), TimeHistory(first.time, first.columns), TimeHistory(second.time, second.columns))

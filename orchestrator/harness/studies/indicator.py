@@ -174,7 +174,7 @@ def _scale(solution: np.ndarray, nominal: float) -> float:
 def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
     """What a difference will have become after `whole` steps, seen on ways of a few steps each, (n,), the first from the start.
 
-    kind: of the quantity. A course and the like are means over the run, a maximum and the like the largest value.
+    kind: of the quantity. A history and the like are means over the run, a maximum and the like the largest value.
     """
     n = min(way.size for way in ways)
     if whole < n:
@@ -196,7 +196,7 @@ def expected(ways: Sequence[np.ndarray], whole: int, kind: str) -> float:
     largest = max(float(np.abs(s).max()) for s in seconds)
     if largest == 0.0:
         return size
-    if kind in ("course", "standard deviation"):
+    if kind in ("time history", "standard deviation"):
         crest = math.sqrt(np.mean([np.mean(s**2) for s in seconds])) / largest
         return size * (crest if growth < EVEN else shape)
     if kind == "mean":

@@ -22,7 +22,7 @@ CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is
 
 
 @dataclass(frozen=True)
-class Course:
+class TimeHistory:
     """What a solution gives of its signals. time: (n,) s; columns: "unit.output" -> (n,)."""
 
     time: np.ndarray
@@ -46,10 +46,10 @@ class Quantity:
     nominal: float
     unit: str = ""
 
-    def value(self, course: Course) -> float:
-        """The number that a course gives; NaN for the kind "course", which only a comparison has."""
-        x, time = self._kept(course, course.time)
-        if self.kind == "course":
+    def value(self, history: TimeHistory) -> float:
+        """The number that a history gives; NaN for the kind "time history", which only a comparison has."""
+        x, time = self._kept(history, history.time)
+        if self.kind == "time history":
             return float("nan")
         if self.kind == "end":
             return float(x[-1])
@@ -58,24 +58,24 @@ class Quantity:
         rate, _, (even,) = uniform(time, x)
         return amplitude_at(even, rate, self.frequency)
 
-    def error(self, course: Course, reference: Course) -> float:
-        """Distance over the reference's range; infinite where the course has no finite number for it or ends early.
+    def error(self, history: TimeHistory, reference: TimeHistory) -> float:
+        """Distance over the reference's range; infinite where the history has no finite number for it or ends early.
 
-        A course is compared at its own instants, between which the reference is interpolated linearly.
+        A history is compared at its own instants, between which the reference is interpolated linearly.
         """
-        if course.time.size < 2 or course.time[-1] < reference.time[-1] * (1.0 - 1e-9):
+        if history.time.size < 2 or history.time[-1] < reference.time[-1] * (1.0 - 1e-9):
             return inf
         scale = self.scale(reference)
-        if self.kind == "course":
-            x, time = self._kept(course, course.time)
+        if self.kind == "time history":
+            x, time = self._kept(history, history.time)
             there = reference.columns[self.signal]
             there = np.interp(time, reference.time, np.unwrap(there) if self.unit == "rad" else there)
             distance = float(np.sqrt(np.mean(self._apart(x - there) ** 2))) if np.isfinite(x).all() else inf
         else:
-            distance = abs(float(self._apart(np.array(self.value(course) - self.value(reference)))))
+            distance = abs(float(self._apart(np.array(self.value(history) - self.value(reference)))))
         return distance / scale if isfinite(distance) else inf
 
-    def scale(self, reference: Course) -> float:
+    def scale(self, reference: TimeHistory) -> float:
         """Range of the reference's signal, or its magnitude where it is constant, or its nominal value where that is zero."""
         x, _ = self._kept(reference, reference.time)
         size, width = float(np.abs(x).max()), float(np.ptp(x))
@@ -86,17 +86,17 @@ class Quantity:
     def _apart(self, differences: np.ndarray) -> np.ndarray:
         return np.remainder(differences + np.pi, 2.0 * np.pi) - np.pi if self.unit == "rad" else differences
 
-    def _kept(self, course: Course, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _kept(self, history: TimeHistory, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The signal after the transient, and its instants."""
         first = min(int(np.searchsorted(time, self.transient * (1.0 - 1e-12))), time.size - 1)
-        return course.columns[self.signal][first:], time[first:]
+        return history.columns[self.signal][first:], time[first:]
 
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
-    """The quantities that the scene names, or else the course and the maximum of every recorded signal."""
+    """The quantities that the scene names, or else the history and the maximum of every recorded signal."""
     coupling = resolve_coupling(scene)
     texts = [wanted(text) for text in scene.study.quantities] or [
-        Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("course", "maximum")]
+        Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("time history", "maximum")]
     transient = float(scene.analysis.get("transient", 0.0))
     found = []
     for signal, kind, frequency in texts:
@@ -114,9 +114,9 @@ def recording(scene: Scene) -> Scene:
     return scene.with_changes({"record.signals": [*recorded, *dict.fromkeys(missing)]}) if missing else scene
 
 
-def errors(quantities: Sequence[Quantity], course: Course, reference: Course) -> dict[str, float]:
+def errors(quantities: Sequence[Quantity], history: TimeHistory, reference: TimeHistory) -> dict[str, float]:
     """Error of each quantity by its name."""
-    return {q.name: q.error(course, reference) for q in quantities}
+    return {q.name: q.error(history, reference) for q in quantities}
 
 
 def percent(share: float) -> str:

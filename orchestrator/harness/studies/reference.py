@@ -1,15 +1,17 @@
-"""The solution that errors are measured against, and a second, independent one that tells how far it can be trusted.
+"""The solution that errors are measured against, how far it can be trusted, and what it shares with the runs it judges.
 
-Where all units are smooth, the scene is one differential equation: SciPy's DOP853 solves it, and LSODA once more. Else the
-master itself does, far finer than what is measured and with another algorithm, and a second time with yet another one on a
-coarser step: what both agree in is the reference's own accuracy. A scene's monolith, where it names one, is a further witness.
+Where all units are smooth, the scene is one differential equation: SciPy's DOP853 solves it, and LSODA once more. Otherwise the
+master itself does, with much shorter steps than any that is measured and another algorithm, and a second time with yet another
+one: the distance of the two estimates the error of coupling and integration. A mesh is part of the model in both, and refining
+steps does not show its error: the reference has a finer one, whose remaining error is extrapolated (Richardson) from three
+meshes. A scene's monolith, where it names one, is a further solution.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, field
+from math import inf, log2, nan
 from time import perf_counter
 from typing import Any
 
@@ -22,16 +24,20 @@ from ...results import Result
 from ...run import run
 from ...scene.scene import Scene, load_scene
 from .coupled_ode import CoupledOde
-from .knobs import DEGREES, coupling_changes, refined
-from .quantities import Course, Quantity, errors
+from .quantities import Quantity, TimeHistory, errors
+from .settings_axes import DEGREES, coupling_changes, meshes, refined
 
 METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two that come to the end
 PATIENCE = 60.0  # s, for one solution, while there are others to try
 FINER = 2  # times the finest macro step that is measured, and times the scene's internal steps
+FINER_MESH = 0.5  # times the lengths of the scene's elements
+ORDERS = (1.0, 2.0)  # between which the order of a mesh is taken, whatever three meshes show
 # algorithm and degree of the inputs, of which the first two that come to the end are taken
 MASTERS = (("iterative", 2), ("gauss-seidel", 1), ("gauss-seidel", 2), ("jacobi", 1), ("iterative", 1), ("gauss-seidel", 0))
 PROBED = 100  # macro steps, to tell how long a run will take
 TOLERANCE = 1e-10  # of the iteration
+EQUATIONS, INTEGRATORS, COUPLING, MESH = (
+    "the components' equations", "the components' integrators", "the coupling", "the kind of mesh")
 
 
 class _TooLong(Exception):
@@ -39,84 +45,132 @@ class _TooLong(Exception):
 
 
 @dataclass(frozen=True)
-class Witness:
+class Solution:
+    """A solution of a scene. method: in words.  shares: what it has in common with the runs it is compared with."""
+
+    method: str
+    history: TimeHistory
+    shares: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SecondSolution:
     """Another solution of the same scene. errors: by quantity, against the reference; those it cannot tell are missing."""
 
-    how: str
+    method: str
     errors: Mapping[str, float]
 
     @property
     def worst(self) -> float:
         """The largest of them."""
-        return max(self.errors.values(), default=float("nan"))
+        return max(self.errors.values(), default=nan)
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What errors are measured against. how: in words.  agreement: by quantity, the largest distance of a witness."""
+    """What errors are measured against. shares: see `Solution`.  mesh_error: by quantity, of the mesh that it has."""
 
-    course: Course
-    how: str
-    witnesses: tuple[Witness, ...]
+    history: TimeHistory
+    method: str
+    second: tuple[SecondSolution, ...]
+    shares: tuple[str, ...] = ()
+    mesh_error: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def agreement(self) -> dict[str, float]:
-        """By quantity the largest distance of a witness: smaller errors than that are below the reference's own."""
-        names = dict.fromkeys(name for witness in self.witnesses for name in witness.errors)
-        return {name: max(w.errors[name] for w in self.witnesses if name in w.errors) for name in names}
+        """By quantity the largest distance of a second solution."""
+        names = dict.fromkeys(name for solution in self.second for name in solution.errors)
+        return {name: max(s.errors[name] for s in self.second if name in s.errors) for name in names}
 
     @property
-    def floor(self) -> float:
-        """The largest of the agreements: no smaller error of a run is known."""
-        return max(self.agreement.values(), default=float("inf"))
+    def uncertainty(self) -> dict[str, float]:
+        """By quantity the reference's own error: of coupling and integration as second solutions show it, and of the mesh."""
+        return {name: error + self.mesh_error.get(name, 0.0) for name, error in self.agreement.items()}
 
 
 def reference(scene: Scene, quantities: Sequence[Quantity], finest: float,
-              told: Callable[[str], None] = lambda text: None) -> Reference:
+              on_message: Callable[[str], None] = lambda text: None) -> Reference:
     """The reference of a scene for runs whose macro steps are no shorter than `finest`, s.
 
-    `told` hears what is being done. Raises `BadInput` where fewer than two solutions come to the end.
+    `on_message` gets what is being done. Raises `BadInput` where fewer than two solutions come to the end.
     """
     signals = list(dict.fromkeys(q.signal for q in quantities))
-    solved = _solutions(scene, signals, finest, told)
-    if len(solved) < 2:
-        raise BadInput(f"{scene.name}: reference", f"{len(solved)} solutions that come to the end", "two that can be compared",
-                       "Shorten the run, or its macro step.")
-    (how, course), *others = solved
-    witnesses = [Witness(other, errors(quantities, found, course)) for other, found in others]
+    mesh = mesh_error(scene, quantities, on_message)
+    finer = scene.with_changes(_meshes(scene, FINER_MESH)) if mesh else scene
+    solutions = _solutions(finer, signals, finest, on_message)
+    if len(solutions) < 2:
+        raise BadInput(f"{scene.name}: reference", f"{len(solutions)} solutions that come to the end",
+                       "two that can be compared", "Shorten the run, or its macro step.")
+    first, *others = solutions
+    second = [SecondSolution(other.method, errors(quantities, other.history, first.history)) for other in others]
     if scene.study.monolith is not None:
-        witnesses.append(_monolith(scene, quantities, course, finest, told))
-    return Reference(course, how, tuple(witnesses))
+        second.append(_monolith(scene, quantities, first.history, finest, on_message))
+    method = f"{first.method}, elements x {FINER_MESH:g}" if mesh else first.method
+    return Reference(first.history, method, tuple(second), (*first.shares, MESH) if mesh else first.shares, mesh)
 
 
-def _solutions(scene: Scene, signals: Sequence[str], finest: float, told: Callable[[str], None]) -> list[tuple[str, Course]]:
-    """(how, course) of the reference and of another solution, as far as they come to the end."""
-    found: list[tuple[str, Course]] = []
+def mesh_error(scene: Scene, quantities: Sequence[Quantity], on_message: Callable[[str], None] = lambda text: None
+               ) -> dict[str, float]:
+    """By quantity the error of a mesh of `FINER_MESH` times the scene's; empty where the scene's [study] names no mesh.
+
+    Three runs with the scene's own settings, elements of 2, 1 and 1/2 times the scene's: with the distances d1 of the first two
+    and d2 of the last two the order is log2(d1 / d2), and what remains behind the last is d2 / (2^order - 1) (Richardson). The
+    order is taken within `ORDERS`. Raises `BadInput` where one of the runs fails.
+    """
+    if not scene.study.mesh:
+        return {}
+    histories = []
+    for factor in (2.0, 1.0, FINER_MESH):
+        on_message(f"elements x {factor:g}")
+        history = _run(scene, _meshes(scene, factor))
+        if history is None:
+            raise BadInput(f"{scene.name}: study.mesh", f"a run with elements x {factor:g} that fails",
+                           "meshes from twice to half the scene's", "Shorten the elements, or the steps.")
+        histories.append(history)
+    coarse, fine = errors(quantities, *histories[:2]), errors(quantities, *histories[1:])
+    return {name: remaining_error(coarse[name], fine[name]) for name in fine}
+
+
+def remaining_error(coarse: float, fine: float) -> float:
+    """Error behind the finest of three meshes, each half as long as the one before, from the two distances between them."""
+    order = log2(coarse / fine) if coarse > 0.0 and fine > 0.0 else ORDERS[0]
+    return fine / (2.0 ** min(max(order, ORDERS[0]), ORDERS[1]) - 1.0)
+
+
+def _meshes(scene: Scene, factor: float) -> dict[str, Any]:
+    return {place: factor * length for place, length in meshes(scene).items()}
+
+
+def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: Callable[[str], None]) -> list[Solution]:
+    """The reference and another solution, as far as they come to the end."""
+    solutions: list[Solution] = []
     try:
         CoupledOde(scene)
         for method, tolerance in METHODS:
-            if len(found) < 2:
-                told(f"reference: SciPy {method}")
-                course = solved_as_ode(scene, signals, finest, method, tolerance)
-                found += [(f"one differential equation, SciPy {method}, tolerance {tolerance:g}", course)] if course else []
+            if len(solutions) < 2:
+                on_message(f"reference: SciPy {method}")
+                if (history := solved_as_ode(scene, signals, finest, method, tolerance)) is not None:
+                    text = f"one differential equation, SciPy {method}, tolerance {tolerance:g}"
+                    solutions.append(Solution(text, history, (EQUATIONS,)))
     except BadInput:
         pass
     tried: set[tuple[str, int]] = set()
     for patience in (PATIENCE, inf):  # what takes too long comes last
         for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if resolve_coupling(scene).links else MASTERS[:2]:
-            if len(found) < 2 and (algorithm, degree) not in tried:
-                how, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not found else 2))
+            if len(solutions) < 2 and (algorithm, degree) not in tried:
+                method, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not solutions else 2))
                 if _expected(scene, changes) > patience:
                     continue
                 tried.add((algorithm, degree))
-                told(f"reference: {how}")
-                course = _run(scene, changes)
-                found += [(how, course)] if course else []
-    return found
+                on_message(f"reference: {method}")
+                if (history := _run(scene, changes)) is not None:
+                    shares = (EQUATIONS, INTEGRATORS, *((COUPLING,) if resolve_coupling(scene).links else ()))
+                    solutions.append(Solution(method, history, shares))
+    return solutions
 
 
 def solved_as_ode(scene: Scene, signals: Sequence[str], step: float, method: str, tolerance: float,
-                  patience: float = PATIENCE) -> Course | None:
+                  patience: float = PATIENCE) -> TimeHistory | None:
     """The scene as one differential equation at multiples of `step`, s; None where it takes longer than `patience`, s.
 
     Absolute tolerances are that share of the largest value a coarse solution gives each state.
@@ -138,8 +192,8 @@ def solved_as_ode(scene: Scene, signals: Sequence[str], step: float, method: str
         fine = solve_ivp(rates, (0.0, scene.stop_time), ode.start, method, time, rtol=tolerance, atol=tolerance * size)
         if not (coarse.success and fine.success and np.isfinite(fine.y).all()):
             return None
-        return ode.course(time, fine.y.T, signals)
-    except (_TooLong, BadInput):  # BadInput: a state at which outputs no longer come to stand
+        return ode.history(time, fine.y.T, signals)
+    except (_TooLong, BadInput):  # BadInput: a state at which outputs do not converge
         return None
 
 
@@ -170,31 +224,31 @@ def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
     return min(times) * scene.stop_time / stop
 
 
-def _run(scene: Scene, changes: Mapping[str, Any]) -> Course | None:
+def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
     try:
         result: Result = run(scene.with_changes(changes), in_process=True)
     except BadInput:  # an algorithm that cannot step these units
         return None
-    return Course(result.time, result.columns) if result.outcome == "done" else None
+    return TimeHistory(result.time, result.columns) if result.outcome == "done" else None
 
 
-def _monolith(scene: Scene, quantities: Sequence[Quantity], course: Course, finest: float,
-              told: Callable[[str], None]) -> Witness:
-    """What the scene's monolith says of the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
+def _monolith(scene: Scene, quantities: Sequence[Quantity], history: TimeHistory, finest: float,
+              on_message: Callable[[str], None]) -> SecondSolution:
+    """What the scene's monolith gives of the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
     given = scene.study.monolith
     assert given is not None
     whole = load_scene(given.scene).with_changes({"stop_time": scene.stop_time})
-    there = {f"{unit}.{name}" for unit, interface in resolve_coupling(whole).interfaces.items() for name in interface.outputs}
+    outputs = {f"{unit}.{name}" for unit, interface in resolve_coupling(whole).interfaces.items() for name in interface.outputs}
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
-    names = {ours: theirs for ours, theirs in names.items() if theirs in there}
+    names = {ours: theirs for ours, theirs in names.items() if theirs in outputs}
     if not names:
         raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, with none of the signals",
                        "signals = { ours = theirs }")
-    solved = _solutions(whole, list(names.values()), finest, told)
-    if not solved:
+    solutions = _solutions(whole, list(names.values()), finest, on_message)
+    if not solutions:
         raise BadInput(f"{scene.name}: study.monolith", f"{given.scene!r}, of which no solution comes to the end",
                        "one that does")
-    how, found = solved[0]
-    columns = {ours: found.columns[theirs] for ours, theirs in names.items()}
+    solution = solutions[0]
+    columns = {ours: solution.history.columns[theirs] for ours, theirs in names.items()}
     kept = [q for q in quantities if q.signal in columns]
-    return Witness(f"{given.scene}: {how}", errors(kept, Course(found.time, columns), course))
+    return SecondSolution(f"{given.scene}: {solution.method}", errors(kept, TimeHistory(solution.history.time, columns), history))

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from statistics import median
-from time import perf_counter, process_time
+from math import nan
 from typing import Any
 
 from ....components.core.errors import BadInput
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
-from .quantities import Course
+from .quantities import TimeHistory
+from .timing import Timing, repeated, timing_of
 
 REPEATS = 3  # timed runs
 PATIENCE = 2.0  # s: runs are not repeated any more once they have taken this together
@@ -25,16 +25,14 @@ class Trial:
     """What one setting gave.
 
     changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run) or "refused" (before it);
-    reason: why.  seconds, middle: minimum and median of warm runs' stepping in time of the processor, which other programs on the
-    machine do not lengthen; where units have processes of their own, in time as it passes. NaN without a run.
-    work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
+    reason: why.  timing: of warm runs' stepping, CPU time; where units have processes of their own, elapsed time. None without a
+    run.  work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
     """
 
     changes: Mapping[str, Any]
     outcome: str
     reason: str
-    seconds: float = float("nan")
-    middle: float = float("nan")
+    timing: Timing | None = None
     work: Mapping[str, int] = field(default_factory=dict)
     result: Result | None = None
 
@@ -44,35 +42,48 @@ class Trial:
         return self.outcome == "done"
 
     @property
-    def course(self) -> Course:
+    def seconds(self) -> float:
+        """The smallest time of a run; NaN without one."""
+        return self.timing.seconds if self.timing else nan
+
+    @property
+    def history(self) -> TimeHistory:
         """The recorded signals; only of a trial with a result."""
         assert self.result is not None
-        return Course(self.result.time, self.result.columns)
+        return TimeHistory(self.result.time, self.result.columns)
 
 
-def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: int = REPEATS, patience: float = PATIENCE) -> Trial:
+class _Ended(Exception):
+    """A run that failed, which is not repeated."""
+
+
+def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: int = REPEATS, patience: float = PATIENCE,
+          confirm: bool = False) -> Trial:
     """Run the scene with changes, in process, up to `repeats` times or until the runs have taken `patience` seconds together.
 
-    What has to be compiled first is, by a run of a few steps that does not count. Failures are kept with their reason.
+    confirm: more often, until two times agree; see `repeated`. What has to be compiled is compiled first, by a run of a few
+    steps that does not count. Failures are kept with their reason.
     """
     changes = dict(changes or {})
+    results: list[Result] = []
     try:
         changed = scene.with_changes(changes) if changes else scene
         _warm_up(changed)
-        runs: list[Result] = []
-        times: list[float] = []
-        alone = all(unit.isolation == "none" for unit in changed.units.values())
-        while len(runs) < max(repeats, 1) and (not runs or sum(times) < patience):
-            wall, processor = perf_counter(), process_time()
-            runs.append(run(changed, in_process=True))
-            share = min((process_time() - processor) / (perf_counter() - wall), 1.0) if alone else 1.0
-            times.append(runs[-1].info["timing"]["run"] * share)
-            if runs[-1].outcome != "done":
-                break
+        measured = "run" if any(unit.isolation != "none" for unit in changed.units.values()) else "cpu"
+
+        def measure() -> float:
+            results[:] = [run(changed, in_process=True)]
+            if results[0].outcome != "done":
+                raise _Ended
+            return float(results[0].info["timing"][measured])
+
+        timing = repeated(measure, repeats=repeats, patience=patience, confirm=confirm)
     except BadInput as error:
         return Trial(changes, "refused", str(error))
-    last = runs[-1]
-    return Trial(changes, last.outcome, last.message, min(times), median(times), work_of(last), last)
+    except _Ended:
+        timing = timing_of([results[0].info["timing"][measured]])
+    last = results[0]
+    return Trial(changes, last.outcome, last.message, timing, work_of(last), last)
 
 
 def _warm_up(scene: Scene) -> None:

@@ -7,13 +7,13 @@ import json
 
 import numpy as np
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.orchestrator.harness.studies.alone import Alone
+from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun
 
 STEPS = 4
 
 
 def difference(name):
-    one = Alone(name, stop=STEPS * component_class(name).default_step)
+    one = ComponentRun(name, stop=STEPS * component_class(name).default_step)
     own, _, _ = one.own()
     assert all(np.isfinite(x).all() for x in own.columns.values())
     probe = one.make()

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, read_points, write_points
-from cosimo.orchestrator.harness.studies.alone import Alone, alone
-from cosimo.orchestrator.harness.studies.knobs import (
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy, front_of, with_finer_errors
+from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
+from cosimo.orchestrator.harness.studies.component_accuracy import ComponentRun, component_accuracy
+from cosimo.orchestrator.harness.studies.settings_axes import (
     couplings,
     macro_steps,
     meshes,
@@ -32,7 +33,7 @@ def measured():
 
 
 def line(measured, name):
-    return sorted((p for p in measured.points if p.line == name and p.outcome == "done"), key=lambda p: p.size)
+    return sorted((p for p in measured.points if p.series == name and p.outcome == "done"), key=lambda p: p.size)
 
 
 @pytest.mark.parametrize(("degree", "order"), [("held", 1), ("linear", 2), ("quadratic", 2)])
@@ -45,10 +46,10 @@ def test_errors_fall_with_the_order_of_the_inputs(measured, degree, order):
 
 def test_linear_inputs_need_at_most_half_the_macro_steps_of_held_ones_at_two_percent(measured):
     def steps(name):
-        return min(p.work["macro_steps"] for p in line(measured, name) if p.held <= 0.02)
+        return min(p.work["macro_steps"] for p in line(measured, name) if p.error_with_finer <= 0.02)
 
     held = line(measured, "jacobi, held")
-    assert all(p.held > 0.02 or p.work["macro_steps"] >= 2 * steps("gauss-seidel, linear") for p in held)
+    assert all(p.error_with_finer > 0.02 or p.work["macro_steps"] >= 2 * steps("gauss-seidel, linear") for p in held)
 
 
 def test_what_became_unstable_stays_with_its_reason():
@@ -56,10 +57,10 @@ def test_what_became_unstable_stays_with_its_reason():
     given = SCENE.units["spring"].parameters
     limit = min(2.0 * given["damping"] / given["stiffness"], 2.0 / given["damping"])
     found = accuracy(SCENE.with_changes({"master.step": 0.5 * limit, "stop_time": 10.0}), budget=PLENTY, repeats=1)
-    unstable = [p for p in found.points if p.line == "jacobi, held" and p.size > 1.5 * limit]
-    stable = [p for p in found.points if p.line == "jacobi, held" and p.size < 0.9 * limit]
+    unstable = [p for p in found.points if p.series == "jacobi, held" and p.size > 1.5 * limit]
+    stable = [p for p in found.points if p.series == "jacobi, held" and p.size < 0.9 * limit]
     assert len(unstable) == len(stable) == 2
-    assert all(p.outcome in ("failed", "useless") and p.reason and p.held == math.inf for p in unstable)
+    assert all(p.outcome in ("failed", "useless") and p.reason and p.error_with_finer == math.inf for p in unstable)
     assert all(p.outcome == "done" for p in stable)
     assert not any(p in found.front(cost) for p in unstable for cost in ("seconds", "calls"))
 
@@ -68,22 +69,21 @@ def test_the_front_has_nothing_that_is_dearer_and_worse(measured):
     for cost in ("seconds", "calls"):
         front = measured.front(cost)
         assert [p.cost(cost) for p in front] == sorted(p.cost(cost) for p in front)
-        assert [p.held for p in front] == sorted((p.held for p in front), reverse=True)
+        assert [p.error_with_finer for p in front] == sorted((p.error_with_finer for p in front), reverse=True)
         for p in front:
-            assert not any(q.outcome == "done" and q.cost(cost) < p.cost(cost) and q.held < p.held for q in measured.points)
+            assert not any(q.outcome == "done" and q.cost(cost) < p.cost(cost) and q.error_with_finer < p.error_with_finer
+                           for q in measured.points)
 
 
 def test_a_small_error_by_chance_is_not_held():
-    points = [Point("a", "coupling", size, {}, "done", error=error, held=error, seconds=1.0 / size)
+    points = [Point("a", "coupling", size, {}, "done", error=error, error_with_finer=error, seconds=1.0 / size)
               for size, error in ((4.0, 0.001), (2.0, 0.1), (1.0, 0.05))]
-    from cosimo.orchestrator.harness.studies.accuracy import held
-
-    assert [p.held for p in held(points)] == [0.1, 0.1, 0.05]
-    assert [p.size for p in front_of(held(points), "seconds")] == [4.0, 1.0]
+    assert [p.error_with_finer for p in with_finer_errors(points)] == [0.1, 0.1, 0.05]
+    assert [p.size for p in front_of(with_finer_errors(points), "seconds")] == [4.0, 1.0]
 
 
 def test_the_setting_as_it_is_comes_first(measured):
-    assert measured.points[0].line == OWN
+    assert measured.points[0].series == OWN
     assert measured.own.changes == pinned(SCENE)
     other = SCENE.with_changes({"master.step": 1e-3, "master.algorithm": "jacobi", "units.mass.parameters.substep": 1e-4})
     assert other.with_changes(measured.own.changes).master == SCENE.master
@@ -98,22 +98,25 @@ def test_what_the_budget_does_not_reach_is_named():
 
 
 def test_the_table_has_names_with_units_and_gives_everything_back(measured, tmp_path):
-    path = measured.save(tmp_path)
+    path = write_points(measured, tmp_path)
     with open(path, encoding="utf-8") as file:
         header, *rows = list(csv.reader(file))
-    assert header[:4] == ["line", "knob", "size, s or tolerance", "outcome"]
-    assert "error of mass.base_x, course" in header
-    assert len(rows) == len(measured.points) + 1
+    assert header[:4] == ["series", "axis", "size, s or tolerance", "outcome"]
+    assert "error of mass.base_x, time history" in header
+    assert len(rows) == len(measured.points) + 2
     assert {len(row) for row in rows} == {len(header)}
     again = read_points(write_points(replace(measured, marks={"scene digest": "abc"}), tmp_path, "again.csv"))
     assert again.marks == {"scene digest": "abc"}
-    assert again.how == measured.how
+    assert again.reference == measured.reference
     for ours, theirs in zip(measured.points, again.points, strict=True):
-        assert (ours.line, ours.size, ours.outcome) == (theirs.line, theirs.size, theirs.outcome)
+        assert (ours.series, ours.size, ours.outcome) == (theirs.series, theirs.size, theirs.outcome)
         assert theirs.changes == dict(ours.changes)
-        assert theirs.held == pytest.approx(ours.held, rel=1e-5)
+        assert theirs.error_with_finer == pytest.approx(ours.error_with_finer, rel=1e-5)
         assert theirs.work == dict(ours.work)
-    assert again.floor == pytest.approx(measured.floor, rel=1e-5)
+    assert again.agreement == pytest.approx(measured.agreement, rel=1e-5)
+    assert again.uncertainty == pytest.approx(measured.uncertainty, rel=1e-5)
+    assert again.shares == measured.shares == "the components' equations"
+    assert again.calibration == pytest.approx(measured.calibration, rel=1e-5)
 
 
 def test_a_file_that_is_no_table_is_named(tmp_path):
@@ -152,33 +155,33 @@ def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
 
 def test_a_mesh_has_its_own_line():
     scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
-    assert [s.changes for s in settings(scene) if s.knob == "mesh"] == [
+    assert [s.changes for s in settings(scene) if s.axis == "mesh"] == [
         {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 5e-4}]
 
 
 def test_an_effect_less_is_shown_but_advised_by_no_front():
     scene = load_scene("link-split").with_changes({"stop_time": 0.05})
-    named = {s.line: s.changes for s in without_effects(scene)}
+    named = {s.series: s.changes for s in without_effects(scene)}
     assert named["without joint.rotation"] == {
         "units.joint.effects": [], "units.joint.parameters": {"stiffness": 1e5, "damping": 100.0}}
     assert scene.with_changes(named["without second.gravity"]).units["second"].effects == ()
-    cheap = Point("without a.gravity", "effect", 1.0, {}, "done", error=1e-9, held=1e-9, seconds=1e-9)
+    cheap = Point("without a.gravity", "effect", 1.0, {}, "done", error=1e-9, error_with_finer=1e-9, seconds=1e-9)
     assert front_of([cheap], "seconds") == []
 
 
 def test_a_component_alone_has_the_order_of_its_integrator():
-    found = alone("BallBearing", stop=0.1, budget=10.0, repeats=1)
-    own = [p for p in found.points if p.knob == "substep" and 1e-6 < p.error < 5e-3]
+    found = component_accuracy("BallBearing", stop=0.1, budget=10.0, repeats=1)
+    own = [p for p in found.points if p.axis == "substep" and 1e-6 < p.error < 5e-3]
     assert len(own) >= 3
     slope = np.polyfit(np.log([p.size for p in own]), np.log([p.error for p in own]), 1)[0]
     assert slope == pytest.approx(4.0, abs=0.3)
-    assert found.least < 1e-7
-    assert {p.line for p in found.points} > {"SciPy DOP853", "SciPy Radau", OWN}
-    assert min(p.error for p in found.points if p.line == "SciPy DOP853") < 1e-3
+    assert found.smallest_known < 1e-7
+    assert {p.series for p in found.points} > {"SciPy DOP853", "SciPy Radau", OWN}
+    assert min(p.error for p in found.points if p.series == "SciPy DOP853") < 1e-3
 
 
 def test_the_inputs_of_a_component_alone_go_through_the_wave_it_is_told():
-    one = Alone("PlanarLink", ("gravity",), stop=1.0)
+    one = ComponentRun("PlanarLink", ("gravity",), stop=1.0)
     ends = np.einsum("j,kjm->km", one.step ** np.arange(3.0), one.inputs)
     np.testing.assert_allclose(ends[:-1], one.inputs[1:, 0], rtol=1e-12, atol=1e-14)  # without a jump between steps
     k = one.steps // 4  # a quarter of two waves: the top
@@ -189,13 +192,13 @@ def test_the_inputs_of_a_component_alone_go_through_the_wave_it_is_told():
 @pytest.mark.parametrize("name", ["WaterCurrent", "RovController"])
 def test_what_integrates_nothing_is_refused(name):
     with pytest.raises(BadInput, match="nothing that is integrated"):
-        alone(name)
+        component_accuracy(name)
 
 
 def test_an_accuracy_without_results_has_no_front():
     empty = Accuracy("a", "a", (Point(OWN, "own", 1.0, {}, "failed", "why"),), "", "", {}, "", "")
     assert empty.front() == []
-    assert empty.least == math.inf
+    assert empty.smallest_known == math.inf
 
 
 def test_a_scene_without_connections_is_measured():

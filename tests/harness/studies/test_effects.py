@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.full_model import effects_on, full_model, with_effects
-from cosimo.orchestrator.harness.studies.quantities import Course, errors, quantities_of
+from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import load_scene, read_scene
 
@@ -135,7 +135,7 @@ def test_the_table(found, tmp_path):
 def hull():
     return read_scene({
         "title": "a vehicle that is pushed", "stop_time": 4.0, "master": {"step": 0.02},
-        "study": {"quantities": ["hull.surge, end", "hull.yaw, end", "hull.depth, maximum", "hull.roll, course"]},
+        "study": {"quantities": ["hull.surge, end", "hull.yaw, end", "hull.depth, maximum", "hull.roll, time history"]},
         "units": {"hull": {"component": "RovHull", "effects": ["linear_drag"], "parameters": {
             "substep": 0.02, "start_surge": 0.5, "start_sway": 0.3, "thrust[1]": 8.0, "thrust[2]": 5.0, "thrust[5]": 2.0,
             **{f"linear_drag.{axis}": 0.05 for axis in ("surge", "sway", "heave", "roll", "pitch", "yaw")}}}},
@@ -150,7 +150,7 @@ def vehicle():
 def outcome(scene):
     result = run(scene, in_process=True)
     assert result.outcome == "done"
-    return Course(result.time, result.columns)
+    return TimeHistory(result.time, result.columns)
 
 
 def test_the_chosen_scene_keeps_the_tolerance_and_can_spare_none(vehicle):
@@ -183,7 +183,7 @@ def test_drag_has_no_states_and_no_calls_of_its_own(vehicle):
 def test_friction_that_sticks_has_states_and_is_one_of_three():
     scene = read_scene({
         "stop_time": 2.0, "master": {"step": 5e-3},
-        "study": {"quantities": ["body.outer_angle, course", "body.outer_rate, course"]},
+        "study": {"quantities": ["body.outer_angle, time history", "body.outer_rate, time history"]},
         "units": {"body": {"component": "GimbalBody", "effects": ["gravity", "stick_friction"], "parameters": {
             "axis_orientation": "horizontal", "start_outer_angle": 0.5, "substep": 5e-3}}}})
     found = effects(scene, 0.02)

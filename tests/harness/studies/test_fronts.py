@@ -1,13 +1,16 @@
 """Fronts: whose they are, where they are kept, what they advise, and that shipped ones belong to the shipped scenes."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies import fronts
-from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, read_points
+from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
+from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
 from cosimo.orchestrator.harness.studies.fronts import choose, components_digest, keep, known, scene_digest, verify
+from cosimo.orchestrator.harness.studies.timing import timing_of
 from cosimo.orchestrator.scene.files import scene_files, shipped
 from cosimo.orchestrator.scene.scene import load_scene
 
@@ -16,10 +19,10 @@ FAST = {"master.algorithm": "gauss-seidel", "master.extrapolation": 1, "master.s
 
 
 def front(*points, floor=1e-6):
-    made = [Point(OWN, "own", 5e-3, {}, "done", error=0.01, held=0.01, seconds=1.0)]
-    made += [Point(name, "coupling", size, changes, "done", error=error, held=error, seconds=seconds)
+    made = [Point(OWN, "own", 5e-3, {}, "done", error=0.01, error_with_finer=0.01, seconds=1.0)]
+    made += [Point(name, "coupling", size, changes, "done", error=error, error_with_finer=error, seconds=seconds)
              for name, size, changes, error, seconds in points]
-    return Accuracy("mass-on-spring", "", tuple(made), "by hand", "by hand", {"mass.base_x, course": floor}, "here", "now")
+    return Accuracy("mass-on-spring", "", tuple(made), "by hand", "by hand", {"mass.base_x, time history": floor}, "here", "now")
 
 
 @pytest.fixture
@@ -52,7 +55,7 @@ def test_a_kept_front_is_found_again(cache):
     path = keep(SCENE, front())
     found = known(SCENE)
     assert str(path) in found.origin
-    assert found.measured.own.held == 0.01
+    assert found.measured.own.error_with_finer == 0.01
     assert known(SCENE.with_changes({"stop_time": 0.6})) is None
 
 
@@ -64,11 +67,57 @@ def test_other_components_make_a_kept_front_unknown(cache, monkeypatch):
     assert known(SCENE) is None
 
 
+def test_comments_and_docstrings_of_components_are_no_physics(monkeypatch):
+    def digest(text):
+        monkeypatch.setattr(fronts, "sources", lambda module: {"x.py": text.encode()})
+        return components_digest(SCENE)
+
+    plain = digest("def f(x):\n    return 2.0 * x\n")
+    assert digest('"""A module."""\n\n\ndef f(x):  # twice\n    """Twice."""\n    return 2.0 * x\n') == plain
+    assert digest("def f(x):\n    return 2.5 * x\n") != plain
+
+
+@pytest.fixture
+def shipped_front(cache, tmp_path, monkeypatch):
+    """Ships a front of the scene, with other marks where they are given."""
+
+    def ship(scene, calibration=0.02, **marks):
+        measured = replace(fronts.marked(scene, front(("a", 1e-2, FAST, 0.02, 0.1))), calibration=calibration)
+        write_points(replace(measured, marks={**measured.marks, **marks}), tmp_path / "shipped", "mass-on-spring.csv")
+        tables = {"mass-on-spring": tmp_path / "shipped" / "mass-on-spring.csv"}
+        monkeypatch.setattr(fronts, "shipped", lambda kind, ending: tables)
+
+    return ship
+
+
+def test_a_shipped_front_has_the_times_that_are_expected_here(shipped_front, monkeypatch):
+    shipped_front(SCENE)
+    monkeypatch.setattr(fronts, "calibrate", lambda: timing_of([0.06, 0.06]))
+    there, here = front().own.seconds, known(SCENE).measured.own.seconds
+    assert here == pytest.approx(3.0 * there)
+    assert "scaled by 3 " in known(SCENE).origin
+
+
+def test_a_shipped_front_of_other_components_is_stale_and_measured_anew(shipped_front, tmp_path, capsys):
+    scene = tmp_path / "mass-on-spring.toml"
+    text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")
+    scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
+    loaded = load_scene(scene)
+    shipped_front(loaded, **{fronts.COMPONENTS: "of an older version"})
+    assert "older version of its components" in known(loaded).stale
+    with pytest.raises(SystemExit) as exit_:
+        main(["run", str(scene), "--accuracy", "5%", "--in-process"])
+    assert exit_.value.code == 0
+    captured = capsys.readouterr()
+    assert "older version of its components: measuring first" in captured.err
+    assert "measured on this machine" in captured.out
+
+
 def test_the_quickest_setting_that_holds_is_chosen():
     measured = front(("a", 1e-2, FAST, 0.02, 0.1), ("b", 2e-3, {}, 1e-3, 3.0), ("c", 1e-3, {}, 1e-4, 2.0))
-    assert choose(measured, 0.05).line == "a"
-    assert choose(measured, 0.01).line == OWN
-    assert choose(measured, 1e-3).line == "c"  # quicker than b and better
+    assert choose(measured, 0.05).series == "a"
+    assert choose(measured, 0.01).series == OWN
+    assert choose(measured, 1e-3).series == "c"  # quicker than b and better
 
 
 def test_more_than_was_measured_is_refused_with_what_there_is():
@@ -77,7 +126,7 @@ def test_more_than_was_measured_is_refused_with_what_there_is():
 
 
 def test_more_than_the_reference_knows_is_refused():
-    with pytest.raises(BadInput, match="the reference itself"):
+    with pytest.raises(BadInput, match="the reference's own error"):
         choose(front(floor=1e-2), 1e-3)
 
 
@@ -85,7 +134,7 @@ def test_a_finer_run_verifies():
     """Linear inputs are of second order: the difference of two steps is three quarters of the error of the longer one."""
     found = verify(SCENE.with_changes(FAST))
     finer = verify(SCENE.with_changes({**FAST, "master.step": 5e-3}))
-    name = "mass.base_x, course"
+    name = "mass.base_x, time history"
     assert found[name] / finer[name] == pytest.approx(4.0, rel=0.2)
 
 
@@ -160,9 +209,10 @@ def test_shipped_tables_are_those_of_the_scenes(name):
 def test_scenes_run_at_a_setting_on_their_front(name):
     """By counted work; a factor below 1.5 between neighbours turns with the quantity that is looked at."""
     measured = read_points(shipped("fronts", ".csv")[name])
-    own, floor = measured.own, measured.least
+    own, floor = measured.own, measured.smallest_known
     for p in measured.points:
-        if p.outcome == "done" and p.knob != "effect":
-            calls, error = (own.work["calls"] / p.work["calls"], max(own.held, floor) / max(p.held, floor))
-            assert not (calls >= 1.0 and error > 1.5), f"{p.line} at {p.size:g} is more accurate"
-            assert not (error >= 1.0 and calls > 1.5), f"{p.line} at {p.size:g} is cheaper"
+        if p.outcome == "done" and p.axis != "effect":
+            calls = own.work["calls"] / p.work["calls"]
+            error = max(own.error_with_finer, floor) / max(p.error_with_finer, floor)
+            assert not (calls >= 1.0 and error > 1.5), f"{p.series} at {p.size:g} is more accurate"
+            assert not (error >= 1.0 and calls > 1.5), f"{p.series} at {p.size:g} is cheaper"

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness.studies.knobs import coupling_changes, refined
 from cosimo.orchestrator.harness.studies.quantities import errors, quantities_of
+from cosimo.orchestrator.harness.studies.settings_axes import coupling_changes, refined
 from cosimo.orchestrator.harness.studies.trial import trial
 from cosimo.orchestrator.scene.scene import load_scene, read_scene
 
@@ -13,12 +13,12 @@ class Measured:
 
     def __init__(self, scene, finest):
         self.scene, self.quantities = scene, quantities_of(scene)
-        self.reference = trial(scene, finest, repeats=1).course
+        self.reference = trial(scene, finest, repeats=1).history
 
     def at(self, changes):
         """(error, trial)"""
         found = trial(self.scene, changes, repeats=1)
-        return max(errors(self.quantities, found.course, self.reference).values()) if found.done else np.inf, found
+        return max(errors(self.quantities, found.history, self.reference).values()) if found.done else np.inf, found
 
     def fewest(self, algorithm, degree, steps, allowed):
         """Macro steps of the longest step that keeps the error, as all shorter ones do; infinite where none does."""
@@ -42,7 +42,7 @@ def test_railway_linear_gauss_seidel_against_held_jacobi():
     """At 2 % of the force's range; held values let the contact see a wire that stands still for a step."""
     railway = measured("en50318-2002", 1.0, 1.25e-4, **{
         "record.snapshots": (), "record.snapshot_interval": None,
-        "study.quantities": ["pantograph.contact_force, course", "pantograph.contact_force, standard deviation"]})
+        "study.quantities": ["pantograph.contact_force, time history", "pantograph.contact_force, standard deviation"]})
     steps = [4e-3, 2e-3, 1e-3, 5e-4]
     linear = railway.fewest("gauss-seidel", 1, steps, 0.02)
     assert linear < np.inf
@@ -52,7 +52,7 @@ def test_railway_linear_gauss_seidel_against_held_jacobi():
 def test_vehicle_held_commands_in_the_order_of_the_signals():
     """Commands are stairs: what extrapolates them, or hands them on a step later, needs more steps for the same 1 %."""
     vehicle = measured("rov-station-keeping", 20.0, 5e-3, **{
-        "study.quantities": ["hull.position_north, course", "hull.yaw, course", "thruster_1.thrust, course"],
+        "study.quantities": ["hull.position_north, time history", "hull.yaw, time history", "thruster_1.thrust, time history"],
         "analysis.transient": 0.0})
     steps = [0.16, 0.08, 0.04, 0.02]
     held = vehicle.fewest("gauss-seidel", 0, steps, 0.01)
@@ -67,7 +67,7 @@ def test_bearing_internal_steps_buy_accuracy_and_macro_steps_do_not():
     Between contacts that open and close the order is four; these, at half the steps, cost an error of order 2.5.
     """
     bearing = Measured(load_scene("outer-ring-defect").with_changes({
-        "stop_time": 0.05, "analysis.transient": 0.0, "study.quantities": ["bearing.displacement_x, course"]}),
+        "stop_time": 0.05, "analysis.transient": 0.0, "study.quantities": ["bearing.displacement_x, time history"]}),
         {"units.bearing.parameters.substep": 1.25e-6})
     (one, first), (half, second) = (bearing.at({"master.step": step, "units.bearing.parameters.substep": 2e-5})
                                     for step in (4e-5, 2e-5))
@@ -84,7 +84,7 @@ def test_friction_located_events_against_a_smoothed_law():
     def scene(unit):
         return read_scene({
             "stop_time": 6.0, "master": {"step": 0.02}, "units": {"body": units[unit]},
-            "study": {"quantities": ["body.outer_angle, course", "body.inner_angle, course"]}})
+            "study": {"quantities": ["body.outer_angle, time history", "body.inner_angle, time history"]}})
 
     level = {"units.body.parameters.stick_friction.static_ratio": 1.0}  # as the smoothed law has it
     exact = Measured(scene("exact"), {**level, "units.body.parameters.substep": 5e-4})

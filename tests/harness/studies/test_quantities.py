@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.studies.quantities import Course, Quantity, errors, quantities_of, recording
+from cosimo.orchestrator.harness.studies.quantities import Quantity, TimeHistory, errors, quantities_of, recording
 from cosimo.orchestrator.harness.sweep import KINDS
 from cosimo.orchestrator.scene.scene import load_scene, read_scene
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
@@ -17,8 +17,8 @@ SCENE = {
 }
 
 
-def course(values, time=TIME):
-    return Course(time, {"m.x": values})
+def history(values, time=TIME):
+    return TimeHistory(time, {"m.x": values})
 
 
 def quantity(kind, **more):
@@ -33,60 +33,60 @@ def test_kinds_of_sweeps_are_kinds_of_quantities():
     ("minimum", -1.0), ("maximum", 3.0), ("mean", 1.0), ("standard deviation", np.sqrt(2.0)), ("end", 1.0),
 ])
 def test_values_of_a_wave(kind, value):
-    wave = course(1.0 + 2.0 * np.sin(2.0 * np.pi * TIME))
+    wave = history(1.0 + 2.0 * np.sin(2.0 * np.pi * TIME))
     assert quantity(kind).value(wave) == pytest.approx(value, abs=2e-3)  # a sample too many of whole periods
 
 
 def test_an_amplitude_is_that_of_its_frequency_alone():
-    wave = course(5.0 + 2.0 * np.sin(2.0 * np.pi * 10.0 * TIME + 0.3) + 7.0 * np.sin(2.0 * np.pi * 25.0 * TIME))
+    wave = history(5.0 + 2.0 * np.sin(2.0 * np.pi * 10.0 * TIME + 0.3) + 7.0 * np.sin(2.0 * np.pi * 25.0 * TIME))
     assert quantity("amplitude at F Hz", frequency=10.0).value(wave) == pytest.approx(2.0, rel=5e-3)
     assert quantity("amplitude at F Hz", frequency=17.5).value(wave) == pytest.approx(0.0, abs=2e-2)
 
 
 def test_errors_are_shares_of_the_range():
-    reference, run = course(np.sin(2.0 * np.pi * TIME)), course(np.sin(2.0 * np.pi * TIME) + 0.02)
+    reference, run = history(np.sin(2.0 * np.pi * TIME)), history(np.sin(2.0 * np.pi * TIME) + 0.02)
     assert quantity("maximum").error(run, reference) == pytest.approx(0.01)
-    assert quantity("course").error(run, reference) == pytest.approx(0.01)
+    assert quantity("time history").error(run, reference) == pytest.approx(0.01)
 
 
 def test_a_constant_signal_is_measured_against_itself_and_zero_against_the_nominal_value():
-    assert quantity("end").error(course(np.full_like(TIME, 4.04)), course(np.full_like(TIME, 4.0))) == pytest.approx(0.01)
-    zero = course(np.zeros_like(TIME))
-    assert quantity("end", nominal=50.0).error(course(np.full_like(TIME, 0.5)), zero) == pytest.approx(0.01)
+    assert quantity("end").error(history(np.full_like(TIME, 4.04)), history(np.full_like(TIME, 4.0))) == pytest.approx(0.01)
+    zero = history(np.zeros_like(TIME))
+    assert quantity("end", nominal=50.0).error(history(np.full_like(TIME, 0.5)), zero) == pytest.approx(0.01)
 
 
 def test_the_transient_does_not_count():
     late = np.where(TIME < 1.0, 100.0, np.sin(TIME))
-    assert quantity("course", transient=1.0).error(course(late), course(np.sin(TIME))) == 0.0
-    assert quantity("course").error(course(late), course(np.sin(TIME))) > 1.0
+    assert quantity("time history", transient=1.0).error(history(late), history(np.sin(TIME))) == 0.0
+    assert quantity("time history").error(history(late), history(np.sin(TIME))) > 1.0
 
 
 def test_a_run_on_other_instants_is_compared_at_its_own():
     coarse = TIME[::7]
-    shorter = Course(np.append(coarse, 4.0), {"m.x": np.append(coarse, 4.0) ** 2})
-    assert quantity("course").error(shorter, course(TIME**2)) < 1e-6  # of 16: chords of 5 ms are off by 6e-6
+    shorter = TimeHistory(np.append(coarse, 4.0), {"m.x": np.append(coarse, 4.0) ** 2})
+    assert quantity("time history").error(shorter, history(TIME**2)) < 1e-6  # of 16: chords of 5 ms are off by 6e-6
 
 
 def test_angles_are_directions():
     turning = 40.0 * TIME
     wrapped = np.remainder(turning, 2.0 * np.pi)
-    angle = quantity("course", unit="rad")
-    assert angle.error(course(turning + 0.01), course(wrapped)) * np.ptp(wrapped) == pytest.approx(0.01, rel=1e-6)
-    assert quantity("end", unit="rad").error(course(wrapped), course(turning)) == pytest.approx(0.0, abs=1e-12)
+    angle = quantity("time history", unit="rad")
+    assert angle.error(history(turning + 0.01), history(wrapped)) * np.ptp(wrapped) == pytest.approx(0.01, rel=1e-6)
+    assert quantity("end", unit="rad").error(history(wrapped), history(turning)) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("values", [np.full_like(TIME, np.nan), np.append(TIME[:-1], np.inf)])
 def test_what_is_no_number_has_an_infinite_error(values):
-    assert quantity("course").error(course(values), course(np.sin(TIME))) == inf
+    assert quantity("time history").error(history(values), history(np.sin(TIME))) == inf
 
 
 def test_a_run_that_ends_early_has_an_infinite_error():
     half = TIME[TIME < 2.0]
-    assert quantity("maximum").error(course(np.sin(half), half), course(np.sin(TIME))) == inf
+    assert quantity("maximum").error(history(np.sin(half), half), history(np.sin(TIME))) == inf
 
 
 def test_without_a_table_course_and_maximum_of_what_is_recorded():
-    assert [q.name for q in quantities_of(read_scene(SCENE))] == ["m.x_out, course", "m.x_out, maximum"]
+    assert [q.name for q in quantities_of(read_scene(SCENE))] == ["m.x_out, time history", "m.x_out, maximum"]
 
 
 def test_a_scene_names_its_quantities_and_records_what_they_need():
@@ -121,5 +121,5 @@ def test_a_map_has_two_axes_at_most():
 def test_errors_by_name():
     scene = load_scene("mass-on-spring")
     names = [q.name for q in quantities_of(scene)]
-    wave = Course(TIME, {q.signal: np.cos(TIME) for q in quantities_of(scene)})
+    wave = TimeHistory(TIME, {q.signal: np.cos(TIME) for q in quantities_of(scene)})
     assert errors(quantities_of(scene), wave, wave) == dict.fromkeys(names, 0.0)

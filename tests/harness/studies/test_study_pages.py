@@ -13,7 +13,7 @@ from cosimo.orchestrator.harness.report.studies.effects import for_effects
 from cosimo.orchestrator.harness.report.studies.hard_cases import for_hard_cases
 from cosimo.orchestrator.harness.report.studies.stability import for_internal_steps, for_stability
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point, accuracy
-from cosimo.orchestrator.harness.studies.alone import alone
+from cosimo.orchestrator.harness.studies.component_accuracy import component_accuracy
 from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.hard_cases import HardCases, hard_cases, verdicts
 from cosimo.orchestrator.harness.studies.internal_steps import internal_steps
@@ -34,7 +34,7 @@ def accuracy_with_failures(folder):
 
 
 def accuracy_of_a_component(folder):
-    return for_accuracy(alone("PlanarLink", ("gravity",), stop=0.1, budget=2.0, repeats=1), folder)
+    return for_accuracy(component_accuracy("PlanarLink", ("gravity",), stop=0.1, budget=2.0, repeats=1), folder)
 
 
 def accuracy_without_results(folder):

@@ -18,8 +18,8 @@ def test_counts_are_those_of_the_settings():
     assert found.work["derivative_calls"] == 100 * 4 * 4  # four internal steps of four stages
     assert found.work["calls"] == 1600 + 100 + 200  # the spring counts its steps
     assert found.work["iterations"] == found.work["rollbacks"] == found.work["events"] == 0
-    assert found.seconds <= found.middle
-    assert found.course.time.size == 101
+    assert found.seconds == found.timing.seconds <= found.timing.median
+    assert found.history.time.size == 101
 
 
 def test_iterations_and_rollbacks_are_counted():
@@ -57,4 +57,4 @@ def test_what_fails_on_the_way_is_kept_with_what_it_computed():
     found = trial(scene)
     assert found.outcome == "failed"
     assert found.reason
-    assert 1 < found.course.time.size < 101
+    assert 1 < found.history.time.size < 101

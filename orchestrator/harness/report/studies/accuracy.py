@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...studies.accuracy import Accuracy, Point
 
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "hexagon", "star-square")
-LINES = ("coupling", "adaptive", "method")  # knobs whose points are joined
+JOINED = ("coupling", "adaptive", "method")  # axes of settings whose points are joined
 OTHERS = (("other internal steps or meshes", ("substep", "mesh"), "circle-open"),
           ("without one effect", ("effect",), "diamond-open"))
 FAILED = 2.0  # where crosses stand on an axis of errors
@@ -31,11 +31,12 @@ LEGEND = 250  # px
 def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
     """`report.html` of what accuracy costs."""
     figures: list[Block] = [
-        _work_precision(measured, "seconds", "Error against time", "time of the run, s", (
-            f"Time of the processor, minimum of several warm runs on {measured.machine}. ")),
-        _work_precision(measured, "calls", "Error against counted work", "operations of the units and hand-overs", (
-            "The same on every machine: of each unit its dearest operation, such as an evaluation of its equations, and one for "
-            "every unit in every macro step or iteration. ")),
+        _work_precision(measured, "seconds", "Error against time", "CPU time of the run, s", (
+            f"Smallest of several warm runs, without compilation, on {measured.machine}; a time is shown only where a second "
+            "measurement confirms it within 20 %. ")),
+        _work_precision(measured, "calls", "Error against counted work", "counted operations", (
+            "The same on every machine. Counted are, for each unit, its most frequent operation (usually evaluations of its "
+            "equations), and one exchange of signals for each unit in each macro step or iteration. ")),
         *_against_size(measured),
     ]
     sections = [Section("What accuracy costs", [Text(_advice(measured)), *figures]),
@@ -47,40 +48,40 @@ def for_accuracy(measured: Accuracy, directory: str | Path) -> Path:
 def _lead(measured: Accuracy) -> str:
     done = sum(p.outcome == "done" for p in measured.points)
     return (f"{done} of {len(measured.points)} settings came to a result. An error is the largest of the quantities looked at, "
-            "over the range of its signal.")
+            "over the range of its signal, with the reference's own error added.")
 
 
 def _advice(measured: Accuracy) -> list[str]:
-    front, said = measured.front(), []
+    front, sentences = measured.front(), []
     for asked in ASKED:
-        point = next((p for p in front if p.held <= asked), None)
-        if asked < measured.least or point is None:
-            said.append(f"{percent(asked)}: no measured setting holds it, or the reference is not known that well.")
+        point = next((p for p in front if p.error_with_finer <= asked), None)
+        if asked < measured.smallest_known or point is None:
+            sentences.append(f"{percent(asked)}: no measured setting holds it, or the reference is not known that well.")
         else:
-            said.append(f"{percent(asked)}: {_name(point)}, {point.seconds:.3g} s, error {percent(point.held)}.")
+            sentences.append(f"{percent(asked)}: {_name(point)}, {_seconds(point)}, error {percent(point.error_with_finer)}.")
     own = measured.own
-    said.append(f"As it is: {own.seconds:.3g} s, error {percent(own.held)}." if own.outcome == "done"
-                else f"As it is, it {own.outcome}: {own.reason}")
-    return said
+    sentences.append(f"The scene's own settings: {_seconds(own)}, error {percent(own.error_with_finer)}." if own.outcome == "done"
+                else f"The scene's own settings: {own.outcome}: {own.reason}")
+    return sentences
 
 
 def _name(point: Point) -> str:
-    return f"{point.line} at {point.size:.3g}"
+    return f"{point.series} at {point.size:.3g}"
 
 
-def _lines(measured: Accuracy) -> dict[str, list[Point]]:
-    """The points of every line that is drawn joined, in the order of their size."""
-    found: dict[str, list[Point]] = {}
+def _series(measured: Accuracy) -> dict[str, list[Point]]:
+    """The points of every series that is drawn joined, in the order of their size."""
+    joined_points: dict[str, list[Point]] = {}
     for p in measured.points:
-        joined = p.knob in LINES or (p.knob == "substep" and not any(q.knob in LINES[:2] for q in measured.points))
+        joined = p.axis in JOINED or (p.axis == "substep" and not any(q.axis in JOINED[:2] for q in measured.points))
         if joined:
-            found.setdefault(p.line, []).append(p)
-    return {name: sorted(points, key=lambda p: p.size) for name, points in found.items()}
+            joined_points.setdefault(p.series, []).append(p)
+    return {name: sorted(points, key=lambda p: p.size) for name, points in joined_points.items()}
 
 
 def _marked(points: Sequence[Point], x: Sequence[float], y: Sequence[float], name: str, colour: str, symbol: str,
             **more: Any) -> dict[str, Any]:
-    shown = [f"{p.line}<br>{p.size:.3g}; error {percent(p.error)}, {p.seconds:.3g} s, {p.work.get('calls', 0)} calls"
+    shown = [f"{p.series}<br>{p.size:.3g}; error {percent(p.error)}, {_seconds(p)}, {p.work.get('calls', 0)} calls"
              + (f"<br>{p.reason}" if p.reason else "") for p in points]
     return {"type": "scatter", "x": drawn(x, 5), "y": drawn(y, 5), "name": name, "text": shown,
             "hovertemplate": "%{text}<extra></extra>", "mode": "lines+markers",
@@ -88,21 +89,22 @@ def _marked(points: Sequence[Point], x: Sequence[float], y: Sequence[float], nam
 
 
 def _styles(names: Sequence[str]) -> Mapping[str, tuple[str, str]]:
-    """A colour and a symbol of each line."""
+    """A colour and a symbol of each series."""
     return {n: (CYCLE[i % len(CYCLE)], SYMBOLS[i % len(SYMBOLS)]) for i, n in enumerate(names)}
 
 
 def _work_precision(measured: Accuracy, cost: str, title: str, y_label: str, text: str) -> Figure:
-    lines = _lines(measured)
+    lines = _series(measured)
     styles = _styles(list(lines))
     data = []
     for name, points in lines.items():
-        done = [p for p in points if p.outcome == "done"]
+        done = [p for p in points if p.outcome == "done" and isfinite(p.cost(cost))]
         if done:
             data.append(_marked(done, [p.error for p in done], [p.cost(cost) for p in done], name, *styles[name]))
-    joined = {p.line for points in lines.values() for p in points}
-    for name, knobs, symbol in OTHERS:
-        others = [p for p in measured.points if p.line not in joined and p.knob in knobs and p.outcome == "done"]
+    joined = {p.series for points in lines.values() for p in points}
+    for name, axes, symbol in OTHERS:
+        others = [p for p in measured.points if p.series not in joined and p.axis in axes and p.outcome == "done"
+                  and isfinite(p.cost(cost))]
         if others:
             data.append(_marked(others, [p.error for p in others], [p.cost(cost) for p in others], name, RAW, symbol,
                                 mode="markers"))
@@ -110,17 +112,17 @@ def _work_precision(measured: Accuracy, cost: str, title: str, y_label: str, tex
     data.append(_marked(front, [p.error for p in front], [p.cost(cost) for p in front], "front", INK, "circle-open",
                         line={"color": INK, "width": 1, "dash": "dot"},
                         marker={"color": INK, "symbol": "circle-open", "size": 15, "line": {"width": 1.5}}))
-    if measured.own.outcome == "done":
+    if measured.own.outcome == "done" and isfinite(measured.own.cost(cost)):
         own = [measured.own]
-        data.append(_marked(own, [own[0].error], [own[0].cost(cost)], "as it is", VERMILION, "star", mode="markers",
-                            marker={"color": VERMILION, "symbol": "star", "size": 13}))
+        data.append(_marked(own, [own[0].error], [own[0].cost(cost)], "the scene's own settings", VERMILION, "star",
+                            mode="markers", marker={"color": VERMILION, "symbol": "star", "size": 13}))
     failed = [p for p in measured.points if p.outcome in ("failed", "useless") and isfinite(p.cost(cost))]
     if failed:
         data.append(_crosses(failed, [FAILED] * len(failed), [p.cost(cost) for p in failed]))
     return Figure(title, {"data": data, "layout": _layout(measured, "error", y_label, bool(failed))}, text
-                  + "Ringed: the front, where nothing is both quicker and more accurate; its error counts the finer settings of "
-                  "the same line, too, so that none is there by chance. Crosses: runs that failed or were off by more than "
-                  "100 %. Shaded: below what the reference itself is known to.")
+                  + "Ringed: the front, the settings of which none is both cheaper and more accurate. A setting counts with the "
+                  "largest error of it and of all finer ones of its series, so that none is on the front by chance. Crosses: "
+                  "runs that failed, or whose error is above 100 %. Shaded: below the reference's own error.")
 
 
 def _crosses(points: Sequence[Point], x: Sequence[float], y: Sequence[float]) -> dict[str, Any]:
@@ -130,11 +132,12 @@ def _crosses(points: Sequence[Point], x: Sequence[float], y: Sequence[float]) ->
 
 def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dict[str, Any]:
     least = min((p.error for p in measured.points if p.error > 0.0), default=1e-6)
-    low = min(least, measured.least if isfinite(measured.least) else least)
+    low = min(least, measured.smallest_known if isfinite(measured.smallest_known) else least)
     shapes, notes = [], []
-    if measured.least > 0.5 * low:
-        shapes.append(rectangle((low * 0.3, measured.least), (0, 1), MUTED, 0.1, xref="x", yref="paper"))
-        notes.append(label("← below the reference's own", log10(measured.least), 0.0, xref="x", xanchor="left", yanchor="bottom"))
+    if measured.smallest_known > 0.5 * low:
+        shapes.append(rectangle((low * 0.3, measured.smallest_known), (0, 1), MUTED, 0.1, xref="x", yref="paper"))
+        notes.append(label("← below the reference's own error", log10(measured.smallest_known), 0.0, xref="x", xanchor="left",
+                           yanchor="bottom"))
     if failed:
         notes.append(label("failed", log10(FAILED), 1.0, xref="x", yanchor="bottom"))
     ends = [log10(low * 0.5), log10(FAILED * 1.6 if failed else 1.2)]
@@ -144,12 +147,12 @@ def _layout(measured: Accuracy, x_label: str, y_label: str, failed: bool) -> dic
 
 
 def _against_size(measured: Accuracy) -> list[Block]:
-    """Error against the macro step, or the internal one, where it is a line's axis; with triangles of whole orders."""
-    lines = {n: [p for p in points if p.knob in ("coupling", "substep")] for n, points in _lines(measured).items()}
+    """Error against the macro step, or the internal one, where it is what a series varies; with triangles of whole orders."""
+    lines = {n: [p for p in points if p.axis in ("coupling", "substep")] for n, points in _series(measured).items()}
     lines = {n: points for n, points in lines.items() if len(points) > 1}
     if not lines:
         return []
-    styles, data = _styles(list(_lines(measured))), []
+    styles, data = _styles(list(_series(measured))), []
     seen = []
     for name, points in lines.items():
         done = [p for p in points if p.outcome == "done"]
@@ -161,7 +164,7 @@ def _against_size(measured: Accuracy) -> list[Block]:
         data.append(_crosses(failed, [p.size for p in failed], [FAILED] * len(failed)))
     if not seen:
         return []
-    inside = all(p.knob == "substep" for p in seen)
+    inside = all(p.axis == "substep" for p in seen)
     what = "internal step, s" if inside else "macro step, s"
     sizes, errors = [p.size for p in seen], [p.error for p in seen if p.error > 0.0]
     shapes, notes = _triangles(max(sizes), min(errors), ORDERS if inside else ORDERS[:3])
@@ -169,13 +172,13 @@ def _against_size(measured: Accuracy) -> list[Block]:
                   shapes=shapes, annotations=notes, margin={"l": 70, "r": LEGEND, "t": 34, "b": 50},
                   legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})
     return [Figure(f"Error against the {what.partition(',')[0]}", {"data": data, "layout": made},
-                   "Slope triangles: errors that fall with the first, second ... power of the step. Lines that turn flat have "
-                   "met another error, such as that of the internal steps or of a peak between two samples, which no coupling "
-                   "makes smaller. Crosses at the top: runs that failed, were refused, or were off by more than 100 %.")]
+                   "Slope triangles: errors that fall with the first, second ... power of the step. Where a series turns flat, "
+                   "another error prevails: that of the internal steps, of a peak between two samples, or the reference's own. "
+                   "Crosses at the top: runs that failed, were refused, or whose error is above 100 %.")]
 
 
 def _triangles(largest: float, least: float, orders: Sequence[int]) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Triangles over one another on one base, in the corner of long steps below all errors, which lines leave free."""
+    """Triangles over one another on one base, in the corner of long steps below all errors, which is free."""
     right, left = largest, largest / 2.0
     bottom = least / 2.0 / 2.0 ** orders[-1]
     shapes, notes = [], []
@@ -188,32 +191,41 @@ def _triangles(largest: float, least: float, orders: Sequence[int]) -> tuple[lis
 
 
 def _front_table(measured: Accuracy) -> Cells:
-    quantities = list(measured.floor)
+    quantities = list(measured.agreement)
     shown = quantities[:8]
     chosen = [measured.own]
     chosen += [p for p in measured.points if p is not measured.own and (p in measured.front() or p in measured.front("calls"))]
-    rows = [(p.line, f"{p.size:.3g}", percent(p.held), f"{p.seconds:.3g}", str(p.work.get("calls", "")),
+    rows = [(p.series, f"{p.size:.3g}", percent(p.error_with_finer), _seconds(p), str(p.work.get("calls", "")),
              *(percent(p.errors.get(q, float("nan"))) for q in shown))
-            for p in sorted(chosen, key=lambda p: p.seconds)]
+            for p in sorted(chosen, key=lambda p: p.work.get("calls", 0))]
     hidden = len(quantities) > len(shown)
     more = f" Of {len(quantities)} quantities the first {len(shown)} are shown; all are in accuracy.csv." if hidden else ""
-    return Cells("As it is, and the fronts over time and over counted work",
-                 ("setting", "size", "error", "seconds", "calls", *shown), rows,
-                 "Size: macro step in s, or tolerance." + more, frozenset(range(1, 5 + len(shown))))
+    return Cells("The scene's own settings, and the fronts over CPU time and over counted work",
+                 ("setting", "size", "error", "CPU time", "calls", *shown), rows,
+                 "Size: macro step in s, or tolerance. Columns of quantities: distance from the reference alone." + more,
+                 frozenset(range(1, 5 + len(shown))))
 
 
 def _all_points(measured: Accuracy) -> Cells:
-    rows = [(p.line, f"{p.size:.3g}", p.outcome, percent(p.error), percent(p.held), number(p.seconds), number(p.middle),
+    rows = [(p.series, f"{p.size:.3g}", p.outcome, percent(p.error), percent(p.error_with_finer),
+             number(p.seconds), number(p.median),
              *(str(p.work.get(n, "")) for n in ("macro_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")),
              p.reason) for p in measured.points if p.outcome != "skipped"]
     skipped = [p for p in measured.points if p.outcome == "skipped"]
     caption = f"{len(skipped)} more were skipped: {skipped[0].reason}. accuracy.csv names them." if skipped else ""
-    return Cells("Every setting", ("setting", "size", "outcome", "error", "with finer ones", "seconds, minimum", "median",
+    return Cells("Every setting", ("setting", "size", "outcome", "error", "with finer settings", "CPU time, s", "median",
                                    "macro steps", "derivative calls", "iterations", "rollbacks", "events", "calls", "reason"),
                  rows, caption, frozenset(range(3, 13)))
 
 
 def _reference(measured: Accuracy) -> list[tuple[str, str]]:
-    rows = [("reference", measured.how), ("second solution", measured.witness)]
-    rows += [(f"agreement of {name}", percent(value)) for name, value in measured.floor.items()]
-    return [*rows, ("machine", measured.machine), ("versions", measured.versions)]
+    rows = [("reference", measured.reference), ("shared with the runs", f"{measured.shares}; a defect of these does not show"),
+            ("second solution", measured.second_solution)]
+    rows += [(f"distance of the two, {name}", percent(value)) for name, value in measured.agreement.items()]
+    rows += [(f"mesh of the reference, {name}", f"{percent(value)} (Richardson)") for name, value in measured.mesh_error.items()]
+    calibration = f"{1e3 * measured.calibration:.3g} ms CPU time of the calibration workload"
+    return [*rows, ("machine", f"{measured.machine}; {calibration}"), ("versions", measured.versions)]
+
+
+def _seconds(point: Point) -> str:
+    return f"{point.seconds:.3g} s" if isfinite(point.seconds) else "time refused" if isfinite(point.scatter) else "–"

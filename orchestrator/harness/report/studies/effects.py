@@ -36,15 +36,16 @@ def for_effects(found: Effects, directory: str | Path) -> Path:
 
 def _lead(found: Effects) -> str:
     chosen = sum(f.chosen for f in found.findings)
-    return (f"{chosen} of {sum(f.standing in ('measured', 'required') for f in found.findings)} effects are enough for an error "
-            f"within {percent(found.tolerance)}, against the scene with all of them; without any one of these it is larger.")
+    every = sum(f.standing in ("measured", "required") for f in found.findings)
+    return (f"{chosen} of {every} effects keep the error within {percent(found.tolerance)} of the scene with all {every}. None "
+            "of them can be left out without exceeding this.")
 
 
 def _advice(found: Effects) -> list[str]:
-    rows = (("With all effects", found.full), ("As it is", found.given), ("With the smallest set", found.least))
-    said = [f"{name}: error {percent(c.error)}, {c.calls} calls, {c.seconds:.3g} s." for name, c in rows]
-    return [" ".join(said), *(["The smallest set: " + ", ".join(f.name for f in found.findings if f.chosen) + "."]
-                              if any(f.chosen for f in found.findings) else ["No effect is called for."])]
+    rows = (("All effects", found.full), ("The scene's own effects", found.given), ("Smallest set", found.least))
+    costs = [f"{name}: error {percent(c.error)}, {c.calls} calls, {c.seconds:.3g} s." for name, c in rows]
+    return [" ".join(costs), *(["The smallest set: " + ", ".join(f.name for f in found.findings if f.chosen) + "."]
+                              if any(f.chosen for f in found.findings) else ["The smallest set has no effects."])]
 
 
 def _bars(values: Sequence[float], rows: Sequence[int], name: str, colour: str, shift: float, texts: Sequence[str],
@@ -72,26 +73,36 @@ def _sizes(found: Effects, shown: Sequence[Finding]) -> Figure:
                    annotations=[label(percent(found.tolerance), log10(found.tolerance), 1.0, xref="x", yanchor="bottom")])
     made["xaxis"] |= {"type": "log", "range": [log10(least), log10(LARGEST)], "dtick": 1}
     return Figure("Size of each effect", {"data": data, "layout": made}, (
-        "Error of the scene with all effects but this one and those that need it: measured, and predicted from short ways along "
-        "the solution. Left out is what stays within the tolerance, the dashed line, together with all else that is. Bars that "
-        "end at the left are smaller than the axis shows; those that reach the right end are of runs that fail."))
+        "Error without this effect (and those that require it), against the scene with all effects: measured, and predicted "
+        "from short runs that start at points of the full solution. Dashed: the tolerance. Effects are left out as long as the "
+        "error of leaving out all of them together stays within it. Bars at the left end are smaller than the axis shows; bars "
+        "at the right end are runs that fail."))
 
 
 def _costs(found: Effects, shown: Sequence[Finding]) -> Figure:
     rows, full = list(range(len(shown))), found.full
-    texts = [f"{f.name}<br>{f.calls} calls, {f.seconds:.3g} s, {f.states} states" for f in shown]
-    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, 0.19, texts),
-            _bars([100.0 * f.seconds / full.seconds for f in shown], rows, "time", RAW, -0.19, texts)]
-    made = _layout("more with it, % of a run with all effects", shown, barmode="overlay", shapes=[vertical(0.0, colour=INK)])
+    places = [r for r, f in enumerate(shown) if isfinite(f.seconds)]
+    texts = [f"{f.name}<br>{f.calls} calls, {_seconds(f)}, {f.states} states" for f in shown]
+    data = [_bars([100.0 * f.calls / max(full.calls, 1) for f in shown], rows, "counted work", GREEN, 0.19, texts)]
+    if places:
+        data.append(_bars([100.0 * shown[r].seconds / full.seconds for r in places], places, "CPU time", RAW, -0.19,
+                          [texts[r] for r in places]))
+    zero = vertical(0.0, colour=INK)
+    made = _layout("cost of the effect, % of a run with all effects", shown, barmode="overlay", shapes=[zero])
     return Figure("What each effect adds", {"data": data, "layout": made}, (
-        "Counted work, the same on every machine: evaluations of equations and hand-overs; what only lengthens an equation adds "
-        "none. Time is that of the shortest of several runs, and scatters. To the left: a run has less of it with the effect."))
+        "Counted work is the same on every machine: evaluations of equations and exchanges of signals; an effect that only adds "
+        "terms to an equation adds none. CPU time: smallest of several runs, drawn only where the difference exceeds the "
+        "scatter of the runs. Bars to the left: the effect makes a run cheaper."))
 
 
 def _layout(title: str, shown: Sequence[Finding], **more: Any) -> dict[str, Any]:
     rows = list(range(len(shown)))
     y = axis("", tickvals=rows, ticktext=[f.name for f in shown], range=[-0.6, len(rows) - 0.4])
     return layout(110 + ROW * len(rows), xaxis=axis(title, grid=True), yaxis=y) | more
+
+
+def _seconds(effect: Finding) -> str:
+    return f"{effect.seconds:.3g} s" if isfinite(effect.seconds) else "–"
 
 
 def _size(error: float) -> str:
@@ -101,11 +112,12 @@ def _size(error: float) -> str:
 def _table(found: Effects) -> Cells:
     order = sorted((f for f in found.findings if f.standing in ("measured", "required")), key=lambda f: (not f.chosen, -f.actual))
     rows = [(f.name, "yes" if f.given else "no", "yes" if f.chosen else "no", percent(f.predicted), _size(f.actual), f.worst,
-             percent(f.breaking), str(f.states), str(f.calls), f"{f.seconds:.3g}" if isfinite(f.seconds) else "–",
+             percent(f.breaking), str(f.states), str(f.calls), _seconds(f),
              reason(f, found.tolerance)) for f in order]
     return Cells("Effects of the full model", (
         "effect", "in the scene", "chosen", "predicted", "actual", "largest in", "error of the set without it", "states", "calls",
-        "seconds", "why"), rows, "States, calls and seconds: what a run has more with it.", frozenset({3, 4, 6, 7, 8, 9}))
+        "CPU time", "why"), rows,
+        "States, calls and CPU time: what the effect adds. –: less than the times scatter.", frozenset({3, 4, 6, 7, 8, 9}))
 
 
 def _others(found: Effects) -> list[Block]:

@@ -7,12 +7,10 @@ SciPy's methods solve the same compiled right-hand side for the same inputs, and
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from importlib.metadata import version
+from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
-from statistics import median
 from time import perf_counter, process_time
 from typing import Any
 
@@ -22,23 +20,34 @@ from scipy.integrate import solve_ivp
 from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
-from .accuracy import OWN, PACKAGES, PATIENCE, USELESS, Accuracy, Point, held, machine_name
+from .accuracy import OWN, PATIENCE, USELESS, Accuracy, Point, machine_name, versions, with_finer_errors
 from .coupled_ode import rate_kernel
-from .quantities import Course, Quantity
+from .quantities import Quantity, TimeHistory
+from .reference import EQUATIONS, INTEGRATORS, Solution
+from .timing import calibrate, repeated
 from .trial import REPEATS, WORK
 
 SUBSTEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # times the component's own
-FINER = (32.0, 16.0)  # the reference's internal steps and those of its witness, where the component solves itself
+FINER = (32.0, 16.0)  # the internal steps of the reference and of the second solution, where the component solves itself
 METHODS = ("RK45", "DOP853", "LSODA", "Radau", "BDF")
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-REFERENCE, WITNESS = ("DOP853", 1e-12), ("Radau", 1e-10)
+REFERENCE, SECOND = ("DOP853", 1e-12), ("Radau", 1e-10)
 WAVES = 2.0  # of the inputs, in the time simulated
 SHARE = 0.05  # of an input's nominal value: the wave's amplitude
 STEPS = 2000  # most macro steps of a run
 BUDGET = 30.0  # s
 
 
-class Alone:
+@dataclass(frozen=True)
+class Solved:
+    """A solution of a component alone. seconds: CPU time.  work: its counters."""
+
+    history: TimeHistory
+    seconds: float
+    work: Mapping[str, int]
+
+
+class ComponentRun:
     """A component with inputs that are known functions of time.
 
     Integrated over `stop` s in macro steps of `step` s, by itself (`own`) or by a method of SciPy (`by_scipy`).
@@ -56,10 +65,11 @@ class Alone:
         grid = np.linspace(0.0, self.stop, 2 * self.steps + 1)  # ends and middles of the macro steps
         waves = 0.5 * (1.0 - np.cos(2.0 * np.pi * WAVES / self.stop * grid))
         values = first.u[0] + waves[:, None] * np.array(amplitude)
-        begin, middle, end = values[:-1:2], values[1::2], values[2::2]
+        left, middle, right = values[:-1:2], values[1::2], values[2::2]
         h = self.step
         # (steps, 3, m): through the three values of each step
-        self.inputs = np.stack([begin, (4.0 * middle - 3.0 * begin - end) / h, 2.0 * (begin - 2.0 * middle + end) / h**2], axis=1)
+        self.inputs = np.stack(
+            [left, (4.0 * middle - 3.0 * left - right) / h, 2.0 * (left - 2.0 * middle + right) / h**2], axis=1)
         self.kernel = rate_kernel(self.cls)
 
     def make(self, substep: float | None = None) -> Component:
@@ -67,23 +77,23 @@ class Alone:
         more = {} if substep is None else {"substep": substep}
         return self.cls(self.effects, {**self.parameters, **more})
 
-    def own(self, substep: float | None = None) -> tuple[Course, float, Mapping[str, int]]:
-        """(outputs, s, counters) by the component's own integrator; raises `BadInput` and `StepFailed`."""
+    def own(self, substep: float | None = None) -> Solved:
+        """The outputs by the component's own integrator; raises `BadInput` and `StepFailed`."""
         component = self.make(substep)
         component.u[0] = self.inputs[0, 0]
         component.initialize(0.0)
         rows, step, h = np.empty((self.steps + 1, component.y.size)), component.step, self.step
         rows[0] = component.y
-        begin = process_time()
+        start_time = process_time()
         for k, polynomial in enumerate(self.inputs):
             component.u[:] = polynomial
             step(k * h, h)
             rows[k + 1] = component.y
-        return self._course(component, rows), process_time() - begin, component.work
+        return Solved(self._history(component, rows), process_time() - start_time, component.work)
 
     def by_scipy(self, method: str, tolerance: float, patience: float = inf,
-                 longest: float = inf) -> tuple[Course, float, Mapping[str, int]]:
-        """(outputs, s, counters) by `solve_ivp` with the component's right-hand side; raises `StepFailed` where it gives up.
+                 longest: float = inf) -> Solved:
+        """The outputs by `solve_ivp` with the component's right-hand side; raises `StepFailed` where that gives up.
 
         longest: s, of its steps; one macro step keeps the kinks of the inputs out of them.
         """
@@ -91,7 +101,7 @@ class Alone:
         assert kernel is not None
         component.u[0] = self.inputs[0, 0]
         component.initialize(0.0)
-        start, settled, dx = component.x.copy(), component.arguments, np.empty_like(component.x)  # type: ignore[attr-defined]
+        start, arguments, dx = component.x.copy(), component.arguments, np.empty_like(component.x)  # type: ignore[attr-defined]
         inputs, h, last = self.inputs, self.step, self.steps - 1
         time = np.linspace(0.0, self.stop, self.steps + 1)
         least = tolerance * np.abs(start).max(initial=1e-3)
@@ -100,15 +110,15 @@ class Alone:
         def rates(t: float, x: np.ndarray) -> np.ndarray:
             k = min(int(t / h), last)
             s = t - k * h
-            kernel(t, x, inputs[k, 0] + s * (inputs[k, 1] + s * inputs[k, 2]), dx, *settled)
+            kernel(t, x, inputs[k, 0] + s * (inputs[k, 1] + s * inputs[k, 2]), dx, *arguments)
             if perf_counter() > end:
                 raise StepFailed(method, t, f"took longer than {patience:.2g} s", "")
             return dx.copy()
 
-        begin = process_time()
+        start_time = process_time()
         solved = solve_ivp(rates, (0.0, self.stop), start, method, time, rtol=tolerance, atol=least,
                            max_step=longest)
-        seconds = process_time() - begin
+        seconds = process_time() - start_time
         if not solved.success or not np.isfinite(solved.y).all():
             raise StepFailed(method, float(solved.t[-1]) if solved.t.size else 0.0, str(solved.message), "")
         rows = np.empty((time.size, component.y.size))
@@ -117,79 +127,84 @@ class Alone:
             component.u[0] = inputs[k, 0] if k <= last else inputs[last, 0] + h * (inputs[last, 1] + h * inputs[last, 2])
             component.refresh()
             rows[k] = component.y
-        return self._course(component, rows), seconds, {"derivative_calls": int(solved.nfev), "calls": int(solved.nfev)}
+        calls = {"derivative_calls": int(solved.nfev), "calls": int(solved.nfev)}
+        return Solved(self._history(component, rows), seconds, calls)
 
-    def _course(self, component: Component, rows: np.ndarray) -> Course:
-        return Course(np.linspace(0.0, self.stop, self.steps + 1), dict(zip(component.outputs, rows.T, strict=True)))
+    def _history(self, component: Component, rows: np.ndarray) -> TimeHistory:
+        return TimeHistory(np.linspace(0.0, self.stop, self.steps + 1), dict(zip(component.outputs, rows.T, strict=True)))
 
 
-def alone(name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None, *, stop: float | None = None,
-          budget: float = BUDGET, repeats: int = REPEATS, told: Callable[[str], None] = lambda text: None) -> Accuracy:
+def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None, *,
+                       stop: float | None = None, budget: float = BUDGET, repeats: int = REPEATS,
+                       on_message: Callable[[str], None] = lambda text: None) -> Accuracy:
     """Measure a component of the catalogue alone; raises `BadInput` where it integrates nothing."""
-    one = Alone(name, effects, parameters, stop)
+    one = ComponentRun(name, effects, parameters, stop)
     probe = one.make()
     probe.initialize(0.0)
     usual = float(probe.get("substep")) if "substep" in probe.parameters else None
     if not probe.x.size or (usual is None and one.kernel is None):
         raise BadInput(f"component:{name}", "nothing that is integrated with steps to choose",
                        "a component with a parameter substep, or a differential equation")
-    how, truth, witness, second = _truth(one, usual, told)
-    quantities = [Quantity(f"{n}, course", n, "course", 0.0, 0.0, v.nominal, v.unit)
+    truth, second = _solutions(one, usual, on_message)
+    quantities = [Quantity(f"{n}, time history", n, "time history", 0.0, 0.0, v.nominal, v.unit)
                   for n in probe.outputs for v in [probe.variables[n]]]
-    floor = {q.name: q.error(second, truth) for q in quantities}
+    agreement = {q.name: q.error(second.history, truth.history) for q in quantities}
     points: list[Point] = []
 
-    def measure(line: str, size: float, solve: Callable[[], tuple[Course, float, Mapping[str, int]]]) -> None:
-        told(f"{line}, {size:.3g}")
-        times: list[float] = []
-        point = Point(line, "own" if line == OWN else "method" if line.startswith("SciPy") else "substep", size, {}, "done")
+    def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
+        on_message(f"{series}, {size:.3g}")
+        axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
+        point, solved = Point(series, axis, size, {}, "done"), list[Solved]()
+
+        def once() -> float:
+            solved[:] = [solve()]
+            return solved[0].seconds
+
         try:
-            while len(times) < repeats and (not times or sum(times) < PATIENCE * budget):
-                course, seconds, work = solve()
-                times.append(seconds)
+            timing = repeated(once, repeats=repeats, patience=PATIENCE * budget, confirm=repeats > 1)
         except (BadInput, StepFailed) as error:
             outcome = "refused" if isinstance(error, BadInput) else "failed"
             points.append(replace(point, outcome=outcome, reason=str(error)))
             return
-        each = {q.name: q.error(course, truth) for q in quantities}
-        worst = max(each, key=each.__getitem__)
-        useless = not each[worst] <= USELESS
+        each = {q.name: q.error(solved[0].history, truth.history) for q in quantities}
+        worst = max(each, key=lambda name: each[name] + agreement[name])
+        error, work = each[worst] + agreement[worst], solved[0].work
+        useless = not error <= USELESS
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
-        points.append(replace(point, outcome="useless" if useless else "done", errors=each, error=each[worst],
-                              reason=f"error of {worst}: {100.0 * each[worst]:.3g} %" if useless else "",
-                              seconds=min(times), middle=median(times), work=counted))
+        reason = f"error of {worst}: {100.0 * error:.3g} %" if useless else ""
+        points.append(replace(point, outcome="useless" if useless else "done", errors=each, error=error, reason=reason,
+                              work=counted).timed(timing))
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)
     if usual is not None:
         longest = min(one.step, probe.stable_step())
         for size in sorted({min(factor * usual, max(longest, usual)) for factor in SUBSTEPS}, reverse=True):
-            measure("its own integrator, substeps", size, lambda size=size: one.own(size))  # type: ignore[misc]
+            measure("its own integrator, substeps", size, partial(one.own, size))
     if one.kernel is not None:
         for method in METHODS:
             for tolerance in TOLERANCES:
-                measure(f"SciPy {method}", tolerance,
-                        lambda m=method, t=tolerance: one.by_scipy(m, t, 0.05 * budget))  # type: ignore[misc]
-    packages = ", ".join(f"{p} {version(p)}" for p in PACKAGES)
-    return Accuracy(f"component:{name}", f"{one.cls.title} alone, {one.stop:g} s", tuple(held(points)), how, witness, floor,
-                    machine_name(), f"Python {platform.python_version()}, {packages}")
+                measure(f"SciPy {method}", tolerance, partial(one.by_scipy, method, tolerance, 0.05 * budget))
+    return Accuracy(f"component:{name}", f"{one.cls.title} alone, {one.stop:g} s", tuple(with_finer_errors(points)), truth.method,
+                    second.method, agreement, machine_name(), versions(), ", ".join(truth.shares),
+                    calibration=calibrate().seconds)
 
 
-def _truth(one: Alone, usual: float | None, told: Callable[[str], None]) -> tuple[str, Course, str, Course]:
-    """How the reference was found, the reference, and the same of its witness."""
-    found: list[tuple[str, Course]] = []
-    if one.kernel is not None:
-        for method, tolerance in (REFERENCE, WITNESS):
-            told(f"reference: {method}")
-            try:
-                found.append((f"SciPy {method}, tolerance {tolerance:g}", one.by_scipy(method, tolerance, 30.0, one.step)[0]))
-            except StepFailed:
-                continue
-    for factor in FINER:
-        if len(found) < 2 and usual is not None:
-            told(f"reference: substep / {factor:g}")
-            found.append((f"its own integrator, substep / {factor:g}", one.own(min(usual, one.step) / factor)[0]))
-    if len(found) < 2:
+def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str], None]) -> list[Solution]:
+    """The reference and a second solution; raises `BadInput` where there are no two."""
+    solutions: list[Solution] = []
+    for method, tolerance in (REFERENCE, SECOND) if one.kernel is not None else ():
+        on_message(f"reference: {method}")
+        try:
+            history = one.by_scipy(method, tolerance, 30.0, one.step).history
+        except StepFailed:
+            continue
+        solutions.append(Solution(f"SciPy {method}, tolerance {tolerance:g}", history, (EQUATIONS,)))
+    for factor in FINER if usual is not None else ():
+        if len(solutions) < 2 and usual is not None:
+            on_message(f"reference: substep / {factor:g}")
+            history = one.own(min(usual, one.step) / factor).history
+            solutions.append(Solution(f"its own integrator, substep / {factor:g}", history, (EQUATIONS, INTEGRATORS)))
+    if len(solutions) < 2:
         raise BadInput(f"component:{one.cls.__name__}", "no two solutions to compare", "a component with a parameter substep")
-    (how, truth), (witness, second) = found[:2]
-    return how, truth, witness, second
+    return solutions[:2]

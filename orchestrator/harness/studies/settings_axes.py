@@ -1,4 +1,4 @@
-"""What can be turned to trade accuracy for time, as changes of a scene: how it is coupled, internal steps, meshes."""
+"""The settings that trade accuracy for time, as changes of a scene: how it is coupled, internal steps, meshes."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ MESHES = (2.0, 0.5)
 class Setting:
     """One way to run a scene.
 
-    line: the points it belongs to, in words.  knob: "coupling", "adaptive", "substep", "mesh" or "effect".
-    size: what differs along the line: a macro step, s, or a tolerance where the macro step follows it.
+    series: the points it belongs to, in words.  axis: "coupling", "adaptive", "substep", "mesh" or "effect".
+    size: what differs along the series: a macro step, s, or a tolerance where the macro step follows it.
     changes: of the scene, with values as such, not as shares of the scene's own.
     """
 
-    line: str
-    knob: str
+    series: str
+    axis: str
     size: float
     changes: dict[str, Any] = field(hash=False)
 
@@ -46,11 +46,8 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
 
 def substeps(scene: Scene) -> dict[str, float]:
     """Place in the scene -> internal step, s, of every component that has a parameter `substep`."""
-    found = {}
-    for name, unit in scene.units.items():
-        if unit.component and "substep" in find(unit.component, name).variables:
-            found[f"units.{name}.parameters.substep"] = float(make(name, unit).get("substep"))
-    return found
+    return {f"units.{name}.parameters.substep": float(make(name, unit).get("substep")) for name, unit in scene.units.items()
+            if unit.component and "substep" in find(unit.component, name).variables}
 
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
@@ -61,7 +58,7 @@ def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
 
 def meshes(scene: Scene) -> dict[str, float]:
     """Place -> length of the elements, of what the scene's [study] names as mesh; raises `BadInput` for what is none."""
-    found = {}
+    lengths = {}
     for name in scene.study.mesh:
         unit, parameter = scene.split(name)
         given = scene.units.get(unit)
@@ -70,8 +67,8 @@ def meshes(scene: Scene) -> dict[str, float]:
         value = make(unit, given).get(parameter)
         if find(given.component, unit).variables[parameter].causality is not Causality.PARAMETER or not isinstance(value, float):
             raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
-        found[f"units.{unit}.parameters.{parameter}"] = value
-    return found
+        lengths[f"units.{unit}.parameters.{parameter}"] = value
+    return lengths
 
 
 def with_step(scene: Scene, step: float) -> dict[str, Any]:
@@ -98,7 +95,7 @@ def macro_steps(scene: Scene) -> list[float]:
 
 
 def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
-    """(line, changes) of every algorithm and degree of the inputs that makes sense for the scene's connections.
+    """(series, changes) of every algorithm and degree of the inputs that makes sense for the scene's connections.
 
     Without connections only the scene's own; without circles iterating has nothing to repeat.
     """
@@ -119,10 +116,10 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def settings(scene: Scene) -> Iterator[Setting]:
     """Settings of the first round, the cheapest first: how the scene is coupled, over macro steps; meshes as the scene has it."""
-    lines = list(couplings(scene))
+    every = list(couplings(scene))
     for step in macro_steps(scene):
-        for line, changes in lines:
-            yield Setting(line, "coupling", step, {**changes, **with_step(scene, step)})
+        for series, changes in every:
+            yield Setting(series, "coupling", step, {**changes, **with_step(scene, step)})
     if resolve_coupling(scene).links:
         for tolerance in ADAPTIVE:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
@@ -138,11 +135,11 @@ def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:
     """The same setting with other internal steps."""
     for factor in SUBSTEPS:
         if changes := refined(scene, factor):
-            yield Setting(f"{setting.line}, substeps x {factor:g}", "substep", setting.size, {**setting.changes, **changes})
+            yield Setting(f"{setting.series}, substeps x {factor:g}", "substep", setting.size, {**setting.changes, **changes})
 
 
 def without_effects(scene: Scene) -> Iterator[Setting]:
-    """The scene as it is without one of the effects that it names, each in turn; what needs that effect refuses to start."""
+    """The scene's own settings without one of its effects, each in turn; what needs that effect refuses to start."""
     for name, unit in scene.units.items():
         for effect in unit.effects if unit.component else ():
             yield Setting(f"without {name}.{effect}", "effect", scene.master.step, {
