@@ -58,7 +58,9 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
         yield f"no limit of the macro step known for {reason}"
     whole = advice.steps * advice.seconds
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
-    yield f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s"
+    compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""
+    yield (f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s, "
+           f"beside starting{compiling}")
 
 
 def _remarks(name: str, scene: Scene) -> str:

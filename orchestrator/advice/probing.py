@@ -28,6 +28,7 @@ from ..engine.algorithms.master import Master
 from ..engine.coupling import Coupling, resolve_coupling
 from ..engine.coupling.graph import Link
 from ..open_all import open_units
+from ..run_info import CompileTime
 from ..scene.scene import Scene
 from ..units import Unit
 from ..units.interface import PortValues
@@ -68,12 +69,15 @@ class Contact:
 
 @dataclass(frozen=True)
 class Advice:
-    """contacts: what the units told. unknown: why others did not. steps: of the run. seconds: of real time for each."""
+    """contacts: pairs with their limits. unknown: why others have none. steps: of the run. seconds: real time of one step.
+    compiling: s that this took just now; 0 where all machine code was kept from earlier.
+    """
 
     contacts: tuple[Contact, ...]
     unknown: tuple[str, ...]
     steps: int
     seconds: float
+    compiling: float
 
     def warnings(self, scene: Scene) -> list[str]:
         """What is wrong with the scene's macro step."""
@@ -91,11 +95,13 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
     coupling = resolve_coupling(scene)
     with ExitStack() as stack:
+        compiling = stack.enter_context(CompileTime())
         units = open_units(scene, stack, in_process)
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
         limits, unknown = contacts(scene, coupling, master, units)
-        return Advice(limits, unknown, ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master))
+        steps, seconds = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master)
+        return Advice(limits, unknown, steps, seconds, compiling.seconds)
 
 
 def _timed(scene: Scene, master: Master) -> float:

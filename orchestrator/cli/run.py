@@ -114,7 +114,8 @@ def run(
         for name, c in result.columns.items() if c.size
     ])
     timing = result.info["timing"]
-    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start")
+    compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
+    print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")
     warn(result.info["warnings"])
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)

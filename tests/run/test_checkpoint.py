@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
-from cosimo.orchestrator.checkpoint import check_wish
+from cosimo.orchestrator.checkpoint import check_wish, content_digest
+from cosimo.orchestrator.engine.algorithms.master import Saved
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.units import Interface
@@ -168,23 +169,69 @@ def test_files_that_are_no_checkpoints_are_refused(tmp_path):
             run(oscillator(), resume=file)
 
 
+def rewritten(file, change):
+    """The file with its content changed, and a digest that fits: what only someone who means it would write."""
+    with np.load(file) as archive:
+        arrays = {name: array for name, array in archive.items() if name != "digest"}
+    content = json.loads(arrays["text"].tobytes())
+    arrays["text"] = np.frombuffer(json.dumps(change(content) or content).encode(), dtype=np.uint8)
+    arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
+    with open(file, "wb") as out:
+        np.savez(out, **arrays)
+
+
 @pytest.mark.parametrize("key", ["version", "name", "digest", "kinds", "tick", "t", "units", "master", "parts"])
 @pytest.mark.parametrize("wrong", [[], ["abc"]], ids=["missing", "a text"])
 def test_a_checkpoint_with_something_else_in_it_never_gives_a_traceback(key, wrong, tmp_path):
     file = tmp_path / "run.checkpoint"
     run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
-    with np.load(file) as found:
-        arrays = dict(found)
-    content = json.loads(arrays["text"].tobytes())
-    content["mapping"] = [[k, *wrong] if k == key else [k, v] for k, v in content["mapping"] if k != key or wrong]
-    arrays["text"] = np.frombuffer(json.dumps(content).encode(), dtype=np.uint8)
-    with open(file, "wb") as out:
-        np.savez(out, **arrays)
+
+    def change(content):
+        content["mapping"] = [[k, *wrong] if k == key else [k, v] for k, v in content["mapping"] if k != key or wrong]
+
+    rewritten(file, change)
     if key in ("name", "t") and wrong:  # which are for messages only
         run(oscillator(), resume=file)
     else:
         with pytest.raises(BadInput, match="resume: "):
             run(oscillator(), resume=file)
+
+
+@pytest.mark.parametrize("field", ["__class__", "__dict__", "step", "restore", "unknown"])
+def test_only_declared_fields_are_filled(field, tmp_path):
+    file = tmp_path / "run.checkpoint"
+    run(oscillator(), checkpoint_every=0.5, checkpoint_to=file)
+    before = vars(Saved).copy()
+
+    def change(content):
+        master = next(value for key, value in content["mapping"] if key == "master")
+        master["object"][field] = {"object": {"__module__": "elsewhere"}}
+
+    rewritten(file, change)
+    with pytest.raises(BadInput, match=r"resume: content that does not fit the scene .*fields of Saved are"):
+        run(oscillator(), resume=file)
+    assert vars(Saved) == before
+
+
+def test_a_damaged_checkpoint_is_one_message_wherever_the_damage_is(tmp_path):
+    """Bytes changed, dropped and doubled at 300 seeded places: refused, or without any effect (padding of the archive)."""
+    scene, file = oscillator(record={"interval": 0.1}), tmp_path / "run.checkpoint"
+    whole = run(scene, checkpoint_every=0.5, checkpoint_to=file)
+    good, rng, refused = file.read_bytes(), np.random.default_rng(5), 0
+    for k in range(300):
+        content, at = bytearray(good), int(rng.integers(len(good)))
+        if k % 3 == 0:
+            content[at] ^= int(rng.integers(1, 256))
+        elif k % 3 == 1:
+            del content[at : at + int(rng.integers(1, 20))]
+        else:
+            content[at:at] = content[at : at + int(rng.integers(1, 20))]
+        file.write_bytes(content)
+        try:
+            same(whole, run(scene, resume=file))
+        except BadInput:
+            refused += 1
+    assert refused > 250
 
 
 @pytest.mark.parametrize(("every", "to", "message"), [

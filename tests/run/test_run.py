@@ -4,6 +4,7 @@ import io
 import json
 import signal
 import sys
+from time import perf_counter, sleep
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
-from cosimo.tests.support import OfTime, Probe, two_masses
+from cosimo.tests.support import Linear, OfTime, Probe, two_masses
+from numba.core import event
 
 PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1}}
 
@@ -147,8 +149,34 @@ def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
     assert "q.wire_height" in info["settings"]["undriven_inputs"]
     assert info["counters"]["master"]["steps"] == 10
     assert info["counters"]["units"]["q"]["derivative_calls"] > 0
-    assert {"simulated", "start", "run"} == info["timing"].keys()
+    assert {"simulated", "start", "compile", "run", "cpu"} == info["timing"].keys()
     assert info["timing"]["simulated"] == 1.0
+
+
+def test_compilation_is_no_part_of_the_times_of_starting_and_running(monkeypatch):
+    """Compile events around waits of known length, nested as Numba has them: all of it is `compile`, and nothing twice."""
+    def compiles(seconds):
+        with event.trigger_event("numba:compile"), event.trigger_event("numba:compile"):
+            sleep(seconds)
+
+    def initialize(unit, t, _initialize=Linear._initialize):
+        compiles(0.05)
+        return _initialize(unit, t)
+
+    def step(unit, t, h, _step=Linear._step):
+        if t == 0.0:
+            compiles(0.1)
+        return _step(unit, t, h)
+
+    monkeypatch.setattr(Linear, "_initialize", initialize)
+    monkeypatch.setattr(Linear, "_step", step)
+    since = perf_counter()
+    timing = run(read_scene(two_masses()), in_process=True).info["timing"]
+    whole = perf_counter() - since
+    assert timing["compile"] >= 2 * (0.05 + 0.1)  # of two masses
+    assert timing["start"] + timing["compile"] + timing["run"] <= whole  # a second counted twice would be beyond it
+    monkeypatch.undo()
+    assert run(read_scene(two_masses()), in_process=True).info["timing"]["compile"] == 0.0
 
 
 def test_missing_column_names_the_near_ones():

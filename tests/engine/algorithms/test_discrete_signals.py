@@ -43,7 +43,7 @@ class Clocked(Component):
 class Both(Integrals):
     """Integrates two inputs exactly, and hands on the first."""
 
-    is_discrete = input_(0.0, "1", "an input")
+    jumps = input_(0.0, "1", "an input")
     moves = input_(0.0, "s", "another")
     sums = output("1", "integrals", size=2)
     now = output("1", "the first input", feedthrough=("jumps",))

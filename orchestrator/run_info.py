@@ -1,0 +1,104 @@
+"""What run.json says of a run: scene, effects, settings, counters, versions, and the time that compilation took."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from functools import cache, partial
+from importlib.metadata import version
+from time import perf_counter, process_time
+from typing import Any
+
+from .engine.algorithms import Master
+from .engine.coupling import Coupling
+from .scene.scene import Scene
+from .units import Unit
+
+PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
+COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk
+
+_version = cache(version)  # it parses a file each time, which for a short run takes longer than the run
+
+
+class CompileTime:
+    """Seconds that Numba compiles while this context is open, in this process: kernels of components and of their FMUs.
+
+    What is taken from Numba's cache on disk costs no compilation. Worker processes compile for themselves, unseen.
+    """
+
+    def __init__(self, *, announce: bool = False):
+        """`announce`: tell on a terminal that the first compilation has started."""
+        self.spent = 0.0, 0.0  # real and CPU time, s
+        self._depth, self._since, self._announce = 0, (0.0, 0.0), announce
+
+    @property
+    def seconds(self) -> float:
+        """Real time of compiling, s."""
+        return self.spent[0]
+
+    def __enter__(self) -> CompileTime:
+        try:
+            from numba.core import event
+        except ImportError:  # without Numba nothing is compiled
+            self._unregister: Callable[[], None] = lambda: None
+            return self
+
+        compile_time = self
+
+        class Listener(event.Listener):
+            def on_start(self, event: Any) -> None:
+                compile_time._enter()
+
+            def on_end(self, event: Any) -> None:
+                compile_time._leave()
+
+        listener = Listener()
+        event.register(COMPILATION, listener)
+        self._unregister = partial(event.unregister, COMPILATION, listener)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._unregister()
+
+    def _enter(self) -> None:
+        """A kernel compiles those that it calls: only the outermost one is timed."""
+        if self._depth == 0:
+            self._since = perf_counter(), process_time()
+            if self._announce and not self.seconds and sys.stderr.isatty():
+                print("compiling (once; kept for later runs)", file=sys.stderr)
+        self._depth += 1
+
+    def _leave(self) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            (real, cpu), (since, cpu_since) = self.spent, self._since
+            self.spent = real + perf_counter() - since, cpu + process_time() - cpu_since
+
+
+def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:
+    """What run.json holds beside outcome and timing."""
+    interfaces = coupling.interfaces
+    driven = {link.target[0] for link in coupling.links}
+    undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
+    return {
+        "scene": {"name": scene.name, **scene.model_dump(mode="json")},
+        "units": {n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
+                  for n, unit in units.items()},
+        "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},
+                        "off": {e: "not named in the scene" for e, why in i.effects.items() if not why}}
+                    for n, i in interfaces.items()},
+        "settings": {
+            **scene.master.model_dump(mode="json"),
+            "undriven_inputs": list(coupling.undriven),
+            "held_at_mean": sorted(n for n in driven if interfaces[n].input_degree < scene.master.extrapolation),
+            "undeclared_dependencies": undeclared,
+        },
+        "counters": {
+            "master": master.counters(),
+            "units": {n: unit.work() for n, unit in units.items()},
+        },
+        "initial_values": [asdict(group) for group in master.initialization],
+        "versions": {"python": platform.python_version(), **{p: _version(p) for p in PACKAGES}},
+    }
