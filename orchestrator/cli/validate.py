@@ -1,4 +1,4 @@
-"""Cases held against their tables."""
+"""Cases compared with their tables."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .common import FAILED_CHECK, AsJson, InProcess, app, print_table
+from .common import FAILED_CHECK, AsJson, InProcess, app, print_table, warn
 
 
 @app.command()
@@ -15,9 +15,14 @@ def validate(
     cases: Annotated[list[str] | None, typer.Argument(help="names of cases, see cosimo list cases; all without it")] = None,
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
+    strict: Annotated[bool, typer.Option("--strict", help=(
+        "Count a row outside of a recalled range as failed, too; without it such rows are a warning."))] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Run cases and hold them against their tables. Example: cosimo validate en50318-2018-ac-simple -o out"""
+    """Run cases and compare them with their tables. Example: cosimo validate en50318-2018-ac-simple -o out
+
+    Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
+    """
     from ..harness.charts.style import number
     from ..harness.validation import validate as validate_cases
     from ..harness.validation.case import to_json
@@ -35,7 +40,9 @@ def validate(
             ])
             print(f"{result.case.name}: {result.verdict}")
         print(f"report: {results[0].report}")
-    if any(result.outcome == "failed" for result in results):
+    doubtful = [f"{result.case.name}: {warning}" for result in results for warning in result.warnings]
+    warn(doubtful)
+    if any(result.outcome == "failed" for result in results) or (strict and doubtful):
         raise SystemExit(FAILED_CHECK)
 
 

@@ -118,7 +118,8 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
 
 def _case_sections(result: CaseResult, alone: bool) -> list[Section]:
     case, findings = result.case, result.findings
-    sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text])], badge=result.outcome)]
+    sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text]),
+                                     *([Text(result.warnings, "warning")] if result.warnings else [])], badge=result.outcome)]
     special = SYSTEMS.get(case.system)
     conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
     for label, run in findings.runs.items():

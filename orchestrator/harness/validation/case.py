@@ -58,14 +58,14 @@ def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
-    """ "failed" if a row that was read or computed is outside; else "recalled" if any range is not firm; else "passed".
+    """ "failed" if a row is outside a range that is not just recalled; else "recalled" if any range is not firm; else "passed".
 
-    Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure. No row, no pass.
+    Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure but a warning.
+    Firm are ranges that were read or computed. No row, no pass.
     """
-    firm = [r for r in rows if r.reference.standing in ("verbatim", "computed")]
-    if not rows or not all(r.inside for r in firm):
+    if not rows or not all(r.inside for r in rows if r.reference.standing != "recalled"):
         return "failed"
-    return "passed" if len(firm) == len(rows) else "recalled"
+    return "passed" if all(r.reference.standing in ("verbatim", "computed") for r in rows) else "recalled"
 
 
 @dataclass(frozen=True)
@@ -113,6 +113,13 @@ class CaseResult:
         return outcome(self.findings.rows) if self.findings.complete else "failed"
 
     @property
+    def warnings(self) -> list[str]:
+        """Rows outside of recalled ranges, one sentence each: they fail nothing, but may be a defect."""
+        return [f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
+                for r in self.findings.rows if r.reference.standing == "recalled" and not r.inside
+                for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]]
+
+    @property
     def verdict(self) -> str:
         """The outcome in one sentence."""
         rows = self.findings.rows
@@ -134,10 +141,19 @@ class CaseResult:
             "title": self.case.title,
             "outcome": self.outcome,
             "verdict": self.verdict,
+            "warnings": self.warnings,
             "rows": [r.to_json() for r in self.findings.rows],
             "notes": list(self.findings.notes),
             "report": str(self.report) if self.report else None,
         }
+
+
+def _outside(row: Row) -> str:
+    """Which end of its range a row has left."""
+    low, high = row.reference.low, row.reference.high
+    if low is not None and row.measured < low:
+        return f"below {low:.5g}"
+    return f"above {high:.5g}" if high is not None and row.measured > high else "not a number"
 
 
 def to_json(results: list[CaseResult]) -> str:

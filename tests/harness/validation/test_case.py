@@ -5,9 +5,11 @@ import math
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.validation import validate
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
 from cosimo.orchestrator.harness.validation.reference import TableRow
+from cosimo.orchestrator.systems import CASES
 
 
 def row(measured, standing="verbatim", low=0.0, high=10.0):
@@ -27,6 +29,7 @@ def row(measured, standing="verbatim", low=0.0, high=10.0):
         ([row(5, "recalled")], "recalled"),
         ([row(50, "recalled")], "recalled"),
         ([row(5, "inferred")], "recalled"),
+        ([row(50, "inferred"), row(5)], "failed"),
         ([row(math.nan)], "failed"),
         ([], "failed"),
     ],
@@ -78,6 +81,31 @@ def test_the_verdict_counts_by_standing():
     assert "1 of 1 rows inside the range" in text
     assert "1 of 2 rows inside the recalled range" in text
     assert "Passed" not in text
+
+
+def test_rows_outside_of_recalled_ranges_are_a_warning_that_names_them():
+    result = case_result([row(5), row(5, "recalled"), row(50, "recalled"), row(-1, "recalled"), row(math.nan, "recalled")])
+    above, below, nothing = result.warnings
+    assert above == "force (250 km/h): 50 N is above 10, a recalled range"
+    assert "-1 N is below 0" in below
+    assert "not a number" in nothing
+    assert result.to_json()["warnings"] == result.warnings
+    assert case_result([row(5), row(5, "recalled")]).warnings == []
+
+
+@pytest.mark.parametrize(("measured", "strict", "code"), [(5, False, 0), (5, True, 0), (50, False, 0), (50, True, 1)])
+def test_strict_counts_rows_outside_of_recalled_ranges(measured, strict, code, tmp_path, monkeypatch, capsys):
+    case = Case("a-case", "A case", "text", "", lambda options: Findings((row(5), row(measured, "recalled"))))
+    monkeypatch.setitem(CASES, "a-case", case)
+    try:
+        main(["validate", "a-case", "-o", str(tmp_path), *(["--strict"] if strict else [])])
+        found = 0
+    except SystemExit as exit_:
+        found = exit_.code or 0
+    assert found == code
+    warned = "warning: a-case: force (250 km/h): 50 N is above 10, a recalled range"
+    assert (warned in capsys.readouterr().err) == (measured > 10)
+    assert ("50 N is above 10" in (tmp_path / "report.html").read_text(encoding="utf-8")) == (measured > 10)
 
 
 def test_json_has_the_agreed_fields_and_is_strict():
