@@ -2,10 +2,19 @@
 
 from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
+from hypothesis import HealthCheck, settings
 
-LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whole: begun last, they would be waited for
+# The tests hold on a machine that is busy: none fails because an example took long.
+settings.register_profile("busy machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy machine")
+
+LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whole: started last, they would be waited for
 
 
-def pytest_collection_modifyitems(items):
-    """Long files first; where xdist keeps this order, as `--no-loadscope-reorder` in pyproject.toml tells it to."""
+def pytest_collection_modifyitems(config, items):
+    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them."""
     items.sort(key=lambda item: item.path.name not in LONG)
+    if "benchmark" not in config.option.markexpr:
+        benchmarks = [item for item in items if item.get_closest_marker("benchmark")]
+        config.hook.pytest_deselected(items=benchmarks)
+        items[:] = [item for item in items if item not in benchmarks]

@@ -1,8 +1,6 @@
 """The command line: what it prints for people and for programs, and its exit codes."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 from cosimo.components.catalogue import CATALOGUE
@@ -43,11 +41,6 @@ def scene(tmp_path):
 def test_help_shows_an_example(command, capsys):
     assert cosimo(command, "--help") == 0
     assert f"Example: cosimo {command}" in " ".join(capsys.readouterr().out.split())
-
-
-def test_help_imports_nothing_heavy():
-    code = "import sys, orchestrator.cli; print([m for m in ('numpy', 'numba', 'fmpy', 'pydantic', 'scipy') if m in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
 def test_list_for_programs(capsys):

@@ -15,6 +15,7 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 
 ROOT = Path(__file__).resolve().parents[2]
+EVERYTHING = ("-m", "full or not full")
 FILES = (
     "tests/contract/test_steps.py",
     "tests/contract/test_effects_absent.py",
@@ -31,7 +32,7 @@ FILES = (
 @pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
 @pytest.mark.parametrize("file", FILES)
 def test_without_the_compiler(file):
-    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", file], cwd=ROOT, text=True,
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *EVERYTHING, file], cwd=ROOT, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
     assert done.returncode == 0, done.stdout[-20000:]
     assert " passed" in done.stdout

@@ -45,7 +45,7 @@ STEPS = (1 / 64, 1 / 128)  # s; eigenvalues are of size 1 to 5
 
 
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel", "iterative"])
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(found=systems(), degree=st.integers(0, 2))
 def test_error_falls_with_the_expected_order(algorithm, found, degree):
     errors = [largest_error(found, algorithm, degree, step) for step in STEPS]
@@ -54,7 +54,7 @@ def test_error_falls_with_the_expected_order(algorithm, found, degree):
         assert order > degree + 1 - (0.15 if degree < 2 else 0.5), errors
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(found=systems(), degree=st.integers(0, 2))
 def test_every_method_comes_to_the_same_fixed_point(found, degree):
     ends = []
@@ -67,7 +67,7 @@ def test_every_method_comes_to_the_same_fixed_point(found, degree):
     np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=0.0, atol=1e-9)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(found=systems(loops=False), degree=st.integers(0, 2), seed=st.integers(0, 100))
 def test_order_of_units_and_connections_is_irrelevant_to_jacobi(found, degree, seed):
     scene = found.scene(1 / 16, algorithm="jacobi", extrapolation=degree)

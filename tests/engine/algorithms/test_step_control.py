@@ -109,7 +109,7 @@ def test_steps_follow_a_motion_that_dies_out():
     assert result.info["counters"]["stepping"]["longest"] >= h.max() * (1.0 - 1e-9)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(st.floats(0.37, 1.3), st.sampled_from([1e-3, 2.5e-3, 0.01]), st.sampled_from(["milne", "doubling"]))
 def test_steps_are_multiples_of_the_smallest_within_the_limits_and_end_at_the_end(stop, smallest, method):
     stop = round(stop, 4)

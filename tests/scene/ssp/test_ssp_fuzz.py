@@ -26,7 +26,7 @@ ODD = st.sampled_from([
     "output", "parameter", "inout", "component", "[]", '{"units": []}', '{"elements": {"a": "in.b"}}'])
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_one_thing_wrong_never_gives_a_traceback(folder, data):
     root = etree.fromstring(TEXT.encode())
