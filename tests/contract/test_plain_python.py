@@ -19,20 +19,23 @@ EVERYTHING = ("-m", "full or not full")
 FILES = (
     "tests/contract/test_steps.py",
     "tests/contract/test_effects_absent.py",
-    "tests/contract/test_effect_strength.py",
     "tests/contract/test_effects_free.py",
     "tests/contract/test_hard_case_catalogue.py",
-    "tests/fmus/test_fmu_run.py",
-    "tests/run/test_run.py",
-    "tests/harness/studies/test_effects.py",
-    "tests/harness/studies/test_selection.py",
+    *(pytest.param(file, marks=pytest.mark.full) for file in (
+        "tests/contract/test_effect_strength.py",
+        "tests/fmus/test_fmu_run.py",
+        "tests/run/test_run.py",
+        "tests/harness/studies/test_effects.py",
+        "tests/harness/studies/test_selection.py",
+    )),
 )
 
 
 @pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
 @pytest.mark.parametrize("file", FILES)
 def test_without_the_compiler(file):
-    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *EVERYTHING, file], cwd=ROOT, text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *EVERYTHING, file]
+    done = subprocess.run(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
     assert done.returncode == 0, done.stdout[-20000:]
     assert " passed" in done.stdout

@@ -33,7 +33,10 @@ def run(component, effects, parameters, steps):
 """
 
 ONE_A_SYSTEM = {component_class(name).system: name for name in CATALOGUE}.values()
-SECOND_PROCESS = SHORT_RUNS + f"\nSMALL = { {name: SMALL[name] for name in ONE_A_SYSTEM}!r}" + """
+FEW = ("Pantograph", "PipeRobot")
+some_and_all = pytest.mark.parametrize("names", [FEW, pytest.param(tuple(ONE_A_SYSTEM), marks=pytest.mark.full)],
+                                       ids=["two", "one a system"])
+SECOND_PROCESS = """
 for name in SMALL:
     run(name, (), SMALL[name], 1)
 kernels = {id(k): k for m in list(sys.modules.values()) if m.__name__.startswith("cosimo.components.")
@@ -58,13 +61,15 @@ def python(source: str, *arguments: str, **environment: str) -> str:
 
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
-def test_a_second_process_compiles_nothing(tmp_path):
+@some_and_all
+def test_a_second_process_compiles_nothing(tmp_path, names):
     """In a cache of its own: other tests compile at the same time, and Numba's index of a cache is not made for that."""
-    hits, misses = json.loads(python(SECOND_PROCESS, NUMBA_CACHE_DIR=str(tmp_path)))
-    assert misses >= len(ONE_A_SYSTEM)  # the first process did compile
-    hits, misses = json.loads(python(SECOND_PROCESS, NUMBA_CACHE_DIR=str(tmp_path)))
+    source = f"{SHORT_RUNS}\nSMALL = { {name: SMALL[name] for name in names}!r}{SECOND_PROCESS}"
+    hits, misses = json.loads(python(source, NUMBA_CACHE_DIR=str(tmp_path)))
+    assert misses >= len(names)  # the first process did compile
+    hits, misses = json.loads(python(source, NUMBA_CACHE_DIR=str(tmp_path)))
     assert misses == 0
-    assert hits >= len(ONE_A_SYSTEM)
+    assert hits >= len(names)
 
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
@@ -115,11 +120,12 @@ def test_processes_that_compile_one_kernel_at_once_do_not_get_each_others_code(t
 
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compare with")
-def test_plain_python_gives_the_same_numbers():
-    print_runs = SHORT_RUNS + f"\nprint(json.dumps({{k: run(*r) for k, r in {RUNS!r}.items()}}))"
+@pytest.mark.parametrize("runs", [{n: RUNS[n] for n in FEW}, pytest.param(RUNS, marks=pytest.mark.full)], ids=["two", "all"])
+def test_plain_python_gives_the_same_numbers(runs):
+    print_runs = SHORT_RUNS + f"\nprint(json.dumps({{k: run(*r) for k, r in {runs!r}.items()}}))"
     plain = json.loads(python("import sys\nsys.modules['numba'] = None\n" + print_runs))
     compiled = json.loads(python(print_runs))
-    for name in RUNS:
+    for name in runs:
         a, b = np.array(plain[name]), np.array(compiled[name])
         assert np.isfinite(a).all()
         # The same operations in the same order; LLVM may join sums in vectors, and tanh and cos differ in the last digit.

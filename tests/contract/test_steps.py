@@ -12,6 +12,8 @@ from cosimo.components.core.integrators import OdeComponent
 from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
 
+# Machine code of all components takes the compiler minutes; plain Python of all configurations is in every run.
+pytestmark = pytest.mark.full
 EPSILON = np.finfo(float).eps
 configurations = pytest.mark.parametrize("configuration", COMPILED_TOO if COMPILED else CONFIGURATIONS, ids=lambda c: c.label)
 
