@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
-from .common import COMPONENT, AsJson, Changes, app, change, listed, parameters_of, print_table, status_spinner
+from .common import COMPONENT, AsJson, Changes, app, change, changed, listed, parameters_of, print_table, status_spinner
 
 if TYPE_CHECKING:
     from ..harness.studies.accuracy import Accuracy
@@ -77,7 +77,7 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     scene = load_scene(name)
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
     changes |= {} if stop is None else {"stop_time": stop}
-    scene = scene.with_changes(changes) if changes else scene
+    scene = changed(scene, changes)
     measured = marked(scene, measure(scene, budget=budget or BUDGET, on_message=on_message))
     return measured, keep(scene, measured)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import nan
 from pathlib import Path
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
+NAMED = 5  # changes that a title names
 COMPONENT = "component:"  # before the name of a component that is studied alone
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
@@ -100,6 +101,27 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
         except ValueError:
             pass
     return place, {"true": True, "false": False}.get(value, value)
+
+
+def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """The scene with changes from the command line.
+
+    The title of a scene may say what no longer holds; where what is simulated changes, another one names the changes.
+    """
+    if not changes:
+        return scene
+    named = [_named(place, value) for place, value in changes.items() if place.startswith("units.")]
+    rest = f" and {len(named) - NAMED} more changes" if len(named) > NAMED else ""
+    title = {"title": f"{scene.name}, changed: {', '.join(named[:NAMED])}{rest}"} if named else {}
+    return scene.with_changes({**changes, **title})
+
+
+def _named(place: str, value: Any) -> str:
+    """A change as "unit.parameter = value", or "unit: effects a, b"."""
+    unit, _, parameter = place.removeprefix("units.").partition(".parameters.")
+    if parameter:
+        return f"{unit}.{parameter} = {value:.6g}" if isinstance(value, float) else f"{unit}.{parameter} = {value}"
+    return f"{unit.removesuffix('.effects')}: effects {', '.join(value) or 'none'}"
 
 
 def share(option: str, text: str) -> float:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
-from .common import AsJson, Changes, app, change, listed, print_table, share, status_spinner, warn
+from .common import AsJson, Changes, app, change, changed, listed, print_table, share, status_spinner, warn
 
 if TYPE_CHECKING:
     from ..harness.studies.chosen import Choice
@@ -51,7 +51,7 @@ def effects(
         raise BadInput("--write", repr(str(write)), "a .toml file")
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
-    loaded = loaded.with_changes(changes) if changes else loaded
+    loaded = changed(loaded, changes)
     made(output)  # now, not after many runs
     with status_spinner() as on_message:
         found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .common import FAILED_RUN, Changes, app, change, range_of
+from .common import FAILED_RUN, Changes, app, change, changed, range_of
 
 
 @app.command()
@@ -29,8 +29,7 @@ def sweep(
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
     if over:
         changes["sweep"] = dict(map(range_of, over))
-    if changes:
-        loaded = loaded.with_changes(changes)
+    loaded = changed(loaded, changes)
     made(output)  # now, not after a long sweep
     found = run_sweep(loaded, progress=True)
     written = [found.save(output), report.for_sweep(found, output)]

@@ -19,6 +19,7 @@ from .common import (
     Output,
     app,
     change,
+    changed,
     listed,
     print_table,
     share,
@@ -75,8 +76,7 @@ def run(
     within = tolerance_of(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
     changes |= dict(change(loaded, text) for text in values or [])
-    if changes:
-        loaded = loaded.with_changes(changes)
+    loaded = changed(loaded, changes)
     choice = None
     if within is not None:
         loaded, choice = called_for(loaded, within)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput, nearest
-from .common import COMPONENT, FAILED_CHECK, Changes, app, change, listed, parameters_of, print_table, range_of
+from .common import COMPONENT, FAILED_CHECK, Changes, app, change, changed, listed, parameters_of, print_table, range_of
 
 if TYPE_CHECKING:
     from ..harness.studies.stability import Scheme
@@ -83,7 +83,7 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, al
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
     if over:
         changes["study.stability"] = dict(map(range_of, over))
-    scene = scene.with_changes(changes) if changes else scene
+    scene = changed(scene, changes)
     found = measure(scene, _schemes(scene, algorithm, extrapolation), steps=steps or STEPS, progress=True)
     written = [found.save(output), for_stability(found, output)]
     names = list(found.varied)

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ....components.core.errors import BadInput
 from ...systems.bearings import figures as bearings
 from ...systems.friction_drive import figures as friction_drive
@@ -18,6 +20,7 @@ from ...systems.wind_pump import figures as wind_pump
 from ...systems.wrist import figures as wrist
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
+from ..charts.style import number
 from . import generic, numerics, sweeps
 from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
 from .windows import fault_windows, shaded
@@ -111,9 +114,19 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     if failed := [o for o in sweep.outcomes if o != "done"]:
         blocks.append(Text([f"{len(failed)} of {len(sweep.outcomes)} points failed: {failed[0]}"], "warning"))
     blocks += [draw_chart(c) for c in (sweeps.section_chart(sweep), sweeps.measures_chart(sweep)) if c is not None]
-    lead = f"{len(sweep.outcomes)} runs over {', '.join(sweep.varied)}; the numbers are in sweep.csv."
+    ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
+    lead = (f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that is not swept is as "
+            f"in: {scene.title or scene.name}.")
     blocks.append(Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True))
-    return write_page(Page(scene.title or scene.name, lead, [Section("Sweep", blocks)]), Path(directory) / "report.html")
+    title = f"Sweep of {', '.join(ranges)}"
+    return write_page(Page(title, lead, [Section("Sweep", blocks)]), Path(directory) / "report.html")
+
+
+def _range(name: str, values: np.ndarray, unit: str) -> str:
+    """What a sweep varies, from where to where."""
+    if values.dtype.kind not in "iuf":
+        return f"{name} ({', '.join(dict.fromkeys(map(str, values)))})"
+    return f"{name}, {number(float(values.min()))} to {number(float(values.max()))} {unit if unit != '1' else ''}".rstrip()
 
 
 def _case_sections(result: CaseResult, alone: bool) -> list[Section]:

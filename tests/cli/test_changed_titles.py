@@ -1,0 +1,44 @@
+"""Titles of pages: what a scene says of itself stands there only as long as it holds."""
+
+import re
+
+import pytest
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.cli.common import changed
+from cosimo.orchestrator.scene.scene import load_scene
+
+SCENE = load_scene("mass-on-spring")
+
+
+def title_of(page):
+    return re.search(r"<h1[^>]*>(.*?)</h1>", page.read_text(encoding="utf-8"), re.DOTALL)[1]
+
+
+def run(*arguments):
+    with pytest.raises(SystemExit) as exit_:
+        main([*map(str, arguments)])
+    assert not exit_.value.code
+
+
+def test_a_changed_scene_is_titled_as_changed(tmp_path):
+    run("run", "mass-on-spring", "--in-process", "--stop", 0.5, "--set", "spring.stiffness=250.5", "-o", tmp_path)
+    assert title_of(tmp_path / "report.html") == "mass-on-spring, changed: spring.stiffness = 250.5"
+
+
+def test_a_scene_as_it_was_written_keeps_its_title():
+    assert changed(SCENE, {}).title == SCENE.title
+    assert changed(SCENE, {"master.step": 1e-3, "stop_time": 2.0}).title == SCENE.title  # how it is computed, and how long
+
+
+@pytest.mark.parametrize(("changes", "text"), [
+    ({"units.mass.effects": ["gravity"]}, "mass: effects gravity"), ({"units.mass.effects": []}, "mass: effects none"),
+    ({f"units.spring.parameters.{p}": 1.0 for p in ("stiffness", "damping")}, "spring.stiffness = 1, spring.damping = 1"),
+])
+def test_titles_name_what_was_changed(changes, text):
+    assert changed(SCENE, changes).title == f"mass-on-spring, changed: {text}"
+
+
+def test_a_sweep_is_titled_by_what_is_swept_and_names_the_changes(tmp_path):
+    run("sweep", "mass-on-spring", "--over", "spring.stiffness=100:300:2", "--set", "spring.damping=2.5", "-o", tmp_path)
+    assert title_of(tmp_path / "report.html") == "Sweep of spring.stiffness, 100 to 300 N/m"
+    assert "mass-on-spring, changed: spring.damping = 2.5" in (tmp_path / "report.html").read_text(encoding="utf-8")
