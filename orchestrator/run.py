@@ -15,7 +15,7 @@ from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoi
 from .engine.algorithms import master_of
 from .engine.algorithms.energy import EnergyAccount, metered
 from .engine.algorithms.master import Runaway
-from .engine.coupling import Coupling, resolve_coupling
+from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
@@ -59,7 +59,7 @@ class Run:
         self.scene, self.stack, self.in_process, self.progress = scene, stack, in_process, progress
         self.started = perf_counter()
         self.compiling = stack.enter_context(CompileTime(announce=progress))
-        self.coupling: Coupling = resolve_coupling(scene)
+        self.coupling: Coupling = scene.coupling
         self.outcome, self.message = "failed", ""
         self.checkpoints: Checkpoints | None = None
 

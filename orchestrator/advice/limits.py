@@ -6,7 +6,6 @@ from contextlib import ExitStack
 
 from ...components.core.errors import BadInput, StepFailed
 from ..engine.algorithms import master_of
-from ..engine.coupling import resolve_coupling
 from ..open_all import open_units
 from ..scene.scene import Scene
 from .probing import contacts
@@ -14,7 +13,7 @@ from .probing import contacts
 
 def remedy(scene: Scene) -> str:
     """That the macro step is to be reduced, and below what where a closed form tells; the scene is started anew to ask it."""
-    degree, coupling = scene.master.extrapolation, resolve_coupling(scene)
+    degree, coupling = scene.master.extrapolation, scene.coupling
     with ExitStack() as stack:
         try:
             units = open_units(scene, stack, in_process=True)

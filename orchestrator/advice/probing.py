@@ -25,7 +25,7 @@ from ...components.core.errors import BadInput
 from ...components.core.measure import parse
 from ..engine.algorithms import master_of
 from ..engine.algorithms.master import Master
-from ..engine.coupling import Coupling, resolve_coupling
+from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Link
 from ..open_all import open_units
 from ..run_info import CompileTime
@@ -93,7 +93,7 @@ def _percent(share: float) -> str:
 
 def advise(scene: Scene, *, in_process: bool = False) -> Advice:
     """Start the scene, probe its units and time a few steps; raises `StepFailed` where it does not start or a step fails."""
-    coupling = resolve_coupling(scene)
+    coupling = scene.coupling
     with ExitStack() as stack:
         compiling = stack.enter_context(CompileTime())
         units = open_units(scene, stack, in_process)

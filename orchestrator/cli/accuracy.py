@@ -70,7 +70,7 @@ def _of_scene(name: str, budget: float | None, stop: float | None, effects: list
     from ..harness.studies.accuracy import BUDGET
     from ..harness.studies.accuracy import accuracy as measure
     from ..harness.studies.fronts import keep, marked
-    from ..scene.scene import load_scene
+    from ..systems import load_scene
 
     if effects:
         raise BadInput("--effects", repr(",".join(effects)), "none for a scene, which names its own", "Remove it.")

@@ -59,9 +59,9 @@ def _scenes() -> list[dict[str, Any]]:
 
 
 def _cases() -> list[dict[str, Any]]:
-    from ..systems import CASES
+    from ..systems import cases
 
-    return [{"name": name, "title": case.title} for name, case in CASES.items()]
+    return [{"name": name, "title": case.title} for name, case in cases().items()]
 
 
 @app.command()

@@ -71,7 +71,6 @@ def listed(option: str, texts: Sequence[str]) -> list[str]:
 
 def switched_on(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
     """Changes of a scene that switch on effects, each given as "unit.effect"."""
-    from ..engine.coupling import resolve_coupling
 
     changes: dict[str, Any] = {}
     for text in listed("--effects", texts) if texts else []:
@@ -82,7 +81,7 @@ def switched_on(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
             raise BadInput("--effects", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
         place = f"units.{unit}.effects"
         on = changes.setdefault(place, list(scene.units[unit].effects))
-        if effect in on or resolve_coupling(scene).interfaces[unit].effects.get(effect):
+        if effect in on or scene.coupling.interfaces[unit].effects.get(effect):
             raise BadInput("--effects", repr(text), "an effect that is not on already")
         on.append(effect)
     return changes

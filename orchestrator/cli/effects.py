@@ -43,8 +43,8 @@ def effects(
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
     from ..results import made
-    from ..scene.scene import load_scene
     from ..scene.text import write_scene
+    from ..systems import load_scene
 
     allowed = share("--tolerance", tolerance)
     if write is not None and write.suffix != ".toml":

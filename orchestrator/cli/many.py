@@ -23,7 +23,7 @@ def sweep(
     from ..harness import report
     from ..harness.sweep import sweep as run_sweep
     from ..results import made
-    from ..scene.scene import load_scene
+    from ..systems import load_scene
 
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])

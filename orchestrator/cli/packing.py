@@ -17,8 +17,8 @@ def ssp(
     values: Changes = None,
 ) -> None:
     """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp en50318-2002 -o en50318-2002.ssp"""
-    from ..scene.scene import load_scene
     from ..scene.ssp.write import write
+    from ..systems import load_scene
 
     loaded = load_scene(scene)
     if values:

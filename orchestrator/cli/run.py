@@ -67,7 +67,7 @@ def run(
     """
     from ..results import made
     from ..run import run as run_scene
-    from ..scene.scene import load_scene
+    from ..systems import load_scene
 
     loaded = load_scene(scene)
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
@@ -103,11 +103,12 @@ def run(
         result = said(result, choice, within)
     if output is not None:
         from ..harness import report
+        from ..systems import SYSTEMS
 
         result.save(output)
         written = ["result.csv", "run.json"]
         if result.time.size > 1:
-            written.append(report.for_run(result, output).name)
+            written.append(report.for_run(result, output, SYSTEMS).name)
         print("wrote " + ", ".join(str(output / name) for name in written))
     print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
         (name, result.measures[name], float(c.min()), float(c.max()), float(c[-1]))
@@ -140,14 +141,13 @@ def _dry_run(scene: Scene, in_process: bool) -> None:
     from ...components.core.errors import StepFailed
     from ..advice import advise
     from ..advice.dry_run import lines, tables
-    from ..engine.coupling import resolve_coupling
 
     try:
         advice = advise(scene, in_process=in_process)
     except StepFailed as error:
         print(f"cosimo: {error}", file=sys.stderr)
         raise SystemExit(FAILED_RUN) from None
-    coupling = resolve_coupling(scene)
+    coupling = scene.coupling
     for table in tables(scene, coupling, advice):
         print_table(*table)
     for line in lines(scene, coupling, advice):

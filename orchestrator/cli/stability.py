@@ -77,7 +77,7 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, al
     from ..harness.report.studies.stability import for_stability
     from ..harness.studies.stability import STEPS
     from ..harness.studies.stability import stability as measure
-    from ..scene.scene import load_scene
+    from ..systems import load_scene
 
     scene = load_scene(what)
     changes: dict[str, Any] = dict(change(scene, text) for text in values or [])

@@ -20,12 +20,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
-from ..engine.coupling import resolve_coupling
 from ..results import Result, write_table
 from ..run import run
 from ..scene.scene import Scene
-from ..systems.bearings.records import after_transient
 from ..units.component import find
+from .analysis.records import after_transient
 from .analysis.sections import section as section_of
 
 T = TypeVar("T")
@@ -115,14 +114,13 @@ def unit_of(scene: Scene, name: str) -> str:
 
 def _check_analysis(scene: Scene) -> None:
     """Refuse, before the first run, a section or a transient that no run could have."""
-    recorded = [".".join(end) for end in resolve_coupling(scene).signals]
-    for key in ("signal", "angle"):
-        name = scene.analysis.get("section", {}).get(key)
-        if "section" in scene.analysis and name not in recorded:
-            where = f"{scene.name}: analysis.section.{key}"
-            raise BadInput(where, repr(name), "a recorded signal", nearest(str(name), recorded))
-    if not float(scene.analysis.get("transient", 0.0)) < scene.stop_time:
-        raise BadInput(f"{scene.name}: analysis.transient", f"{scene.analysis['transient']:g} s",
+    recorded = [".".join(end) for end in scene.coupling.signals]
+    section, transient = scene.analysis.section, scene.analysis.transient
+    for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
+        if name not in recorded:
+            raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
+    if not transient < scene.stop_time:
+        raise BadInput(f"{scene.name}: analysis.transient", f"{transient:g} s",
                        f"less than the length of the run, {scene.stop_time:g} s")
 
 
@@ -134,12 +132,12 @@ def measures(result: Result) -> dict[str, float]:
 
 def section_points(result: Result) -> np.ndarray:
     """Values of the section's signal, (k,), where its angle passes multiples of a turn over `turns`; none without a section."""
-    wanted = result.scene.analysis.get("section")
+    wanted = result.scene.analysis.section
     if wanted is None:
         return np.zeros(0)
     kept = after_transient(result)
-    spacing = 2.0 * np.pi / float(wanted.get("turns", 1))
-    return section_of(result[wanted["angle"]][kept], spacing, result[wanted["signal"]][kept])[0]
+    spacing = 2.0 * np.pi / wanted.turns
+    return section_of(result[wanted.angle][kept], spacing, result[wanted.signal][kept])[0]
 
 
 def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:

@@ -57,6 +57,7 @@ def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
         raise BadInput(f"{where}.scene", f"{path.name!r}, which includes this scene", "scenes that do not contain themselves")
     data, remarks = read_file(path)
     data, more = expanded(data, path.stem, path.parent, (*above, path))
+    data.pop("analysis", None)  # of its own runs
     stop = data.setdefault("stop_time", PLACEHOLDER)
     data.setdefault("master", {"step": stop})
     try:

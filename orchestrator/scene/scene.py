@@ -7,24 +7,46 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import PrivateAttr, ValidationError
 
 from ...components.core.errors import BadInput, nearest
 from ..engine.coupling import Coupling, resolve_coupling
-from ..harness.keys import keys_of, unknown
-from ..settings import SceneSettings
+from ..settings import AnalysisKeys, SceneSettings
 from ..settings.messages import one_message
 from ..settings.study import wanted
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
+Keys = TypeVar("Keys", bound=AnalysisKeys)
+
+Models = Mapping[str, type[AnalysisKeys]]  # of [analysis], by the name of a system
 
 
 class Scene(SceneSettings):
     """Units, connections and master settings; checked when read by `load_scene`, `read_scene` or `with_changes`."""
+
+    _coupling: Coupling | None = PrivateAttr(None)
+    _models: Models = PrivateAttr({})
+
+    @property
+    def coupling(self) -> Coupling:
+        """The checked graph of units and connections, resolved once."""
+        if self._coupling is None:
+            self._coupling = resolve_coupling(self)
+        return self._coupling
+
+    def analysis_as(self, model: type[Keys]) -> Keys:
+        """[analysis] with the keys of one system; where the scene has another, what all systems share and defaults."""
+        if isinstance(self.analysis, model):
+            return self.analysis
+        return model(**{key: getattr(self.analysis, key) for key in AnalysisKeys.model_fields})
+
+    def load_other(self, name_or_path: str | Path) -> Scene:
+        """Another scene, which this one names."""
+        return load_scene(name_or_path, self._models)
 
     def with_changes(self, changes: Mapping[str, Any]) -> Scene:
         """A new, checked scene with some settings replaced, each by its dotted place.
@@ -42,7 +64,7 @@ class Scene(SceneSettings):
             table[last] = value
         if added := data["units"].keys() - self.units.keys():
             raise BadInput(f"{self.name}: change", f"unit {min(added)!r}", "a unit of the scene", nearest(min(added), self.units))
-        return read_scene(data, self.name, remarks=self.remarks)
+        return read_scene(data, self.name, remarks=self.remarks, analysis=self._models)
 
     def _place(self, place: str) -> list[str]:
         """Keys down to a setting: names of units may hold dots, and those of parameters do."""
@@ -58,46 +80,61 @@ class Scene(SceneSettings):
         return unit, name[len(unit) + 1 :]
 
 
-def load_scene(name_or_path: str | Path) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp."""
+def load_scene(name_or_path: str | Path, analysis: Models | None = None) -> Scene:
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`."""
     path = scene_path(name_or_path)
     data, remarks = read_file(path)
-    return read_scene(data, path.stem, path.parent, remarks)
+    return read_scene(data, path.stem, path.parent, remarks, analysis)
 
 
-def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = ()) -> Scene:
+def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = (),
+               analysis: Models | None = None) -> Scene:
     """A scene from plain data, checked down to every connection. Paths of FMUs and of other scenes are relative to `folder`.
 
-    `remarks`: what its file says in vain, for the warnings of its runs.
+    `remarks`: what its file says that is ignored, for the warnings of its runs.
+    `analysis`: by the name of a system, the model of what its [analysis] may say.
     """
+    models = analysis or {}
     data, more = expanded(data, name, folder)
     try:
-        scene = Scene.model_validate(data)
+        scene = Scene.model_validate({**data, "analysis": _analysis(data.get("analysis", {}), name, models)})
     except ValidationError as error:
         raise one_message(error, Scene, name) from None
-    scene._name, scene._remarks = name, (*remarks, *more)
-    _check_analysis(scene.analysis, name)
-    _check_quantities(scene, resolve_coupling(scene))
+    if "analysis" not in data:
+        scene.__pydantic_fields_set__.discard("analysis")
+    scene._name, scene._remarks, scene._models = name, (*remarks, *more), models
+    _check_quantities(scene)
     return scene
 
 
-def _check_quantities(scene: Scene, coupling: Coupling) -> None:
+def _check_quantities(scene: Scene) -> None:
     """Refuse quantities of interest that no run could have."""
-    outputs = [f"{unit}.{n}" for unit, i in coupling.interfaces.items() for n in i.outputs] if scene.study.quantities else []
+    interfaces = scene.coupling.interfaces
+    outputs = [f"{unit}.{n}" for unit, i in interfaces.items() for n in i.outputs] if scene.study.quantities else []
     for text in scene.study.quantities:
         if (signal := wanted(text).signal) not in outputs:
             raise BadInput(f"{scene.name}: study.quantities", repr(signal), "an output of a unit", nearest(signal, outputs))
 
 
-def _check_analysis(analysis: Mapping[str, Any], name: str) -> None:
+def _analysis(table: Any, name: str, models: Models) -> Any:
+    """The table as the model of its system; a key that nothing reads would have no effect, and is an error like a bad value."""
+    if not isinstance(table, Mapping):
+        return table  # an instance, or what the scene's own model refuses
+    system = table.get("system", "")
+    if not isinstance(system, str) or system not in {"", *models}:
+        raise BadInput(f"{name}: analysis.system", repr(system), "one of " + ", ".join(models), nearest(str(system), models))
+    model = models.get(system, AnalysisKeys)
     try:
-        model = keys_of(analysis)
-        model.model_validate(dict(analysis))
+        return model.model_validate(dict(table))
     except ValidationError as error:
         finding = error.errors()[0]
         if finding["type"] == "extra_forbidden" and len(finding["loc"]) == 1:
-            fault = unknown(model, str(finding["loc"][0]))
-            raise BadInput(f"{name}: {fault.where}", fault.actual, fault.expected, fault.remedy) from None
+            raise _unknown(str(finding["loc"][0]), name, model, models) from None
         raise one_message(error, model, name, "analysis") from None
-    except BadInput as error:
-        raise BadInput(f"{name}: {error.where}", error.actual, error.expected, error.remedy) from None
+
+
+def _unknown(key: str, name: str, model: type[AnalysisKeys], models: Models) -> BadInput:
+    """The message for a key that is not read there."""
+    others = [s for s, keys in models.items() if key in keys.model_fields and not issubclass(model, keys)]
+    remedy = f"It belongs to system = {' or '.join(map(repr, others))}." if others else nearest(key, model.model_fields)
+    return BadInput(f"{name}: analysis", f"key {key!r}", "a key that is read", remedy)

@@ -1,5 +1,6 @@
 """What a scene may say, as frozen, typed models: each fault of a single setting is found here. One file a table."""
 
+from .analysis import AnalysisKeys
 from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import ControlSettings, IterationSettings, MasterSettings
@@ -8,6 +9,6 @@ from .scene import ConnectionSettings, RecordSettings, SceneSettings
 from .study import MonolithSettings, StudySettings
 from .units import SubsystemSettings, UnitSettings
 
-__all__ = ["ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings", "MasterSettings",
-           "Model", "MonolithSettings", "Number", "RecordSettings", "SceneSettings", "StudySettings", "SubsystemSettings",
-           "UnitSettings"]
+__all__ = ["AnalysisKeys", "ConnectionSettings", "ContactSettings", "ControlSettings", "FaultSettings", "IterationSettings",
+           "MasterSettings", "Model", "MonolithSettings", "Number", "RecordSettings", "SceneSettings", "StudySettings",
+           "SubsystemSettings", "UnitSettings"]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import Field, PrivateAttr, field_validator, model_validator
+from pydantic import Field, PrivateAttr, SerializeAsAny, WithJsonSchema, field_serializer, field_validator, model_validator
 
 from ...components.core.errors import BadInput
+from .analysis import AnalysisKeys
 from .contacts import ContactSettings
 from .faults import FaultSettings
 from .master import MasterSettings
@@ -65,7 +66,8 @@ class SceneSettings(Model):
     faults: tuple[FaultSettings, ...] = Field(default=(), description="faults on purpose, to test controllers")
     sweep: Sweep = Field(
         default={}, description="unit.parameter = [values] or { from, to, points }; cosimo sweep runs every combination")
-    analysis: dict[str, Any] = Field(default={}, description="for sweeps and reports; keys in orchestrator/harness/keys.py")
+    analysis: Annotated[SerializeAsAny[AnalysisKeys], WithJsonSchema({"type": "object"})] = Field(
+        default=AnalysisKeys(), description="for sweeps and reports; its keys depend on its `system`")
     study: StudySettings = Field(default=StudySettings(), description="for cosimo accuracy, stability and effects")
     _name: str = PrivateAttr("scene")
     _remarks: tuple[str, ...] = PrivateAttr(())
@@ -89,6 +91,10 @@ class SceneSettings(Model):
     @classmethod
     def _by_full_name(cls, sweep: Any) -> Any:
         return dict(ranged(sweep)) if isinstance(sweep, Mapping) else sweep
+
+    @field_serializer("analysis")
+    def _as_given(self, analysis: AnalysisKeys) -> dict[str, Any]:
+        return analysis.model_dump(exclude_unset=True)
 
     @model_validator(mode="after")
     def _lengths_fit(self) -> Self:

@@ -1,62 +1,55 @@
-"""All validation cases by name; a case listed here is run by `cosimo validate`."""
+"""The systems: the one list of them, and scenes, cases and reports for which all of them count.
+
+Adding a system: a folder here with an object `SYSTEM`, and its line in `SYSTEMS`.
+"""
 
 from __future__ import annotations
 
-from ..harness.validation.case import Case
-from .bearings.cases import (
-    clearance,
-    defect_frequencies,
-    hertz_textbook,
-    iso16281,
-    lyapunov_sum,
-    recurrence,
-    stribeck,
-    thermal_scaling,
-    varying_compliance,
-)
-from .friction_drive.cases import closed_forms as friction_drive
-from .friction_drive.cases import hunting, servo_motor
-from .pipe_robot.cases import (
-    balance as pipe_robot_balance,
-)
-from .pipe_robot.cases import (
-    mean_speed as pipe_robot_mean_speed,
-)
-from .pipe_robot.cases import (
-    resonance as pipe_robot_resonance,
-)
-from .railway.cases import catenary_statics, en50318_2002, en50318_2018, en50367, lumped_catenary
-from .rotor.cases import friswell, jeffcott
-from .rov.cases import added_mass as rov_added_mass
-from .rov.cases import allocation as rov_allocation
-from .rov.cases import closed_forms as rov_closed_forms
-from .two_axis_joint.cases import chain_closed_forms, gimbal_closed_forms, link_split
-from .wind_pump.cases import (
-    closed_forms as wind_pump_closed_forms,
-)
-from .wind_pump.cases import (
-    equilibrium as wind_pump_equilibrium,
-)
-from .wind_pump.cases import (
-    inertial_converter,
-)
-from .wind_pump.cases import (
-    start as wind_pump_start,
-)
-from .wrist.cases import four_bar
-from .wrist.cases import rules as wrist_rules
-from .wrist.cases import stiffness as wrist_stiffness
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-MODULES = (
-    en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
-    varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
-    recurrence,
-    thermal_scaling, friswell, jeffcott,
-    rov_closed_forms, rov_allocation, rov_added_mass,
-    chain_closed_forms, gimbal_closed_forms, link_split,
-    wind_pump_equilibrium, wind_pump_start, wind_pump_closed_forms, inertial_converter,
-    friction_drive, servo_motor, hunting,
-    pipe_robot_mean_speed, pipe_robot_balance, pipe_robot_resonance,
-    wrist_rules, four_bar, wrist_stiffness,
-)  # fmt: skip
-CASES: dict[str, Case] = {case.name: case for case in (module.CASE for module in MODULES)}
+from ...components.core.errors import BadInput, nearest
+from ..scene import scene as scenes
+from . import bearings, friction_drive, pipe_robot, railway, rotor, rov, two_axis_joint, wind_pump, wrist
+
+if TYPE_CHECKING:
+    from ..harness.system import Systems
+    from ..harness.validation.case import Case, CaseResult
+    from ..scene.scene import Scene
+
+SYSTEMS: Systems = {module.SYSTEM.name: module.SYSTEM for module in (
+    railway, bearings, rotor, rov, two_axis_joint, wind_pump, friction_drive, pipe_robot, wrist,
+)}
+ANALYSIS = {name: system.keys for name, system in SYSTEMS.items()}
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`."""
+    return scenes.load_scene(name_or_path, ANALYSIS)
+
+
+def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = ()) -> Scene:
+    """A scene from plain data, checked down to every connection. Paths of FMUs and of other scenes are relative to `folder`."""
+    return scenes.read_scene(data, name, folder, remarks, ANALYSIS)
+
+
+@cache
+def cases() -> dict[str, Case]:
+    """All validation cases by name, system by system."""
+    return {case.name: case for system in SYSTEMS.values() for case in system.cases}
+
+
+def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False) -> list[CaseResult]:
+    """Run cases by name (none: all), write `report.html` and `validation.json` to `directory`.
+
+    Raises `BadInput` for an unknown case before anything runs.
+    """
+    from ..harness.validation import run_cases
+
+    names = list(names) or list(cases())
+    for name in names:
+        if name not in cases():
+            raise BadInput("case", repr(name), "a validation case", nearest(name, cases()))
+    return run_cases([cases()[name] for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)

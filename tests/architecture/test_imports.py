@@ -28,11 +28,7 @@ FLOORS = (
 )
 # Upward imports that are still there: module -> what it imports.
 UPWARD: dict[str, set[str]] = {
-    "orchestrator.scene.scene": {"orchestrator.harness.keys"},
     "orchestrator.scene.text": {"orchestrator.results"},
-    "orchestrator.harness.report": {"orchestrator.systems"},
-    "orchestrator.harness.validation": {"orchestrator.systems"},
-    "orchestrator.harness.sweep": {"orchestrator.systems"},
 }
 
 

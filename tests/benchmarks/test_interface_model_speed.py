@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import passages
 
 pytestmark = pytest.mark.benchmark

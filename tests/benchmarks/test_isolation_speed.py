@@ -11,7 +11,7 @@ from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE
 from cosimo.components.core.variables import input_, integer, output
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 pytestmark = pytest.mark.benchmark
 

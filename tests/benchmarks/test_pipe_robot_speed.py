@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cosimo.components.pipe_robot.robot import PipeRobot
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark
 

@@ -13,7 +13,7 @@ from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
 from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import passages
 
 pytestmark = pytest.mark.benchmark

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark
 

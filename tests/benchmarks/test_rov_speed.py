@@ -7,7 +7,7 @@ import time
 
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 pytestmark = pytest.mark.benchmark
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.cli.common import changed
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 SCENE = load_scene("mass-on-spring")
 

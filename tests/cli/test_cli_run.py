@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from pythonfmu.builder import FmuBuilder
 
 FMUS = Path(__file__).parents[1] / "benchmarks" / "fmus"

@@ -8,7 +8,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import Causality
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.contract.configurations import with_required
 
 NEEDS = [(c, e, other) for c in CATALOGUE for e, effect in component_class(c).effects.items() for other in effect.requires]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)

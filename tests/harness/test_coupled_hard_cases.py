@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 EFFECTS = ["dropper_slackening", "gravity_sag", "damping", "wire_profile"]  # of the catenary in the scene
 

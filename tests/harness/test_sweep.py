@@ -10,7 +10,7 @@ from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.sweep import points, sweep
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 MASS = {
     "stop_time": 2.0,

@@ -12,7 +12,7 @@ from cosimo.components.core.variables import output
 from cosimo.orchestrator.checkpoint import check_wish, content_digest
 from cosimo.orchestrator.engine.algorithms.master import Saved
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import Interface
 from cosimo.tests.engine.algorithms.bonded import bonded
 from cosimo.tests.engine.stepping.test_event_location import relay

@@ -14,8 +14,8 @@ from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import UnitSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.support import Linear, exact_two_masses, two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu

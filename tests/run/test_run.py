@@ -11,7 +11,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.support import Linear, OfTime, Probe, two_masses

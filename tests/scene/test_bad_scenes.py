@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

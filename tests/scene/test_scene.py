@@ -10,7 +10,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.scene.scene import Scene, load_scene, read_scene, read_toml, scene_files
+from cosimo.orchestrator.scene.scene import Scene, read_toml, scene_files
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Linear, two_masses
 from pydantic import ValidationError
 

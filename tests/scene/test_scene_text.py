@@ -3,8 +3,9 @@
 import tomllib
 
 import pytest
-from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.text import scene_text, write_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 
 
 @pytest.mark.parametrize("name", scene_files())

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import UnitSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
 from cosimo.tests.units.native import EVENTS, MODELS, SMALL, STATE, native_fmu, started
 from fmpy import read_model_description

@@ -6,7 +6,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 
 STEP = 0.1  # s

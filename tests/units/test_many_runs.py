@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from cosimo.fmus.build import built
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 from cosimo.tests.units.native import native_fmu
 

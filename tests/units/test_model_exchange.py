@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import describe, open_unit
 from cosimo.orchestrator.units.solvers import METHODS
 from cosimo.tests.units.exchange_fmu import exchange_fmu

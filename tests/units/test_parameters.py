@@ -3,7 +3,7 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.units.native import native_fmu, started
 
 

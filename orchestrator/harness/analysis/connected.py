@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from ....components.core.component import Component
 from ....components.core.errors import BadInput
-from ...engine.coupling import resolve_coupling
 from ...scene.scene import Scene
 from ...units.component import make
 
@@ -25,7 +24,7 @@ class Connected:
         for name, unit in scene.units.items():
             if not unit.component:
                 raise BadInput(f"{scene.name}: {name}", "a unit from an FMU", "a component, whose state can be set")
-        coupling = resolve_coupling(scene)
+        coupling = scene.coupling
         names = [name for name in coupling.order() if name in scene.units]
         self.components = {name: make(name, scene.units[name]) for name in names}
         self._where = scene.name

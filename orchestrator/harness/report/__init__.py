@@ -9,15 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ...systems.bearings import figures as bearings
-from ...systems.friction_drive import figures as friction_drive
-from ...systems.pipe_robot import figures as pipe_robot
-from ...systems.railway import figures as railway
-from ...systems.rotor import figures as rotor
-from ...systems.rov import figures as rov
-from ...systems.two_axis_joint import figures as two_axis_joint
-from ...systems.wind_pump import figures as wind_pump
-from ...systems.wrist import figures as wrist
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
@@ -28,23 +19,10 @@ from .windows import fault_windows, shaded
 if TYPE_CHECKING:
     from ...results import Result
     from ..sweep import Sweep
+    from ..system import Systems
     from ..validation.case import CaseResult
 
-# By the system a case has, or a scene names in its [analysis].
-SYSTEMS = {
-    "railway": railway.blocks,
-    "bearings": bearings.blocks,
-    "rotor": rotor.blocks,
-    "two_axis_joint": two_axis_joint.blocks,
-    "rov": rov.blocks,
-    "wind_pump": wind_pump.blocks,
-    "friction_drive": friction_drive.blocks,
-    "pipe_robot": pipe_robot.blocks,
-    "wrist": wrist.blocks,
-}
-
-
-def for_run(result: Result, directory: str | Path) -> Path:
+def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     """`report.html` of one run: figures of its system, all recorded signals, how it was computed, settings."""
     scene = result.scene
     blocks: list[Block] = []
@@ -53,7 +31,7 @@ def for_run(result: Result, directory: str | Path) -> Path:
     said = result.info.get("warnings", ())
     for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
-    blocks += _of_system(result)
+    blocks += _of_system(result, systems)
     computed = numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):
@@ -70,23 +48,23 @@ def for_run(result: Result, directory: str | Path) -> Path:
     return write_page(Page(title, lead, sections), Path(directory) / "report.html")
 
 
-def _of_system(result: Result) -> list[Block]:
+def _of_system(result: Result, systems: Systems) -> list[Block]:
     """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead.
 
     A run that failed has them as far as it went, if it made a step.
     """
-    system = result.scene.analysis.get("system", "")
-    if system not in SYSTEMS or (result.outcome != "done" and result.time.size < 2):
+    system = result.scene.analysis.system
+    if system not in systems or (result.outcome != "done" and result.time.size < 2):
         return []
     try:
-        return SYSTEMS[system](result)
+        return systems[system].figures(result, ())
     except BadInput as error:
         return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
 
 
-def for_cases(case_results: Sequence[CaseResult], directory: str | Path) -> Path:
+def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems: Systems) -> Path:
     """`report.html` of validation cases: per case what it shows, figures, tables with margins, studies, settings."""
-    sections = [s for r in case_results for s in _case_sections(r, len(case_results) == 1)]
+    sections = [s for r in case_results for s in _case_sections(r, len(case_results) == 1, systems)]
     if len(case_results) > 1:
         overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
         sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
@@ -129,11 +107,11 @@ def _range(name: str, values: np.ndarray, unit: str) -> str:
     return f"{name}, {number(float(values.min()))} to {number(float(values.max()))} {unit if unit != '1' else ''}".rstrip()
 
 
-def _case_sections(result: CaseResult, alone: bool) -> list[Section]:
+def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Section]:
     case, findings = result.case, result.findings
     sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text]),
                                      *([Text(result.warnings, "warning")] if result.warnings else [])], badge=result.outcome)]
-    special = SYSTEMS.get(case.system)
+    special = systems[case.system].figures if case.system in systems else None
     conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
     for label, run in findings.runs.items():
         rows = [r for r in findings.rows if r.reference.condition == label]

@@ -18,12 +18,13 @@ def section_chart(sweep: Sweep) -> Chart | None:
     """The section's points over the last parameter, a panel for each combination of the others."""
     if not any(s.size for s in sweep.section):
         return None
-    wanted = sweep.scene.analysis["section"]
-    last, signal = list(sweep.varied)[-1], wanted["signal"]
+    wanted = sweep.scene.analysis.section
+    assert wanted is not None
+    last, signal = list(sweep.varied)[-1], wanted.signal
     label, panels = f"{signal}, {sweep.units[f'{signal}, mean']}", []
     for title, members in _groups(sweep):
         panels.append(section_panel(label, sweep.varied[last][members], [sweep.section[i] for i in members], title=title))
-    text = (f"Every point is {wanted['signal']} at one passage of {wanted['angle']}, {wanted.get('turns', 1)} a turn, after the "
+    text = (f"Every point is {wanted.signal} at one passage of {wanted.angle}, {wanted.turns:g} a turn, after the "
             "transient. One point above a value: the motion has the period of the passages; some: a multiple of it; a cloud: "
             "quasi-periodic or chaotic.")
     return Chart("Bifurcation diagram", _label(sweep, last), tuple(panels), text, height=360)
@@ -35,7 +36,8 @@ def measures_chart(sweep: Sweep) -> Chart | None:
     if len(set(sweep.varied[last].tolist())) < 2 or not sweep.measures:
         return None
     panels = []
-    angle = sweep.scene.analysis.get("section", {}).get("angle")  # its extremes are those of a turn
+    wanted = sweep.scene.analysis.section
+    angle = wanted.angle if wanted is not None else ""  # its extremes are those of a turn
     for signal in dict.fromkeys(n.rpartition(", ")[0] for n in sweep.measures):
         if signal == angle:
             continue

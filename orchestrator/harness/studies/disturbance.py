@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import master_of
 from ...engine.algorithms.energy import EnergyAccount, metered
 from ...engine.algorithms.node import Node
-from ...engine.coupling import Coupling, resolve_coupling
+from ...engine.coupling import Coupling
 from ...engine.coupling.demands import free
 from ...engine.stepping.batch import batch_loop_for
 from ...engine.stepping.loop import Steppable
@@ -115,7 +115,7 @@ class Disturbed:
             tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
             scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
         self._noise = LOST if iterative else 0.0
-        self._coupling = coupling = resolve_coupling(scene)
+        self._coupling = coupling = scene.coupling
         for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
                            ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
             if what:

@@ -12,7 +12,6 @@ from math import inf, nan
 from pathlib import Path
 
 from ....components.core.errors import BadInput, StepFailed
-from ...engine.coupling import resolve_coupling
 from ...results import write_table
 from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
@@ -128,7 +127,7 @@ def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
 
 def _looking(scene: Scene) -> Scene:
     """The scene with its recorded signals named: without those of its effects, where nobody has asked for them by name."""
-    recorded = resolve_coupling(scene).signals
+    recorded = scene.coupling.signals
     if scene.record.signals is None:
         own = effects_on(scene)
         recorded = tuple((u, n) for u, n in recorded if "." not in n or n.partition(".")[0] not in own.get(u, ()))

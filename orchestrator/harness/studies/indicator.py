@@ -22,7 +22,6 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ...engine.algorithms import Master, master_of
 from ...engine.algorithms.master import Saved
-from ...engine.coupling import resolve_coupling
 from ...open_all import open_units
 from ...scene.scene import Scene
 from ...units.component import ComponentUnit
@@ -112,7 +111,7 @@ class Windows:
         return max(found)
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:
-        coupling = resolve_coupling(scene)
+        coupling = scene.coupling
         master = master_of(scene, open_units(scene, stack, in_process=True), coupling, self._signals)
         master.initialize(0.0)
         return master

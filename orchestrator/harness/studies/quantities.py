@@ -12,7 +12,6 @@ from math import inf, isfinite
 
 import numpy as np
 
-from ...engine.coupling import resolve_coupling
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
 from ..analysis.signals import amplitude_at, uniform
@@ -94,10 +93,10 @@ class Quantity:
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     """The quantities that the scene names, or else the history and the maximum of every recorded signal."""
-    coupling = resolve_coupling(scene)
+    coupling = scene.coupling
     texts = [wanted(text) for text in scene.study.quantities] or [
         Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("time history", "maximum")]
-    transient = float(scene.analysis.get("transient", 0.0))
+    transient = scene.analysis.transient
     found = []
     for signal, kind, frequency in texts:
         unit, output = scene.split(signal)
@@ -109,7 +108,7 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
 
 def recording(scene: Scene) -> Scene:
     """The scene with what its quantities need among the recorded signals."""
-    recorded = [".".join(end) for end in resolve_coupling(scene).signals]
+    recorded = [".".join(end) for end in scene.coupling.signals]
     missing = [q.signal for q in quantities_of(scene) if q.signal not in recorded]
     return scene.with_changes({"record.signals": [*recorded, *dict.fromkeys(missing)]}) if missing else scene
 

@@ -19,10 +19,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....components.core.errors import BadInput
-from ...engine.coupling import resolve_coupling
 from ...results import Result
 from ...run import run
-from ...scene.scene import Scene, load_scene
+from ...scene.scene import Scene
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
 from .settings_axes import DEGREES, coupling_changes, meshes, refined
@@ -156,7 +155,7 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
         pass
     tried: set[tuple[str, int]] = set()
     for patience in (PATIENCE, inf):  # what takes too long comes last
-        for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if resolve_coupling(scene).links else MASTERS[:2]:
+        for algorithm, degree in (*MASTERS, (scene.master.algorithm, 1)) if scene.coupling.links else MASTERS[:2]:
             if len(solutions) < 2 and (algorithm, degree) not in tried:
                 method, changes = _finer(scene, signals, finest, algorithm, degree, 1.0 / (4 if not solutions else 2))
                 if _expected(scene, changes) > patience:
@@ -164,7 +163,7 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
                 tried.add((algorithm, degree))
                 on_message(f"reference: {method}")
                 if (history := _run(scene, changes)) is not None:
-                    shares = (EQUATIONS, INTEGRATORS, *((COUPLING,) if resolve_coupling(scene).links else ()))
+                    shares = (EQUATIONS, INTEGRATORS, *((COUPLING,) if scene.coupling.links else ()))
                     solutions.append(Solution(method, history, shares))
     return solutions
 
@@ -204,7 +203,7 @@ def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, 
     changes: dict[str, Any] = {**refined(scene, factor), "master.step": step, "record.signals": list(signals),
                                "record.interval": None, "record.snapshots": (), "record.snapshot_interval": None}
     how = f"internal steps / {round(1.0 / factor)}"
-    if resolve_coupling(scene).links:
+    if scene.coupling.links:
         changes |= coupling_changes(scene, algorithm, degree)
         changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if algorithm == "iterative" else {}
         how = f"{algorithm}, {DEGREES[degree]} inputs, macro step {step:.3g} s, {how}"
@@ -237,8 +236,8 @@ def _monolith(scene: Scene, quantities: Sequence[Quantity], history: TimeHistory
     """What the scene's monolith gives of the quantities it has; raises `BadInput` for signals it lacks, or where it fails."""
     given = scene.study.monolith
     assert given is not None
-    whole = load_scene(given.scene).with_changes({"stop_time": scene.stop_time})
-    outputs = {f"{unit}.{name}" for unit, interface in resolve_coupling(whole).interfaces.items() for name in interface.outputs}
+    whole = scene.load_other(given.scene).with_changes({"stop_time": scene.stop_time})
+    outputs = {f"{unit}.{name}" for unit, interface in whole.coupling.interfaces.items() for name in interface.outputs}
     names = {q.signal: given.signals.get(q.signal, q.signal) for q in quantities}
     names = {ours: theirs for ours, theirs in names.items() if theirs in outputs}
     if not names:

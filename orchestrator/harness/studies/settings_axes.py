@@ -8,7 +8,6 @@ from typing import Any
 
 from ....components.core.errors import BadInput
 from ....components.core.variables import Causality
-from ...engine.coupling import resolve_coupling
 from ...scene.scene import Scene
 from ...units.component import find, make
 
@@ -39,7 +38,7 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
     own = algorithm == scene.master.algorithm
     changes: dict[str, Any] = {"master.algorithm": algorithm, "master.control": None,
                "master.iteration": scene.master.iteration.model_dump() if own and scene.master.iteration else None}
-    if resolve_coupling(scene).links:  # without any, a degree or an order would have no effect, which a scene refuses
+    if scene.coupling.links:  # without any, a degree or an order would have no effect, which a scene refuses
         changes |= {"master.extrapolation": degree, "master.order": list(scene.master.order) if own else []}
     return changes
 
@@ -99,7 +98,7 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
 
     Without connections only the scene's own; without circles iterating has nothing to repeat.
     """
-    coupling = resolve_coupling(scene)
+    coupling = scene.coupling
     own = scene.master.algorithm
     if not coupling.links:
         yield "macro step", {}
@@ -120,7 +119,7 @@ def settings(scene: Scene) -> Iterator[Setting]:
     for step in macro_steps(scene):
         for series, changes in every:
             yield Setting(series, "coupling", step, {**changes, **with_step(scene, step)})
-    if resolve_coupling(scene).links:
+    if scene.coupling.links:
         for tolerance in ADAPTIVE:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
             yield Setting("gauss-seidel, linear, step control", "adaptive", tolerance,

@@ -19,7 +19,6 @@ import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
 from ...advice.probing import contacts
-from ...engine.coupling import resolve_coupling
 from ...results import write_table
 from ...scene.scene import Scene
 from ..sweep import points, tracked, unit_of
@@ -98,7 +97,7 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     `steps`: macro steps of each run; a slower growth than they can show counts as none.
     Raises `BadInput` where no units feed one another, and for units that cannot be run again from their start.
     """
-    if all(len(group) == 1 for group in resolve_coupling(scene).groups):
+    if all(len(group) == 1 for group in scene.coupling.groups):
         raise BadInput(f"{scene.name}: stability", "units of which none feeds back to another",
                        "a coupling that can grow", "For the internal step of a component: cosimo stability component:Name.")
     if steps < FEWEST:
@@ -177,5 +176,5 @@ def _closed_form(disturbed: Disturbed, degree: int) -> float:
     scene = disturbed.scene
     if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces
-    found, _ = contacts(scene, resolve_coupling(scene), disturbed.master, disturbed.units)
+    found, _ = contacts(scene, scene.coupling, disturbed.master, disturbed.units)
     return min((contact.longest[degree] for contact in found), default=math.nan)

@@ -1,37 +1,26 @@
-"""Cases that hold simulations against reference tables, and their outcomes."""
+"""Cases that compare simulations with reference tables, and their outcomes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ....components.core.errors import BadInput, nearest
-from .case import CaseResult, Options, to_json
+from .case import Case, CaseResult, Options, to_json
+
+if TYPE_CHECKING:
+    from ..system import Systems
 
 
-def validate(
-    names: Iterable[str],
-    directory: str | Path,
-    in_process: bool = False,
-    progress: bool = False,
-) -> list[CaseResult]:
-    """Run cases by name (none: all), write `report.html` and `validation.json` to `directory`.
+def run_cases(cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool) -> list[CaseResult]:
+    """Run the cases, write `report.html` and `validation.json` to `directory`."""
+    from ..report import for_cases
 
-    Raises `BadInput` for an unknown case before anything runs.
-    """
-    from ...systems import CASES
-    from .. import report
-
-    names = list(names) or list(CASES)
-    for name in names:
-        if name not in CASES:
-            raise BadInput("case", repr(name), "a validation case", nearest(name, CASES))
     options = Options(in_process, progress)
-    results = [CaseResult(CASES[n], CASES[n].function(options)) for n in names]
-    directory = Path(directory)
+    results = [CaseResult(case, case.function(options)) for case in cases]
     directory.mkdir(parents=True, exist_ok=True)
-    page = report.for_cases(results, directory)
+    page = for_cases(results, directory, systems)
     results = [replace(r, report=page) for r in results]
     (directory / "validation.json").write_text(to_json(results), encoding="utf-8")
     return results

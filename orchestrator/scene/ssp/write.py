@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput
 from ....components.core.measure import BASES, Unit, parse
 from ....fmus.build import built
 from ....fmus.build import write as write_zip
-from ...engine.coupling import Coupling, resolve_coupling
+from ...engine.coupling import Coupling
 from ...engine.coupling.graph import Link
 from ...settings import SceneSettings, UnitSettings
 from ...units.component import make
@@ -67,7 +67,7 @@ class _System:
     """The description of a scene, and the FMUs that it names."""
 
     def __init__(self, scene: SceneSettings):
-        self.scene, self.coupling = scene, resolve_coupling(scene)
+        self.scene, self.coupling = scene, scene.coupling
         self.files: dict[str, Path] = {}  # place in the package -> FMU
         self.names = _identifiers(scene.units)
         self.sources = {name: self._packed(name, unit) for name, unit in scene.units.items()}

@@ -15,20 +15,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ...engine.coupling import resolve_coupling
+from ...harness.analysis.records import after_transient, component_of, recorded
 from ...harness.analysis.signals import uniform
 from ...harness.analysis.spectra import TURN, turns_steadily
-from ...units.component import make
+from .keys import BearingKeys
 
 if TYPE_CHECKING:
-    from ....components.core.component import Component
     from ...results import Result
-    from ...scene.scene import Scene
 
 MOTION = ("displacement_x", "displacement_y", "velocity_x", "velocity_y", "acceleration_x", "acceleration_y")
 BEARING = (*MOTION, "force_x", "force_y", "force_z", "max_ball_load", "cage_angle", "inner_angle")
 STEADY = 0.02  # relative change of a speed, below which it has frequencies
-ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
 DEFECTS = {"outer_defect": "outer", "inner_defect": "inner", "ball_defect": "ball"}
 
 
@@ -54,55 +51,11 @@ class BearingRecord:
     defects: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class RotorRecord:
-    """The recorded part of a rotor of a run.
-
-    signals: x, y, speed, angle, those that were recorded.  ports: name of a bearing's port -> x, y of the shaft there and, of
-    the unit that drives the port, force_x, force_y, max_ball_load, those that were recorded.
-    """
-
-    unit: str
-    time: np.ndarray
-    signals: Mapping[str, np.ndarray]
-    ports: Mapping[str, Mapping[str, np.ndarray]]
-
-
-def after_transient(result: Result) -> slice:
-    """The samples from [analysis] transient on; all without it."""
-    transient = float(result.scene.analysis.get("transient", 0.0))
-    first = int(np.searchsorted(result.time, transient))
-    if first >= result.time.size - 1:
-        where, length = f"{result.scene.name}: analysis.transient", result.time[-1]
-        raise BadInput(where, f"{transient:g} s", f"less than the length of the run, {length:g} s")
-    return slice(first, None)
-
-
-def component_of(scene: Scene, unit: str) -> Component | None:
-    """The unit's component with the scene's effects and parameters, not initialized; None for an FMU."""
-    given = scene.units[unit]
-    return make(unit, given) if given.component else None
-
-
-def source(scene: Scene, unit: str, name: str) -> str:
-    """"unit.output" that drives an input; "" if nothing does."""
-    return next((".".join(link.source) for link in resolve_coupling(scene).links if link.target == (unit, name)), "")
-
-
-def recorded(result: Result, unit: str, name: str) -> str:
-    """The column that holds a variable of a unit, its own or that of the output that drives it; "" if neither was recorded."""
-    own = f"{unit}.{name}"
-    if own in result.columns:
-        return own
-    driving = source(result.scene, unit, name)
-    return driving if driving in result.columns else ""
-
-
 def bearings(result: Result) -> list[BearingRecord]:
     """The bearings of a run whose displacement was recorded, in the order of the scene."""
     scene = result.scene
-    wanted = scene.analysis.get("bearing", list(scene.units))
-    wanted = [wanted] if isinstance(wanted, str) else wanted
+    given = scene.analysis_as(BearingKeys).bearing
+    wanted = (given,) if isinstance(given, str) else given or tuple(scene.units)
     found = []
     for unit in wanted:
         if unit not in scene.units:
@@ -153,23 +106,3 @@ def _rotation(result: Result, unit: str, values: Mapping[str, np.ndarray], cage_
 
 def _steady(speeds: np.ndarray, mean: float) -> float:
     return mean if float(np.ptp(speeds)) <= STEADY * abs(mean) else float("nan")
-
-
-def rotors(result: Result) -> list[RotorRecord]:
-    """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
-    found = []
-    for unit in result.scene.units:
-        own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
-        if "speed" in own:
-            component = component_of(result.scene, unit)
-            ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
-            found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
-    return found
-
-
-def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
-    # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
-    bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
-    places = {n: f"{unit}.{port}.displacement_{n}" for n in "xy"}
-    places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
-    return {n: result.columns[c] for n, c in places.items() if c in result.columns}

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...engine.coupling import resolve_coupling
+from ...harness.analysis.records import component_of, recorded
 from ...harness.analysis.signals import accumulated
-from ..bearings.records import component_of, recorded
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -92,7 +91,7 @@ def _drive(result: Result, unit: str) -> Drive:
     def known(group: Mapping[str, np.ndarray | None]) -> dict[str, np.ndarray]:
         return {n: v for n, v in group.items() if v is not None}
 
-    links = resolve_coupling(result.scene).links
+    links = result.scene.coupling.links
     controller = next((link.target[0] for link in links if link.source == (unit, "feed") and link.target[1] == "feed"), "")
     wheels, rests = [], {}
     for name in WHEELS:

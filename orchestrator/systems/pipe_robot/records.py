@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...harness.analysis.records import component_of, recorded
 from ...harness.analysis.signals import accumulated
-from ..bearings.records import component_of, recorded
+from .keys import PipeRobotKeys
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -77,7 +78,7 @@ def _robot(result: Result, unit: str) -> RobotRecord:
         elif component is not None and (name in component.parameters or name in component.inputs):
             frequency = np.full(result.time.size, float(component.get(name)))
     longest = SLOWEST * float(result.time[-1] - result.time[0])
-    period = np.full(result.time.size, float(result.scene.analysis.get("average", 0.0)))
+    period = np.full(result.time.size, result.scene.analysis_as(PipeRobotKeys).average)
     if frequency is not None and not period.any():
         period = np.minimum(TURN / np.maximum(frequency, TURN / longest), longest)
     resonances = {}

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...results import Result
-from ...scene.scene import Scene, read_scene
+from ...scene.scene import Scene
+from .. import read_scene
 
 TURN = 2.0 * math.pi
 GRAVITY = 9.81  # m/s², of the components

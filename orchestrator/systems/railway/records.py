@@ -11,6 +11,7 @@ from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ...harness.analysis.signals import Filter
 from .contact import ContactRecord, ContactStatistics
+from .keys import RailwayKeys
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -36,16 +37,11 @@ def parameters(scene: Scene, unit: str) -> dict[str, Any]:
 
 def analysis_window(scene: Scene) -> tuple[float, float]:
     """The scene's window of analysis, m along the track."""
-    try:
-        start, end = scene.analysis["window"]
-    except (KeyError, TypeError, ValueError):
-        raise BadInput(
-            f"{scene.name}: analysis.window",
-            repr(scene.analysis.get("window")),
-            "two positions in m",
-            "Add window = [from, to] to [analysis].",
-        ) from None
-    return float(start), float(end)
+    window = scene.analysis_as(RailwayKeys).window
+    if window is None:
+        raise BadInput(f"{scene.name}: analysis.window", "nothing", "two positions in m",
+                       "Add window = [from, to] to [analysis].")
+    return window
 
 
 def passages(result: Result) -> list[Passage]:
@@ -113,7 +109,7 @@ def measured(s: ContactStatistics) -> dict[str, float]:
 
 def dropper_spacing(scene: Scene) -> float:
     """The commonest distance of neighbouring droppers, m; NaN if the scene names none."""
-    gaps = np.diff(np.asarray(scene.analysis.get("droppers", []), dtype=float))
+    gaps = np.diff(np.asarray(scene.analysis_as(RailwayKeys).droppers, dtype=float))
     if not gaps.size:
         return float("nan")
     values, counts = np.unique(gaps.round(3), return_counts=True)

@@ -12,7 +12,8 @@ from ...harness.analysis.signals import Filter
 from ...harness.validation.case import Options
 from ...results import Result
 from ...run import run
-from ...scene.scene import Scene, load_scene
+from ...scene.scene import Scene
+from .. import load_scene
 from .records import measured, parameters, statistics
 
 KMH = 1.0 / 3.6  # m/s

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....components.rotor.modal import campbell, critical_speeds
-from ..bearings.records import RotorRecord, after_transient, component_of, source
+from ...harness.analysis.records import after_transient, component_of, source
+from .keys import RotorKeys
+from .records import RotorRecord
 
 if TYPE_CHECKING:
     from ....components.rotor.model import Matrices
@@ -53,14 +55,13 @@ def whirl(result: Result, record: RotorRecord) -> Whirl | None:
         first = 4 * int(np.abs(rotor.nodes - rotor.parameters[f"{port}.position"]).argmin())
         stiffness[first : first + 4, first : first + 4] += tangent
     matrices = matrices._replace(stiffness=stiffness)
-    highest = BEYOND * float(np.abs(record.signals["speed"]).max())
-    highest = float(result.scene.analysis.get("campbell_speed", highest))
+    keys = result.scene.analysis_as(RotorKeys)
+    highest = keys.campbell_speed or BEYOND * float(np.abs(record.signals["speed"]).max())
     if not highest > 0.0:
         return None
     speed = np.linspace(0.0, highest, SPEEDS)
     frequency, direction = campbell(matrices, speed, MODES)
-    given = result.scene.analysis.get("critical_speeds")
-    critical = critical_speeds(matrices) if given is None else np.asarray(given, dtype=float)
+    critical = np.asarray(keys.critical_speeds, dtype=float) if keys.critical_speeds else critical_speeds(matrices)
     text = ("Bearings: mean of their linearised stiffness over the record. It grows with the amplitude, so that a resonance "
             "may stand above its line.") if tangents else ""
     return Whirl(speed, frequency, direction, critical[critical <= highest], text)

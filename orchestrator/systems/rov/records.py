@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..bearings.records import component_of, recorded, source
+from ...harness.analysis.records import component_of, recorded, source
 
 if TYPE_CHECKING:
     from ...results import Result

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...engine.coupling import resolve_coupling
+from ...harness.analysis.records import component_of
 from ...harness.analysis.sections import crossings, section
 from ...harness.analysis.spectra import TURN
-from ..bearings.records import component_of
 
 if TYPE_CHECKING:
     from ....components.core.component import Component
@@ -117,7 +116,7 @@ def _constant(result: Result, unit: str, component: Component | None) -> frozens
     """What the equations of a joint keep: nothing where motors, losses or partners change it, or nothing is known of it."""
     if component is None or (LOSSES | EXCHANGE) & set(component.on):
         return frozenset()
-    if any(link.target[0] == unit for link in resolve_coupling(result.scene).links) or any(component.u[0]):
+    if any(link.target[0] == unit for link in result.scene.coupling.links) or any(component.u[0]):
         return frozenset()
     about_vertical = "axis_orientation" in component.parameters and component.get("axis_orientation") == "vertical"
     return frozenset({"energy"} if "gravity" in component.on and not about_vertical else {"energy", "momentum"})
@@ -144,9 +143,9 @@ def poincare(result: Result, record: JointRecord, begin: float) -> list[tuple[st
     one passes 0, of a motion that keeps its energy: of one that dies down, a section says nothing.
     """
     kept = after(record, begin)
-    if wanted := result.scene.analysis.get("section"):
-        angle, turns = result[wanted["angle"]][kept], float(wanted.get("turns", 1.0))
-        when = f"{wanted['angle']} at {'each turn' if turns == 1.0 else f'{turns:g} places of a turn'}"
+    if (wanted := result.scene.analysis.section) is not None:
+        angle, turns = result[wanted.angle][kept], wanted.turns
+        when = f"{wanted.angle} at {'each turn' if turns == 1.0 else f'{turns:g} places of a turn'}"
         return [(when, Axis(a.name, *section(angle, TURN / turns, a.angle[kept], a.rate[kept]))) for a in record.moving]
     if len(record.moving) < 2 or "energy" not in record.constant:
         return []

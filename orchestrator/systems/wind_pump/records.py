@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...engine.coupling import resolve_coupling
+from ...harness.analysis.records import recorded
 from ...harness.analysis.signals import accumulated
-from ..bearings.records import recorded
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -64,7 +63,7 @@ class Running:
 
 def chains(result: Result) -> list[Chain]:
     """The wind pumps of a run whose pump speed was recorded, in the order of the scene."""
-    sources = {link.target: link.source for link in resolve_coupling(result.scene).links}
+    sources = {link.target: link.source for link in result.scene.coupling.links}
     found = []
     for unit in result.scene.units:
         turbine = sources.get((unit, "turbine_speed"), ("", ""))[0]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ....components.wrist.ligament_springs import LIGAMENTS
 from ....components.wrist.tendons import MUSCLES
-from ..bearings.records import recorded
+from ...harness.analysis.records import recorded
 
 if TYPE_CHECKING:
     from ...results import Result

@@ -14,8 +14,8 @@ import numpy as np
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.algorithms import Master, master_of
 from cosimo.orchestrator.engine.coupling import resolve_coupling
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.support import Linear
 from scipy.linalg import expm

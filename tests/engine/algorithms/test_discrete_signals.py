@@ -11,7 +11,7 @@ from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator import open_all
 from cosimo.orchestrator.engine.coupling import resolve, resolve_coupling
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentUnit
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD, Signal
 from cosimo.tests.support import Integrals

@@ -6,7 +6,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, HERE, bonded, oscillation
 from cosimo.tests.support import Linear
 from scipy.linalg import expm

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import HERE
 from scipy.integrate import solve_ivp
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import Linear
 
 HERE = "cosimo.tests.engine.algorithms.test_initial_loops"

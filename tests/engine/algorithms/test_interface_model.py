@@ -9,7 +9,7 @@ from cosimo.orchestrator.engine.algorithms import master_of
 from cosimo.orchestrator.engine.algorithms.contact import ContactUnit, line
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.tests.scene_runs import finished
 from cosimo.tests.support import Linear

@@ -8,8 +8,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.engine.coupling import resolve
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentUnit
 from cosimo.tests.engine.algorithms.oscillators import STATES, TwoMasses, open_master
 from cosimo.tests.support import Linear, exact_two_masses

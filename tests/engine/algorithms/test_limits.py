@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import TwoMasses, radius
 
 NEUTRAL = 1.0 + 1e-9  # eigenvalues of a matrix of up to 22 columns, some of them defective zeros, are rounded

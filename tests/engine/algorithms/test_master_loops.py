@@ -10,7 +10,7 @@ from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.coupling.graph import Link, Loop
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import Interface, Signal
 from cosimo.tests.engine.algorithms.oscillators import Feedthrough
 from cosimo.tests.support import Linear

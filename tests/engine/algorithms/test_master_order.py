@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 MASS, OSCILLATOR, SPRING = (f"cosimo.tests.support:{name}" for name in ("Mass", "Oscillator", "SpringDamper"))
 UNITS = {"push": {"component": MASS, "parameters": {"k": 5.0}}, "near": {"component": OSCILLATOR, "parameters": {"v0": 0.0}},

@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.component import ComponentUnit
 from cosimo.tests.engine.algorithms.test_rows import N
 from cosimo.tests.support import Integrals, OfTime, exact_two_masses, two_masses

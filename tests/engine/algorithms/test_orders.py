@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.oscillators import STATES, TwoMasses, give_past, open_master
 from cosimo.tests.support import exact_two_masses, two_masses
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.support import two_masses
 from scipy.linalg import expm
 

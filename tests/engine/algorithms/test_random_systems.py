@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import IterationSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.engine.algorithms.blocks import BLOCKS, System, system
 from cosimo.tests.engine.algorithms.oscillators import give_past, open_master
 from hypothesis import assume, given, settings

@@ -6,7 +6,7 @@ from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.engine.algorithms.rows import Arrays, Lists, rows_for
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import ARRAY_THRESHOLD
 from cosimo.tests.support import Integrals, OfTime
 

@@ -12,8 +12,8 @@ from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.engine.algorithms.step_control import Controller, shares
 from cosimo.orchestrator.engine.coupling.demands import check_stepping
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import MasterSettings
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units import Interface
 from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.engine.algorithms.bonded import bonded

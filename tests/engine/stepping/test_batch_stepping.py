@@ -7,7 +7,7 @@ from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
 from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 ALGORITHMS = ("jacobi", "gauss-seidel")

@@ -12,7 +12,7 @@ from cosimo.orchestrator.engine.algorithms.step_control import Controller
 from cosimo.orchestrator.engine.stepping.adaptive import AdaptiveStepping
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 
 class Relay(Component):

@@ -7,7 +7,7 @@ from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.engine.stepping.clock import Clock
 from cosimo.orchestrator.engine.stepping.faults import Faults
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 V0 = 2.0  # m/s
 # a free mass, whose position a probe gets in mm and whose own force comes from a spring that is not there: x = V0 t

@@ -8,7 +8,8 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
 from cosimo.orchestrator.engine.stepping.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.operating_point import SceneRates, linearised, operating_line, operating_point
-from cosimo.orchestrator.scene.scene import Scene, read_scene
+from cosimo.orchestrator.scene.scene import Scene
 from cosimo.orchestrator.settings import UnitSettings
+from cosimo.orchestrator.systems import read_scene
 
 K1 = 2.0 / math.pi * 0.05 * 20.0 * 2.0 * 0.05  # of the default inertial converter, kg m²
 K2 = 2.0 / math.pi * 0.05**2 * 20.25

@@ -8,8 +8,8 @@ from cosimo.orchestrator.harness.charts.charts import draw_chart
 from cosimo.orchestrator.harness.report.generic import time_series
 from cosimo.orchestrator.harness.report.windows import Window, fault_windows, shaded
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.settings import FaultSettings
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.tests.support import two_masses
 from cosimo.tests.systems.railway.made_up import made_up_run
 
@@ -36,7 +36,7 @@ def test_every_fault_is_shaded_and_named_in_the_recorded_signals(tmp_path):
     assert rectangles(figure) == [(0.1, 0.3), (0.25, 0.4), (0.5, 0.6), (0.7, 0.75), (0.9, 1.0)]  # the lost unit stays lost
     assert [n["text"] for n in figure.figure["layout"]["annotations"]] == NAMES
     assert "faults" in figure.caption
-    html = report.for_run(result, tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     for name in NAMES:
         assert html.count(name) >= 2, "in the figure and among the facts"
 

@@ -9,7 +9,7 @@ import pytest
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.report import numerics
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.tests.engine.algorithms.bonded import BOND, bonded
 from cosimo.tests.support import two_masses
 
@@ -32,7 +32,7 @@ def alone(**master):
 def test_a_scene_that_uses_none_of_it_has_none_of_it(tmp_path):
     result = run(alone(), in_process=True)
     assert numerics.blocks(result) == []
-    html = report.for_run(result, tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert "How it was computed" not in html
     assert "Recorded signals" in html
 
@@ -125,7 +125,7 @@ def test_warnings_and_remarks_are_shown_apart(tmp_path):
     object.__setattr__(scene, "_remarks", ("a remark",))
     result = run(scene, in_process=True)
     result.info["warnings"].append("a warning")
-    html = report.for_run(result, tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert re.search(r'class="text note"><p>a remark</p></div>', html)
     assert re.search(r'class="text warning"><p>a warning</p></div>', html)
 

@@ -12,6 +12,7 @@ from cosimo.orchestrator.harness.charts.charts import draw_chart
 from cosimo.orchestrator.harness.charts.style import number, thin_out
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.systems import SYSTEMS
 
 MEASURED = {
     "mean": 117.4,
@@ -67,7 +68,7 @@ GRID = Grid("Variants", ("variant", "σ, N"), (("as is", 30.123), ("other", 31.0
 
 
 def test_run_page_has_figures_of_its_system_and_is_self_contained(run, tmp_path):
-    html = report.for_run(run, tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(run, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     own = without_plotly(html)
     assert not re.findall(r"""(?:src|href|action|srcset)\s*=\s*["']?(?!#)[^"'\s>]+""", own), "an address to fetch"
     assert not re.findall(r"@import|url\(|<link|<iframe|fetch\(|XMLHttpRequest", own)
@@ -113,7 +114,7 @@ def test_spectrum_marks_span_and_dropper_passing(run):
 
 
 def test_case_page_shows_standing_margins_settings_and_studies(run, tmp_path):
-    html = report.for_cases([made_up_case(run, (CHART, GRID), ("a note",))], tmp_path).read_text(encoding="utf-8")
+    html = report.for_cases([made_up_case(run, (CHART, GRID), ("a note",))], tmp_path, SYSTEMS).read_text(encoding="utf-8")
     own = without_plotly(html)
     assert "recalled (medium confidence)" in own
     assert 'class="badge failed"' in own  # actual minimum 49.9 N lies outside 50 to 75 N
@@ -132,7 +133,7 @@ def test_texts_are_escaped_everywhere(run, tmp_path):
     run.info["effects"]["pantograph"]["on"] = {"contact_loss": evil}
     chart = Chart(evil, evil, (Panel(evil, (Series(evil, [0, 1], [0, 1]),), title="t"),), evil)
     case = made_up_case(run, (chart, Grid(evil, (evil,), ((evil,),))), (evil,), title=evil)
-    for html in (report.for_run(run, tmp_path).read_text(), report.for_cases([case], tmp_path).read_text()):
+    for html in (report.for_run(run, tmp_path, SYSTEMS).read_text(), report.for_cases([case], tmp_path, SYSTEMS).read_text()):
         assert "<script>alert" not in html
         assert "&lt;script&gt;alert" in html
     assert chart.title in [evil]
@@ -141,14 +142,14 @@ def test_texts_are_escaped_everywhere(run, tmp_path):
 
 def test_failed_run_is_shown_as_far_as_it_went(run, tmp_path):
     run.outcome, run.message = "failed", "catenary failed at t = 3 s"
-    html = report.for_run(run, tmp_path).read_text()
+    html = report.for_run(run, tmp_path, SYSTEMS).read_text()
     assert "catenary failed at t = 3 s" in html
     assert "Recorded signals" in html
 
 
 def test_a_scene_of_no_known_system_gets_the_general_page(run, tmp_path):
     run.scene = run.scene.model_copy(update={"analysis": {}})
-    html = report.for_run(run, tmp_path).read_text()
+    html = report.for_run(run, tmp_path, SYSTEMS).read_text()
     assert "Recorded signals" in html
     assert "Contact force at" not in html
 

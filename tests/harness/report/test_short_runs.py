@@ -8,14 +8,15 @@ import pytest
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import FINER, uniform
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 SCENES = sorted(scene_files())
 
 
 def page(result, directory):
-    return report.for_run(result, directory).read_text(encoding="utf-8")
+    return report.for_run(result, directory, SYSTEMS).read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("steps", [1, 10])
@@ -31,7 +32,7 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     assert result.time.size == steps + 1
     html = page(result, tmp_path)
     assert "Recorded signals" in html
-    wanted = scene.analysis.get("system", "")
+    wanted = scene.analysis.system
     short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
              "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
              "pipe_robot": "Way and speed", "friction_drive": "Way of the sleeve", "wrist": "Motion of the hand", "": "Settings"}

@@ -19,7 +19,7 @@ from cosimo.orchestrator.harness.studies.settings_axes import (
     with_step,
     without_effects,
 )
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 2.0})
 

@@ -10,7 +10,7 @@ from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.full_model import effects_on, full_model, with_effects
 from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 
 pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/test_plain_python.py runs them")
 

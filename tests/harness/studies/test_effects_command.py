@@ -5,7 +5,7 @@ import json
 import pytest
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import effects_on
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 SCENE = """
 stop_time = 1.0

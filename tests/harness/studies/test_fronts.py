@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.studies.accuracy_table import read_points, writ
 from cosimo.orchestrator.harness.studies.fronts import choose, components_digest, keep, known, scene_digest, verify
 from cosimo.orchestrator.harness.studies.timing import timing_of
 from cosimo.orchestrator.scene.files import scene_files, shipped
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 SCENE = load_scene("mass-on-spring").with_changes({"stop_time": 0.5})
 FAST = {"master.algorithm": "gauss-seidel", "master.extrapolation": 1, "master.step": 1e-2}

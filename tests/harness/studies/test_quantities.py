@@ -7,8 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.studies.quantities import Quantity, TimeHistory, errors, quantities_of, recording
 from cosimo.orchestrator.harness.sweep import KINDS
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
+from cosimo.orchestrator.systems import load_scene, read_scene
 
 TIME = np.linspace(0.0, 4.0, 801)
 SCENE = {

@@ -8,7 +8,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.advice.stability import longest_step
 from cosimo.orchestrator.harness.studies.stability import schemes_of, stability
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 WITHIN = 0.02  # of a closed form

@@ -18,7 +18,7 @@ from cosimo.orchestrator.harness.studies.effects import effects
 from cosimo.orchestrator.harness.studies.hard_cases import HardCases, hard_cases, verdicts
 from cosimo.orchestrator.harness.studies.internal_steps import internal_steps
 from cosimo.orchestrator.harness.studies.stability import stability
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SHORT = {"stop_time": 0.5}

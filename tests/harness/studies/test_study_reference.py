@@ -9,7 +9,7 @@ from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.harness.studies.coupled_ode import CoupledOde, rate_kernel
 from cosimo.orchestrator.harness.studies.quantities import quantities_of
 from cosimo.orchestrator.harness.studies.reference import MESH, reference, remaining_error
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.engine.algorithms.oscillators import TwoMasses
 from cosimo.tests.support import OfTime
 

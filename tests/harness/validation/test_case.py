@@ -6,10 +6,9 @@ import math
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness.validation import validate
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Row, compare, outcome, to_json
 from cosimo.orchestrator.harness.validation.reference import TableRow
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases, validate
 
 
 def row(measured, standing="verbatim", low=0.0, high=10.0):
@@ -96,7 +95,7 @@ def test_rows_outside_of_recalled_ranges_are_a_warning_that_names_them():
 @pytest.mark.parametrize(("measured", "strict", "code"), [(5, False, 0), (5, True, 0), (50, False, 0), (50, True, 1)])
 def test_strict_counts_rows_outside_of_recalled_ranges(measured, strict, code, tmp_path, monkeypatch, capsys):
     case = Case("a-case", "A case", "text", "", lambda options: Findings((row(5), row(measured, "recalled"))))
-    monkeypatch.setitem(CASES, "a-case", case)
+    monkeypatch.setitem(cases(), "a-case", case)
     try:
         main(["validate", "a-case", "-o", str(tmp_path), *(["--strict"] if strict else [])])
         found = 0

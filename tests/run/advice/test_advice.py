@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Linear, two_masses
 
 

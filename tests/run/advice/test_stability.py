@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.advice.stability import longest_step, radius
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 0.5**0.5, 1.0)  # of critical damping
 # ω H of the roots' first leaving the unit circle, from the characteristic polynomials of each case by computer algebra

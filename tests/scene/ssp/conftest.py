@@ -3,7 +3,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene.ssp import systems
 
 

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
 from cosimo.orchestrator.scene.ssp.write import write
+from cosimo.orchestrator.systems import read_scene
 
 PYTHON = os.environ.get("COSIMO_LIBCOSIM_PYTHON", sys.executable)
 CLIENT = """

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import component, document, system
 

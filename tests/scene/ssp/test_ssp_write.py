@@ -10,9 +10,10 @@ from cosimo.fmus.build import built
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report import for_run
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene, scene_files
+from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.settings import SceneSettings
+from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.units.native import native_fmu
@@ -214,7 +215,7 @@ def test_a_packed_railway_has_the_figures_of_its_scene(tmp_path):
     scene = load_scene("en50318-2002").with_changes({"stop_time": 0.5})
     packed = run(load_scene(write(scene, tmp_path / "there.ssp")))
     assert [p.supports for p in passages(packed)] == [p.supports for p in passages(run(scene))]
-    titles = [text.count("<figure") for text in (for_run(r, tmp_path).read_text() for r in (packed, run(scene)))]
+    titles = [text.count("<figure") for text in (for_run(r, tmp_path, SYSTEMS).read_text() for r in (packed, run(scene)))]
     assert titles[0] == titles[1] > 3
 
 

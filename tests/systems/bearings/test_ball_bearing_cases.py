@@ -6,7 +6,7 @@ from cosimo.components.bearings.geometry import BallGeometry
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import defect_frequencies, lyapunov_sum, varying_compliance
 
 IN_PROCESS = Options(in_process=True)
@@ -14,7 +14,7 @@ IN_PROCESS = Options(in_process=True)
 
 @pytest.mark.parametrize("name", ["varying-compliance", "lyapunov-sum", "defect-frequencies"])
 def test_every_row_is_inside(name):
-    found = CASES[name].function(IN_PROCESS)
+    found = cases()[name].function(IN_PROCESS)
     assert found.complete
     assert [r for r in found.rows if not r.inside] == []
     assert outcome(found.rows) == "passed"

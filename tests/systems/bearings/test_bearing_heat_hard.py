@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.temperatures import BearingTemperatures
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 SIDES = ("gas_path", "convection", "radiation")
 

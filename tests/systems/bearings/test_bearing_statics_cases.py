@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import StepFailed
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import clearance, hertz_textbook, iso16281
 from cosimo.orchestrator.systems.bearings.statics import at_rest
 
@@ -18,7 +18,7 @@ IN_PROCESS = Options(in_process=True)
      ("clearance-lowers-frequency", "recalled", 24)],
 )
 def test_all_rows_are_inside(name, expected, rows):
-    found = CASES[name].function(IN_PROCESS)
+    found = cases()[name].function(IN_PROCESS)
     assert [(r.reference.quantity, r.reference.condition) for r in found.rows if not r.inside] == []
     assert outcome(found.rows) == expected
     assert len(found.rows) == rows

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from cosimo.components.bearings.conductance import AngularContactConductance
 from cosimo.components.bearings.constriction import ball_spreading, constriction, finite_ring
-from cosimo.components.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
-from cosimo.components.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.systems.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
+from cosimo.orchestrator.systems.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 
 ROUND = 1e-10  # a few thousand cells, solved directly
 

@@ -3,13 +3,13 @@
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import thermal_scaling
 
 
 @pytest.fixture(scope="module")
 def findings():
-    return CASES["thermal-scaling"].function(Options(in_process=True))
+    return cases()["thermal-scaling"].function(Options(in_process=True))
 
 
 def test_it_passes(findings):

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.pulled_mass import IDEAL, LUGRE, pulled
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.friction_drive.cases import closed_forms as friction_drive
 from cosimo.orchestrator.systems.friction_drive.cases import hunting
 from cosimo.tests.scene_runs import finished
@@ -27,7 +27,7 @@ def middle(name: str, measure: str) -> float:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_friction_drive_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.friction_drive.records import at_rest, drives, energies, moves, standing
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers, tables
 from cosimo.tests.systems.friction_drive.drive_runs import AT, RATE, STEP, TURN, drive_run

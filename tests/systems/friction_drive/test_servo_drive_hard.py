@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.servo_motor import ServoMotor
 from cosimo.components.friction_drive.controller import ServoController
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.scene_runs import finished
 
 STEP = 1e-3

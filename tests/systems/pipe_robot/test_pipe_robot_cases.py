@@ -10,7 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.pipe_robot.cases import balance as balance
 from cosimo.orchestrator.systems.pipe_robot.cases import mean_speed as mean_speed
 from cosimo.orchestrator.systems.pipe_robot.cases import resonance as resonance
@@ -21,7 +21,7 @@ NAMES = ["pipe-robot-mean-speed", "pipe-robot-balance", "pipe-robot-resonance"]
 
 @pytest.mark.parametrize("name", NAMES)
 def test_pipe_robot_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete

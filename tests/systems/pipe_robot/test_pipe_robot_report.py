@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.scene.scene import Scene, read_scene
+from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.pipe_robot.figures.places import ways
 from cosimo.orchestrator.systems.pipe_robot.records import (
     amplitude,

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.pipe_robot.records import mean_speed, robots
 from cosimo.tests.scene_runs import finished
 

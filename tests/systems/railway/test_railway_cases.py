@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.scene.scene import load_scene
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases, load_scene
 from cosimo.orchestrator.systems.railway.cases import catenary_statics, en50318_2002
 from cosimo.orchestrator.systems.railway.records import statistics
 from cosimo.orchestrator.systems.railway.runs import at_speed, numbers, reference_run, target_mean, with_stable_substep
@@ -16,7 +15,7 @@ IN_PROCESS = Options(in_process=True)
 
 
 def test_every_case_says_what_it_shows():
-    for name, case in CASES.items():
+    for name, case in cases().items():
         assert name == case.name
         assert len(case.text) > 80
         assert case.system
@@ -47,7 +46,7 @@ def test_string_sag_solves_its_equation():
 
 
 def test_statics_pass():
-    findings = CASES["catenary-statics"].function(IN_PROCESS)
+    findings = cases()["catenary-statics"].function(IN_PROCESS)
     assert outcome(findings.rows) == "passed"
     assert len(findings.rows) == 30
 

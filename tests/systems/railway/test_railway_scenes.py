@@ -5,7 +5,7 @@ import pytest
 from cosimo.orchestrator.harness.analysis.signals import Filter, uniform
 from cosimo.orchestrator.harness.validation.case import compare
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway.records import measured, passages, statistics
 from cosimo.orchestrator.systems.railway.runs import at_speed
 from cosimo.tests.scene_runs import finished

@@ -7,13 +7,13 @@ import dataclasses
 import pytest
 from cosimo.components.rotor.beam import BeamRotor
 from cosimo.orchestrator.harness.validation.case import Options, outcome
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rotor.cases import friswell, jeffcott
 
 
 @pytest.mark.parametrize("name", ["friswell-5.9.1", "jeffcott"])
 def test_rotor_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed"
     assert found.complete

@@ -11,7 +11,7 @@ from cosimo.components.rotor.beam import BeamRotor
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.rotor.modal import critical_speeds, eigenvalues, modes
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.systems.rotor.linear_bearing import MOTION
 
 FRISWELL = ("gyroscopic", "disks", "linear_supports")

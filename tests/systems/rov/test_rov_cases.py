@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, outcome
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rov.cases import (
     added_mass as rov_added_mass,
 )
@@ -18,7 +18,7 @@ from cosimo.orchestrator.systems.rov.cases import (
 
 @pytest.mark.parametrize("name", ["rov-closed-forms", "rov-allocation", "rov-added-mass"])
 def test_rov_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete

@@ -13,7 +13,7 @@ from cosimo.components.rov.tether import Tether
 from cosimo.components.rov.thrust_curve import ROWS, T200_COMMAND, T200_THRUST, curve_command, curve_thrust
 from cosimo.components.rov.thruster import Thruster
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 
 JUMP = {f"{name}[{k + 1}]": v for k in range(ROWS)
         for name, v in (("command", (-1.0, -0.1, -0.1, 0.1, 0.1, 1.0)[min(k, 5)]),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import Scene, load_scene
+from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.rov.records import vehicles
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers
 from cosimo.tests.systems.rov.vehicles import ASIDE, DEPTH, LIMIT, RADIUS, THRUST, vehicle_run

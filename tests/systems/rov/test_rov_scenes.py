@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits, finished
 from scipy.spatial.transform import Rotation
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import link_split
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -57,13 +57,13 @@ def test_the_table_has_the_limit_of_held_forces():
 
 @pytest.fixture(scope="module")
 def found():
-    return CASES["link-split"].function(Options(in_process=True))
+    return cases()["link-split"].function(Options(in_process=True))
 
 
 def test_the_case_passes(found):
     assert outcome(found.rows) == "passed"
     assert found.complete
-    assert CASES["link-split"].system == "two_axis_joint"
+    assert cases()["link-split"].system == "two_axis_joint"
     assert all(r.reference.standing == "computed" for r in found.rows)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.closed_forms import quartic, small_motion
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
 
 

@@ -8,20 +8,20 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.validation.case import Options, compare, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import inertial_converter as case
 
 
 @pytest.fixture(scope="module")
 def found():
-    return CASES["inertial-converter"].function(Options(in_process=True))
+    return cases()["inertial-converter"].function(Options(in_process=True))
 
 
 def test_the_case_passes(found):
     assert found.complete
     assert outcome(found.rows) == "passed"
     assert all(row.reference.standing == "computed" for row in found.rows)
-    assert CASES["inertial-converter"].system == "wind_pump"
+    assert cases()["inertial-converter"].system == "wind_pump"
     assert len(found.charts) == 3
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 TRANSMISSIONS = ("FixedTransmission", "AveragedConverter", "PlanetaryTransmission", "InertialConverter")
 

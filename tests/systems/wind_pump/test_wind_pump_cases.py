@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import (
     closed_forms as wind_pump_closed_forms,
 )
@@ -22,7 +22,7 @@ NAMES = ["wind-pump-closed-forms", "wind-pump-equilibrium", "wind-pump-start"]
 
 @pytest.mark.parametrize("name", NAMES)
 def test_wind_pump_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete

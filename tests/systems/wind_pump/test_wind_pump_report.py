@@ -7,7 +7,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import accumulated
-from cosimo.orchestrator.scene.scene import Scene, read_scene
+from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.wind_pump.records import branches, chains, efficiencies, moving_mean, runnings
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers, tables
 from cosimo.tests.systems.wind_pump.wind_pumps import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.wind_pump.records import chains, runnings
 from cosimo.tests.scene_runs import finished
 

@@ -16,7 +16,7 @@ from cosimo.components.wind_pump.planetary import PlanetaryTransmission
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wind_pump.wind import Wind
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 STANDSTILL_TORQUE = 0.5 * 1.225 * math.pi * 1.5**3 * 0.5  # N.m per (m/s)² of wind, default windmill
 PEAK = 1000.0 * 9.81 * 20.0 * 0.25 * math.pi * 0.06**2 * 0.075  # N.m, default pump

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wrist.tendons import COUNT, ForearmTendons
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.orchestrator.systems import read_scene
 
 ALL = ("fibres", "force_velocity", "varying_arms")
 

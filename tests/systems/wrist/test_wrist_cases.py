@@ -7,7 +7,7 @@ import math
 import pytest
 from cosimo.orchestrator.harness.validation.case import Options, outcome
 from cosimo.orchestrator.harness.validation.reference import load_table
-from cosimo.orchestrator.systems import CASES
+from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wrist.cases import four_bar
 from cosimo.orchestrator.systems.wrist.cases import rules as wrist_rules
 from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
@@ -15,7 +15,7 @@ from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
 
 @pytest.mark.parametrize("name", ["wrist-rules", "four-bar", "wrist-stiffness"])
 def test_wrist_cases_pass(name):
-    case = CASES[name]
+    case = cases()[name]
     found = case.function(Options(in_process=True))
     assert outcome(found.rows) == "passed", [(r.reference.measure, r.measured) for r in found.rows if not r.inside]
     assert found.complete

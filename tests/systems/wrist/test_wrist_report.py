@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.scene.scene import Scene, read_scene
+from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.wrist.records import bundles, direction, follows_rule, linkages, muscles, postures, wrists
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, tables
 

@@ -2,20 +2,20 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.scene.scene import load_scene
+from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.wrist.records import postures, wrists
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits, finished
 
 
 def angles(record, result):
     """Postures of a wrist at the scene's instants, by their number, in degrees."""
-    return [{n: np.degrees(v) for n, v in p.values.items()} for p in postures(record, result.scene.analysis["postures"])]
+    return [{n: np.degrees(v) for n, v in p.values.items()} for p in postures(record, result.scene.analysis.postures)]
 
 
 def test_muscles_move_the_wrist_by_the_rule():
     result = finished(load_scene("wrist-motion"))
     (record,) = wrists(result)
-    found = postures(record, result.scene.analysis["postures"])
+    found = postures(record, result.scene.analysis.postures)
     assert [p.name for p in found[:4]] == ["flexion", "extension", "radial deviation", "ulnar deviation"]
     assert all(p.rule for p in found[:4])
     held = angles(record, result)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....harness.analysis.records import after_transient, component_of
 from ....harness.analysis.signals import uniform
 from ....harness.analysis.spectra import envelope_spectrum, peak
 from ....harness.charts.chart import Chart, Lines, Panel, Series
@@ -14,8 +15,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, load_scene
-from ..records import after_transient, component_of
+from ....scene.scene import Scene
+from ... import load_scene
 
 RPM = 2.0 * math.pi / 60.0
 BAND = (150.0, 4500.0)  # Hz, of the envelope: from below the bearing's own frequencies to where nothing is left

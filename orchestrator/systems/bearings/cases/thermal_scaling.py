@@ -11,10 +11,10 @@ from scipy.special import ellipkm1
 
 from .....components.bearings.conductance import AngularContactConductance
 from .....components.bearings.constriction import constriction
-from .....components.bearings.heat_path import Surroundings, solve_bearing
 from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, Row, compare
 from ....harness.validation.reference import TableRow, load_table
+from ..heat_path import Surroundings, solve_bearing
 
 BEARINGS: dict[str, tuple[float, float]] = {"7008C": (40e-3, 68e-3), "7210B": (50e-3, 90e-3)}  # bore, outside diameter, m
 AXIAL, RADIAL = (50, 100, 500, 1000, 5000), (0, 200, 500, 1000, 2000)  # N; the radial ones beside 1 kN

@@ -16,7 +16,7 @@ from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....run import run
-from ....scene.scene import load_scene
+from ... import load_scene
 
 RPM = 2.0 * math.pi / 60.0
 MICRO = 1e-6

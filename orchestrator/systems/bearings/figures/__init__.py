@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ....harness.analysis.records import after_transient
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
-from ..records import BearingRecord, after_transient, bearings
+from ..keys import BearingKeys
+from ..records import BearingRecord, bearings
 from .heat import heat_chart
 from .motion import history_chart, motion_table, orbit_chart, section_points
 from .repetition import quantified, recurrence_chart, recurrence_table
@@ -33,7 +35,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
 
 
 def _of_one(result: Result, record: BearingRecord, who: str) -> list[Block]:
-    analysis = result.scene.analysis
+    analysis = result.scene.analysis_as(BearingKeys)
     begin = float(result.time[after_transient(result).start])
     points = section_points(result, record, begin)
     made: list[Block] = [draw_chart(history_chart(record, begin, who))]

@@ -66,11 +66,10 @@ def section_points(result: Result, record: BearingRecord, begin: float) -> dict[
     Where no angle was recorded: where the velocity along x rises through zero, the turning points of x. Empty without it, too.
     """
     kept = after(record, begin)
-    wanted = result.scene.analysis.get("section", {})
+    wanted = result.scene.analysis.section
     angle, turns = record.signals.get("cage_angle"), float(record.balls or 1)
-    if wanted:
-        name = wanted["angle"]
-        turns = float(wanted.get("turns", 1))
+    if wanted is not None:
+        name, turns = wanted.angle, wanted.turns
         if name not in result.columns:
             where = f"{result.scene.name}: analysis.section.angle"
             raise BadInput(where, repr(name), "a recorded signal", nearest(name, result.columns))

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from .....components.core.errors import BadInput, nearest
 from ....harness.analysis.recurrence import Quantification, line_survival, quantify, recurrence_matrix, standardised
 from ....harness.charts.chart import Chart, Panel, Picture, Series
 from ....harness.charts.style import number
 from ....harness.report.page import Cells
+from ..keys import BearingKeys, RecurrenceKeys
 from ..records import BearingRecord
 from .motion import after
 from .scales import Scales
 
-SETTINGS = ("threshold", "theiler", "interval")
-THRESHOLD = 1.0  # standard deviations, Euclidean: half of one in each of four coordinates
 PER_PASSING = 25  # samples between two balls' passings, where the scene does not say
 STATES = 1200  # quantified
 DRAWN = 500  # in the picture
@@ -37,18 +33,15 @@ class Recurrence:
     coordinates: tuple[str, ...]
 
 
-def quantified(record: BearingRecord, begin: float, analysis: Mapping[str, Any]) -> Recurrence:
+def quantified(record: BearingRecord, begin: float, keys: BearingKeys) -> Recurrence:
     """Recurrence of displacements and velocities, standardised, over the last states of the run."""
-    settings = analysis.get("recurrence", {})
-    for key in settings:
-        if key not in SETTINGS:
-            raise BadInput("analysis.recurrence", f"key {key!r}", "one of " + ", ".join(SETTINGS), nearest(key, SETTINGS))
+    settings = keys.recurrence or RecurrenceKeys()
     names = tuple(n for n in record.signals if n.startswith(("displacement", "velocity")))
     wished = 1.0 / (PER_PASSING * record.frequencies["outer"]) if record.frequencies else 0.0
-    every = max(1, round(float(settings.get("interval", wished)) * record.rate))
+    every = max(1, round((wished if settings.interval is None else settings.interval) * record.rate))
     states = np.stack([record.signals[n][after(record, begin)] for n in names], axis=1)
     states = states[::-every][:STATES][::-1]  # the last ones
-    threshold, theiler = float(settings.get("threshold", THRESHOLD)), int(settings.get("theiler", 1))
+    threshold, theiler = settings.threshold, settings.theiler
     matrix = recurrence_matrix(standardised(states), threshold)
     interval = every / record.rate
     start = float(record.time[-1]) - interval * (len(states) - 1)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
-from .....components.core.errors import BadInput, nearest
 from ....harness.analysis.signals import amplitude_spectrum
 from ....harness.analysis.spectra import Family, envelope_spectrum, peak, resonance_band
 from ....harness.charts.chart import Chart, Lines, Panel, Series
+from ..keys import BearingKeys
 from ..records import BearingRecord
 from .motion import after
 from .scales import Scales
@@ -30,11 +27,11 @@ SHOWN_ENVELOPE = 4.5  # of the highest defect frequency, in the envelope's
 DECADES = 5.0  # shown below the highest line
 
 
-def families(record: BearingRecord, analysis: Mapping[str, Any]) -> list[Family]:
+def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
     """Lines to look for: those the scene marks, else of what has a defect, the passing of balls and the shaft."""
     if not record.frequencies:
         return []
-    wanted = analysis.get("marks", list(dict.fromkeys([*record.defects, "outer", "shaft"])))
+    wanted = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
     f, turn = record.frequencies, abs(record.rotation)
     known = {
         "outer": Family(NAMES["outer"], f["outer"], 5),
@@ -43,9 +40,6 @@ def families(record: BearingRecord, analysis: Mapping[str, Any]) -> list[Family]
         "cage": Family(NAMES["cage"], f["cage"], 2),
         "shaft": Family(NAMES["shaft"], turn, 3),
     }
-    for name in wanted:
-        if name not in known:
-            raise BadInput("analysis.marks", repr(name), "one of " + ", ".join(known), nearest(name, known))
     return [known[name] for name in wanted]
 
 
@@ -61,14 +55,14 @@ def marked(found: list[Family], highest: float) -> tuple[Lines, ...]:
     return tuple(made)
 
 
-def spectrum_chart(record: BearingRecord, begin: float, analysis: Mapping[str, Any], who: str = "") -> Chart:
+def spectrum_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: str = "") -> Chart:
     """Amplitude spectra of displacement and acceleration after the transient."""
     scales, kept = Scales(record), after(record, begin)
-    found = families(record, analysis)
+    found = families(record, keys)
     highest = 0.5 * record.rate
     if record.frequencies:
         highest = min(highest, SHOWN_HARMONICS * record.frequencies["outer"])
-    highest = min(0.5 * record.rate, float(analysis.get("highest_frequency", highest)))
+    highest = min(0.5 * record.rate, keys.highest_frequency or highest)
     panels = []
     for what in ("displacement", "acceleration"):
         series, top = [], 0.0
@@ -103,14 +97,14 @@ def _strongest(record: BearingRecord, begin: float, found: list[Family]) -> str:
     )
 
 
-def envelope_chart(record: BearingRecord, begin: float, analysis: Mapping[str, Any], who: str = "") -> Chart | None:
+def envelope_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: str = "") -> Chart | None:
     """Spectrum of the envelope of the acceleration in a band of resonance; None where the record holds no such band."""
     name = next((n for n in ("acceleration_x", "displacement_x") if n in record.signals), "")
     if not name or not record.frequencies:
         return None
     scales, x = Scales(record), record.signals[name][after(record, begin)]
     top = max(record.frequencies["inner"], 2.0 * record.frequencies["ball"])
-    band = analysis.get("envelope_band")
+    band = keys.envelope_band
     if band is None:
         bounds = LOWEST_BAND * top, min(HIGHEST_BAND * top, UNFOLDED * record.rate)
         if bounds[0] > 0.5 * bounds[1] or not np.ptp(x) > 0.0:
@@ -120,11 +114,11 @@ def envelope_chart(record: BearingRecord, begin: float, analysis: Mapping[str, A
     f, a = envelope_spectrum(scales.factor(name) * x, record.rate, low, high)
     highest = SHOWN_ENVELOPE * top
     shown = (f > 0.0) & (f <= highest)
-    found = families(record, analysis)
+    found = families(record, keys)
     series = (Series("envelope", f[shown], a[shown]),)
     panel = Panel(f"envelope of {name.replace('_', ' ')}, {scales.unit(name)}", series, lines=marked(found, highest),
                   x_range=(0.0, highest))  # fmt: skip
-    chosen = "given" if "envelope_band" in analysis else "the most impulsive of the signal (kurtogram)"
+    chosen = "given" if keys.envelope_band is not None else "the most impulsive of the signal (kurtogram)"
     text = (
         f"Envelope of the band {low:.4g} to {high:.4g}{scales.hertz}, {chosen}. What hits a resonance again and again shows here "
         "with the frequency of its repetition; sidebands: how its strength varies as it turns through the loaded zone."

@@ -13,7 +13,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 RATE = 20.0  # rad/s of the wheels
 RADIUS, SLEEVE, ANGLE = 0.01, 0.005, math.pi / 6.0

@@ -13,7 +13,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 from ..records import starts
 
 TARGET, RADIUS = 2e-4, 0.01  # m

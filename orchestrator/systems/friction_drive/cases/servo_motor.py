@@ -10,7 +10,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 VOLTAGE = 12.0
 GEAR, RESISTANCE, CONSTANT = 19.0, 2.3, 23.4e-3

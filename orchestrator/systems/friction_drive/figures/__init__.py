@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
-from ..records import BANDS, drives
+from ..keys import FrictionDriveKeys
+from ..records import drives
 from .contacts import contacts_chart, plane_chart
 from .tables import energies_table, moves_table, rests_table
 from .way import rest_chart, way_chart, wheels_chart
@@ -25,9 +26,8 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = drives(result)
     if not found:
         return []
-    analysis = result.scene.analysis
-    bands = {"feed": float(analysis.get("feed_band", BANDS["feed"])),
-             "rotation": float(analysis.get("rotation_band", BANDS["rotation"]))}  # fmt: skip
+    keys = result.scene.analysis_as(FrictionDriveKeys)
+    bands = {"feed": keys.feed_band, "rotation": keys.rotation_band}
     charts = [way_chart(found, bands), rest_chart(found)]
     for drive in found:
         who = f"{drive.unit}: " if len(found) > 1 else ""

@@ -12,7 +12,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, load_scene, read_scene
+from ....scene.scene import Scene
+from ... import load_scene, read_scene
 from ..robots import BODY, DAMPING, FREE, INNER, STIFFNESS, STUCK, TURN, component_at, last_speed, shaken, side_by_side
 
 NAME = "pipe-robot-resonance"

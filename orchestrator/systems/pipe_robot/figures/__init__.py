@@ -12,6 +12,7 @@ import numpy as np
 
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block, Text
+from ..keys import PipeRobotKeys
 from ..records import robots
 from .course import course_chart, creep_chart, detail_chart
 from .places import frequency_chart, pipe_chart
@@ -27,9 +28,9 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = robots(result)
     if not found:
         return []
-    transient = float(result.scene.analysis.get("transient", 0.0))
+    transient = result.scene.analysis.transient
     kept = slice(int(np.searchsorted(result.time, transient)), None)
-    part = result.scene.analysis.get("detail")
+    part = result.scene.analysis_as(PipeRobotKeys).detail
     charts = [course_chart(found, transient), frequency_chart(found), pipe_chart(found), creep_chart(found),
               detail_chart(found, part)]  # fmt: skip
     made: list[Block] = [draw_chart(c) for c in charts if c is not None]

@@ -1,1 +1,9 @@
-"""Validation cases of the system, each beside its table."""
+"""Validation cases of the system, each beside its table; what is listed here is run by `cosimo validate`."""
+
+from __future__ import annotations
+
+from . import catenary_statics, en50318_2002, en50318_2018, en50367, lumped_catenary
+
+CASES = tuple(module.CASE for module in (
+    en50318_2002, en50318_2018, en50367, catenary_statics, lumped_catenary,
+))

@@ -14,7 +14,7 @@ from .....components.railway.wires import wire_height
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, Row, compare
 from ....harness.validation.reference import TableRow, load_table
-from ....scene.scene import load_scene
+from ... import load_scene
 
 RIGID = {"support_stiffness": 1e9}  # N/m, 10^4 times what the droppers and wires give
 CONDITIONS: dict[str, tuple[str, float, Mapping[str, Any]]] = {  # scene, force in N, changes of the catenary's parameters

@@ -10,7 +10,8 @@ from ....harness.charts.chart import Band, Chart, Grid, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, Row, compare
 from ....harness.validation.reference import Table, load_table
 from ....run import run
-from ....scene.scene import Scene, load_scene
+from ....scene.scene import Scene
+from ... import load_scene
 from ..records import parameters, statistics
 from ..runs import WITHOUT_PICTURES, at_speed, numbers, reference_run, with_stable_substep
 

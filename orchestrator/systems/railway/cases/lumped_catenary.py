@@ -13,7 +13,7 @@ from ....harness.validation.case import Case, Findings, Options, Row
 from ....harness.validation.reference import TableRow
 from ....results import Result
 from ....run import run
-from ....scene.scene import load_scene
+from ... import load_scene
 from ..records import Passage, analysis_window, passages
 from ..runs import WITHOUT_PICTURES, at_speed, numbers, reference_run
 from .catenary_statics import resting_catenary

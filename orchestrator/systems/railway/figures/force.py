@@ -31,6 +31,7 @@ from ....harness.charts.style import (
     vertical,
 )
 from ....harness.report.page import Figure
+from ..keys import RailwayKeys
 from ..records import Passage, analysis_window, dropper_spacing
 from .track import track_marks
 
@@ -46,7 +47,7 @@ HIGHEST = 35.0  # Hz, end of the spectrum's axis: the band of the filter and som
 def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_pass: Filter) -> Figure:
     """Contact force against position: raw thin, filtered strong; beside it where the numbers lie in their ranges."""
     start, end = analysis_window(result.scene)
-    span = float(result.scene.analysis.get("span", end - start))
+    span = result.scene.analysis_as(RailwayKeys).span or end - start
     low, high = _shown(found, start - span, end + span)
     ladder = [(heading, [r for r in rows if r.reference.measure in names and _closed(r)]) for heading, names in LADDER]
     ladder = [(heading, members) for heading, members in ladder if members]
@@ -178,7 +179,7 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
 
     None for a run that ends before it has passed a whole span behind its run-in.
     """
-    span = float(result.scene.analysis.get("span", 0.0))
+    span = result.scene.analysis_as(RailwayKeys).span or 0.0
     data, start, end = [], 0.0, 0.0
     for i, p in enumerate(found):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)

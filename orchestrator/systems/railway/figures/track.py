@@ -8,11 +8,12 @@ import numpy as np
 
 from ....harness.charts.style import label, vertical
 from ....scene.scene import Scene
+from ..keys import RailwayKeys
 
 
 def track_marks(scene: Scene, low: float, high: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """(lines at the supports, numbers of the spans) between two positions in m; empty if the scene names no span."""
-    span = scene.analysis.get("span")
+    span = scene.analysis_as(RailwayKeys).span
     if not span:
         return [], []
     supports = np.arange(np.ceil(low / span - 1e-9), np.floor(high / span + 1e-9) + 1) * span

@@ -15,7 +15,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 RPM = math.pi / 30.0  # rad/s
 SPEEDS = (0.0, 1000.0, 4000.0)  # rpm

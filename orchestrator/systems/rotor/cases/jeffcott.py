@@ -12,7 +12,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 CRITICAL, DAMPING_RATIO, ECCENTRICITY = 100.0, 0.02, 1e-5  # rad/s, of the component's defaults; m
 RATIOS = (0.5, 0.9, 1.0, 1.1, 2.0)

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....harness.analysis.records import after_transient
 from ....harness.analysis.spectra import turns_steadily
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
 from ...bearings.figures.heat import heat_chart
-from ...bearings.records import STEADY, RotorRecord, after_transient, rotors
+from ...bearings.records import STEADY
+from ..keys import RotorKeys
+from ..records import RotorRecord, rotors
 from ..whirl import whirl
 from .campbell import campbell_chart
 from .orbits import forces_chart, orbits_chart
@@ -37,14 +40,14 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
 
 
 def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
-    analysis = result.scene.analysis
+    analysis = result.scene.analysis_as(RotorKeys)
     begin = float(result.time[after_transient(result).start])
     speed = record.signals["speed"][record.time >= begin]
     diagram = whirl(result, record)
     if diagram is not None:
         critical = diagram.critical
     else:
-        critical = np.asarray(analysis.get("critical_speeds", []), dtype=float)
+        critical = np.asarray(analysis.critical_speeds, dtype=float)
     varies = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     moves = {"x", "y"} <= record.signals.keys()
     turns = "angle" in record.signals and _turns(record.signals["angle"][record.time >= begin]) >= TURNS
@@ -53,12 +56,12 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
         made.append(draw_chart(history_chart(record, begin, who)))
     if moves and turns and varies:
         made.append(draw_chart(run_up_chart(record, begin, critical, who)))
-        made.append(draw_chart(waterfall_chart(record, begin, critical, tuple(analysis.get("orders", (1.0, 2.0))), who)))
+        made.append(draw_chart(waterfall_chart(record, begin, critical, analysis.orders, who)))
     elif moves and speed.any():
         made.append(draw_chart(spectrum_chart(record, begin, who)))
     if diagram is not None:
         made.append(draw_chart(campbell_chart(diagram, who)))
-    made += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.get("orbit_windows"), record), who)]
+    made += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.orbit_windows, record), who)]
     if any("force_x" in p for p in record.ports.values()):
         made.append(draw_chart(forces_chart(record, begin, who)))
     return made
@@ -69,10 +72,10 @@ def _turns(angle: np.ndarray) -> float:
     return abs(float(np.ptp(np.unwrap(angle)))) / (2.0 * np.pi) if turns_steadily(angle) else 0.0
 
 
-def _windows(given: Sequence[Sequence[float]] | None, record: RotorRecord) -> list[tuple[float, float]]:
+def _windows(given: Sequence[Sequence[float]], record: RotorRecord) -> list[tuple[float, float]]:
     """Times of the orbits: the scene's, else the last turns at the last speed, else the last tenth."""
     first, last = float(record.time[0]), float(record.time[-1])
-    if given is not None:
+    if given:
         return [(float(a), float(b)) for a, b in given]
     speed = abs(float(record.signals["speed"][-1]))
     length = TURNS * 2.0 * np.pi / speed if speed > 0.0 else 0.1 * (last - first)

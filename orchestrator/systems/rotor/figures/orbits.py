@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....harness.charts.chart import Chart, Panel, Series
-from ...bearings.records import RotorRecord
+from ..records import RotorRecord
 
 MICRO = 1e6
 RPM = 30.0 / np.pi

@@ -7,7 +7,7 @@ import numpy as np
 from ....harness.analysis.signals import amplitude_spectrum, uniform
 from ....harness.analysis.spectra import Family, follow, unwrapped, waterfall
 from ....harness.charts.chart import Chart, Lines, Panel, Picture, Series
-from ...bearings.records import RotorRecord
+from ..records import RotorRecord
 
 RPM = 30.0 / np.pi  # per rad/s
 MICRO = 1e6

@@ -11,7 +11,7 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import load_scene
+from ... import load_scene
 
 FORCE, MASS, ADDED = 10.0, 11.5, 14.57  # N, kg, kg: heave of Wu's vehicle
 TRUE = FORCE / (MASS + ADDED)

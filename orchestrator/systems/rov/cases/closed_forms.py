@@ -15,7 +15,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, load_scene, read_scene
+from ....scene.scene import Scene
+from ... import load_scene, read_scene
 from ..records import QUATERNION, vehicles
 
 BENZON = RovHull.presets["von Benzon 2022, BlueROV2 Heavy"].parameters

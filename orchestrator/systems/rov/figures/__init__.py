@@ -13,6 +13,7 @@ import numpy as np
 
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
+from ..keys import RovKeys
 from ..records import vehicles
 from .constants import constants_chart
 from .control import errors_chart, errors_table, thrusts_chart, thrusts_table
@@ -30,8 +31,8 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = vehicles(result)
     if not found:
         return []
-    interval = float(result.scene.analysis.get("headings", float(result.time[-1] - result.time[0]) / MARKS))
-    start = int(np.searchsorted(result.time, float(result.scene.analysis.get("transient", 0.0))))
+    interval = result.scene.analysis_as(RovKeys).headings or float(result.time[-1] - result.time[0]) / MARKS
+    start = int(np.searchsorted(result.time, result.scene.analysis.transient))
     charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found), current_chart(found)]
     made: list[Block] = [draw_chart(c) for c in charts if c is not None]
     for vehicle in found:

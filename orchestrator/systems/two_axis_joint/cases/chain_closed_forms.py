@@ -16,7 +16,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 ANGLES = ("first_angle", "second_angle")
 MOTION = (*ANGLES, "first_rate", "second_rate")

@@ -13,7 +13,8 @@ from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 from .chain_closed_forms import swing_frequency
 
 BODY = {"frame_inertia": 0.02, "inner_inertia": 0.05, "cross_inertia": 0.03, "axial_inertia": 0.06}  # kg.m2

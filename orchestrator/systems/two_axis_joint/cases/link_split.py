@@ -13,7 +13,8 @@ from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....run import run
-from ....scene.scene import Scene, load_scene
+from ....scene.scene import Scene
+from ... import load_scene
 
 GRAVITY, STIFFNESS = 9.81, 1e5  # m/s2, N/m of the scene
 SMALL = 1e-4  # rad

@@ -1,1 +1,9 @@
-"""Validation cases of the system, each beside its table."""
+"""Validation cases of the system, each beside its table; what is listed here is run by `cosimo validate`."""
+
+from __future__ import annotations
+
+from . import closed_forms, equilibrium, inertial_converter, start
+
+CASES = tuple(module.CASE for module in (
+    equilibrium, start, closed_forms, inertial_converter,
+))

@@ -12,7 +12,7 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import read_scene
+from ... import read_scene
 
 HELD = 1e9  # kg.m², of a shaft whose speed is to stay as it is
 DEGREE = math.pi / 180.0

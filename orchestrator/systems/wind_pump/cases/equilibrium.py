@@ -9,7 +9,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 WINDS = (2.0, 2.5, 3.0, 6.0)  # m/s
 MEAN_TORQUE = 13.2435  # N.m, of a piston pump of 60 mm and 150 mm stroke at 20 m

@@ -10,7 +10,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, load_scene, read_scene
+from ....scene.scene import Scene
+from ... import load_scene, read_scene
 from ..records import chains, runnings
 
 MEAN_TORQUE = 13.2435  # N.m, of the piston pump at 20 m; its peak is pi times that

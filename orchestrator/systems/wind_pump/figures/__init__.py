@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ....harness.analysis.records import after_transient
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
-from ...bearings.records import after_transient
-from ..records import PAUSE, STANDSTILL, branches, chains, moving_mean
+from ..keys import WindPumpKeys
+from ..records import branches, chains, moving_mean
 from .against_wind import bins_chart, branches_chart
 from .course import course_chart, water_chart
 from .shown import Shown
@@ -27,10 +28,9 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     found = chains(result)
     if not found:
         return []
-    analysis = result.scene.analysis
-    average = float(analysis.get("average", 0.0))
-    standstill, pause = float(analysis.get("standstill", STANDSTILL)), float(analysis.get("pause", PAUSE))
-    shown = [Shown.of(c, average, standstill, pause, f"{c.name}: " if len(found) > 1 else "") for c in found]
+    keys = result.scene.analysis_as(WindPumpKeys)
+    average = keys.average
+    shown = [Shown.of(c, average, keys.standstill, keys.pause, f"{c.name}: " if len(found) > 1 else "") for c in found]
     made: list[Block] = [draw_chart(course_chart(shown))]
     wind = found[0].wind
     if wind is not None:

@@ -12,7 +12,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 CRANK_ROCKER = {"crank": 0.020, "coupler": 0.050, "rocker": 0.040, "ground": 0.055}  # m
 ROCKER_DRIVES = {"crank": 0.040, "coupler": 0.050, "rocker": 0.020, "ground": 0.055}

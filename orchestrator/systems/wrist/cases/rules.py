@@ -13,7 +13,9 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, load_scene, read_scene
+from ....scene.scene import Scene
+from ... import load_scene, read_scene
+from ..keys import WristKeys
 from ..records import postures, wrists
 
 DEGREES = 180.0 / math.pi
@@ -49,7 +51,7 @@ def findings(options: Options) -> Findings:
     measured["strain.isometric"] = max(float(np.abs(swing[f"isometric.strain[{i}]"]).max()) for i in range(1, 6))
     measured["strain.beside"] = max(float(np.abs(swing[f"ligaments.strain[{i}]"]).max()) for i in range(1, 6))
     (record,) = wrists(moved)
-    for p in postures(record, moved.scene.analysis["postures"]):
+    for p in postures(record, moved.scene.analysis_as(WristKeys).postures):
         name = f"kept.{p.name}"
         measured[name] = min(measured.get(name, 1.0), float(p.rule is True))
     measured["roll.moved"] = DEGREES * float(np.abs(record.signals["roll"]).max())

@@ -11,7 +11,8 @@ from ....harness.validation.case import Case, Findings, Options, compare
 from ....harness.validation.reference import load_table
 from ....results import Result
 from ....run import run
-from ....scene.scene import Scene, read_scene
+from ....scene.scene import Scene
+from ... import read_scene
 
 DEGREES = 180.0 / math.pi
 MOMENT, COUNT = 2.0, 24  # N.m; directions of it, every 15 degrees

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ....harness.analysis.records import after_transient
 from ....harness.charts.charts import draw_chart
 from ....harness.report.page import Block
-from ...bearings.records import after_transient
+from ..keys import WristKeys
 from ..records import bundles, linkages, muscles, wrists
 from .four_bars import linkage_chart
 from .motion import motion_chart, paths_chart
@@ -28,7 +29,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     begin = after_transient(result).start
     found = wrists(result)
     if found:
-        instants = tuple(result.scene.analysis.get("postures", ()))
+        instants = result.scene.analysis_as(WristKeys).postures
         made += [draw_chart(motion_chart(found, instants)), draw_chart(paths_chart(found, instants, begin))]
         made.append(posture_table(found, instants, begin))
         if len(found) > 1 and instants:

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from .conductance import AngularContactConductance
+from ....components.bearings.conductance import AngularContactConductance
 from .finite_volumes import Bodies, Grid, cylindrical, graded, spherical
 
 QUARTER = 0.5 * math.pi

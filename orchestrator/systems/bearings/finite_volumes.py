@@ -15,8 +15,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-from ..core.errors import BadInput
-from .radiation import STEFAN_BOLTZMANN
+from ....components.bearings.radiation import STEFAN_BOLTZMANN
+from ....components.core.errors import BadInput
 
 DIRECT = 20000  # unknowns up to which a sparse factorisation is quicker than conjugate gradients
 RESIDUAL = 1e-11  # relative, of the conjugate gradients

@@ -1,0 +1,48 @@
+"""What the harness knows of one system, described in the folder of its name and handed to whatever needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..settings import AnalysisKeys
+
+if TYPE_CHECKING:
+    from ..results import Result
+    from .report.page import Block
+    from .validation.case import Case, Row
+
+
+@dataclass(frozen=True)
+class System:
+    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (functions and tables), figures/, fronts/*.csv.
+
+    package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
+    Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
+    """
+
+    name: str
+    title: str
+    package: str
+    keys: type[AnalysisKeys] = AnalysisKeys
+
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """Validation cases, in the order of their list in the package `cases`."""
+        return import_module(".cases", self.package).CASES
+
+    @property
+    def figures(self) -> Callable[[Result, Sequence[Row]], list[Block]]:
+        """Blocks of a report for a run of the system, and for rows of a reference table that belong to it."""
+        return import_module(".figures", self.package).blocks
+
+    @property
+    def folder(self) -> Path:
+        """Where its files lie."""
+        return Path(__file__).parents[1] / "systems" / self.name
+
+
+Systems = Mapping[str, System]  # by name

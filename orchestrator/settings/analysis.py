@@ -1,0 +1,29 @@
+"""What every scene's [analysis] may say; a system's own keys are a model of its own that inherits from this one."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from .model import Model, Number
+
+Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
+Span = tuple[Number, Number]
+
+
+class SectionKeys(Model):
+    """Points of a motion each time an angle passes a multiple of a turn over `turns`."""
+
+    signal: str = Field(default="", description="unit.output, the signal that a sweep keeps")
+    angle: str = Field(description="unit.output, an angle in rad")
+    turns: Annotated[float, Field(strict=True, gt=0.0, le=1e6)] = Field(default=1.0, description="points a turn of the angle")
+
+
+class AnalysisKeys(Model):
+    """What every system reads."""
+
+    system: str = Field(default="", description="which figures the report has: a name of a system")
+    transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
+    section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")

@@ -1,0 +1,14 @@
+"""Keys of [analysis] for scenes of the system friction_drive."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from ...settings.analysis import AnalysisKeys, Positive
+
+
+class FrictionDriveKeys(AnalysisKeys):
+    """Figures of friction-wheel drives."""
+
+    feed_band: Positive = Field(default=1e-4, description="m, error within which a move of the feed counts as settled")
+    rotation_band: Positive = Field(default=0.01, description="rad, the same of the rotation")

@@ -1,0 +1,50 @@
+"""What of a run belongs to its rotors: their recorded motion and what their bearings gave, found by the scene's connections."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...harness.analysis.records import component_of, source
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+ROTOR = {"x": "displacement_x", "y": "displacement_y", "speed": "speed", "angle": "angle"}
+
+
+@dataclass(frozen=True)
+class RotorRecord:
+    """The recorded part of a rotor of a run.
+
+    signals: x, y, speed, angle, those that were recorded.  ports: name of a bearing's port -> x, y of the shaft there and, of
+    the unit that drives the port, force_x, force_y, max_ball_load, those that were recorded.
+    """
+
+    unit: str
+    time: np.ndarray
+    signals: Mapping[str, np.ndarray]
+    ports: Mapping[str, Mapping[str, np.ndarray]]
+
+
+def rotors(result: Result) -> list[RotorRecord]:
+    """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
+    found = []
+    for unit in result.scene.units:
+        own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
+        if "speed" in own:
+            component = component_of(result.scene, unit)
+            ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
+            found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
+    return found
+
+
+def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:
+    # What the port takes may be the force of a linearised bearing; the force itself is an output of the unit that drives it.
+    bearing = source(result.scene, unit, f"{port}.force_x").partition(".")[0]
+    places = {n: f"{unit}.{port}.displacement_{n}" for n in "xy"}
+    places |= {n: f"{bearing}.{n}" for n in ("force_x", "force_y", "max_ball_load")}
+    return {n: result.columns[c] for n, c in places.items() if c in result.columns}
