@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 from ..settings import AnalysisKeys
 
 if TYPE_CHECKING:
-    from ..results import Result
-    from .report.page import Block
-    from .validation.case import Case, Row
+    from .charts.blocks import Block
+    from .validation.case import Case
 
 
 @dataclass(frozen=True)
@@ -35,8 +34,8 @@ class System:
         return import_module(".cases", self.package).CASES
 
     @property
-    def figures(self) -> Callable[[Result, Sequence[Row]], list[Block]]:
-        """Blocks of a report for a run of the system, and for rows of a reference table that belong to it."""
+    def figures(self) -> Callable[..., list[Block]]:
+        """Blocks of a report: `figures(result, rows)`, for a run of the system and rows of a reference table, if any."""
         return import_module(".figures", self.package).blocks
 
     @property

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..report.page import Figure
+from .blocks import Figure
 from .chart import Chart, Panel, Picture, Series
 from .style import (
     BINARY,

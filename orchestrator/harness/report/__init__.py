@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
 from . import generic, numerics, sweeps
-from .page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def _of_system(result: Result, systems: Systems) -> list[Block]:
     if system not in systems or (result.outcome != "done" and result.time.size < 2):
         return []
     try:
-        return systems[system].figures(result, ())
+        return systems[system].figures(result)
     except BadInput as error:
         return [Text([f"There are no figures of system = {system!r}: {error}"], "warning")]
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges
 from ..charts.chart import Grid
 from ..charts.style import CYCLE, axis, layout, line, number, thin_out
-from .page import Cells, Facts, Figure, RangeRow, Ranges
 
 if TYPE_CHECKING:
     from ...results import Result

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...settings import IterationSettings, SceneSettings
+from ..charts.blocks import Block, Cells, Facts, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from .page import Block, Cells, Facts, Text
 from .windows import fault_name
 
 if TYPE_CHECKING:

@@ -13,79 +13,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
+from ..charts.blocks import Block
 from ..charts.style import DARK
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A Plotly figure as a dict of data, layout and possibly frames; `caption` says what to see in it."""
-
-    title: str
-    figure: dict[str, Any]
-    caption: str = ""
-    kind: str = "figure"
-
-
-@dataclass(frozen=True)
-class Text:
-    """Paragraphs of plain text. tone: "", "note" or "warning"."""
-
-    paragraphs: Sequence[str]
-    tone: str = ""
-    kind: str = "text"
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Names and values in two columns; folded: hidden until asked for."""
-
-    title: str
-    rows: Sequence[tuple[str, str]]
-    folded: bool = False
-    kind: str = "facts"
-
-
-@dataclass(frozen=True)
-class Cells:
-    """A plain table; numbers are texts already. Columns named in `right` are set flush right."""
-
-    title: str
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    caption: str = ""
-    right: frozenset[int] = frozenset()
-    kind: str = "cells"
-
-
-@dataclass(frozen=True)
-class RangeRow:
-    """A measured number beside its range; `place` 0 at the low end, 1 at the high end."""
-
-    quantity: str
-    unit: str
-    measured: str
-    range: str
-    margin: str
-    place: float | None
-    open_low: bool
-    open_high: bool
-    inside: bool
-    standing: str
-    note: str
-    source: str
-
-
-@dataclass(frozen=True)
-class Ranges:
-    """Rows against a reference table. caption: the settings of the measured numbers."""
-
-    title: str
-    rows: Sequence[RangeRow]
-    caption: str = ""
-    kind: str = "ranges"
-
-
-Block = Figure | Text | Facts | Cells | Ranges
 
 
 @dataclass(frozen=True)

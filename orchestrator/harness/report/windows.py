@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from ..charts.blocks import Figure
 from ..charts.style import GREEN, PURPLE, VERMILION, label, rectangle, tint, vertical
-from .page import Figure
 
 if TYPE_CHECKING:
     from ...results import Result

@@ -10,6 +10,7 @@ from cosimo.orchestrator.harness.report.windows import Window, fault_windows, sh
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.settings import FaultSettings
 from cosimo.orchestrator.systems import SYSTEMS, read_scene
+from cosimo.orchestrator.systems.railway import figures as railway_figures
 from cosimo.tests.support import two_masses
 from cosimo.tests.systems.railway.made_up import made_up_run
 
@@ -80,6 +81,6 @@ def test_contact_force_is_shaded_where_the_pantograph_then_is():
     run_ = made_up_run()
     fault = FaultSettings(signal="pantograph.contact_force", kind="offset", value=50.0, begin=3.5, end=4.0)
     run_.scene = run_.scene.model_copy(update={"faults": (fault,)})
-    force, uplift, *_ = report.railway.figures(run_)
+    force, uplift, *_ = railway_figures.figures(run_)
     assert rectangles(force)[-1] == pytest.approx((30.0 + 69.444 * 3.5, 30.0 + 69.444 * 4.0))
     assert not any("offset" in n["text"] for n in uplift.figure["layout"].get("annotations", ()))  # over time: with all others

@@ -13,6 +13,7 @@ from cosimo.orchestrator.harness.charts.style import number, thin_out
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import SYSTEMS
+from cosimo.orchestrator.systems.railway import figures as railway_figures
 
 MEASURED = {
     "mean": 117.4,
@@ -86,7 +87,7 @@ def test_run_page_has_figures_of_its_system_and_is_self_contained(run, tmp_path)
 
 
 def test_every_axis_of_the_railway_figures_has_its_unit(run):
-    for figure in report.railway.figures(run):
+    for figure in railway_figures.figures(run):
         axes = [v for k, v in figure.figure["layout"].items() if re.fullmatch(r"[xy]axis\d*", k)]
         for axis in axes:
             assert re.search(r", (m|N|s|mm|Hz)\b", axis["title"]["text"]) or "ticktext" in axis
@@ -94,7 +95,7 @@ def test_every_axis_of_the_railway_figures_has_its_unit(run):
 
 def test_force_figure_carries_raw_filtered_and_ranges(run):
     rows = made_up_case(run).findings.rows[:8]
-    (figure, *_) = report.railway.figures(run, rows)
+    (figure, *_) = railway_figures.figures(run, rows)
     raw, filtered = figure.figure["data"][:2]
     assert np.std(filtered["y"]) < np.std(raw["y"])  # 60 Hz is filtered out
     assert raw["line"]["width"] < filtered["line"]["width"]
@@ -104,7 +105,7 @@ def test_force_figure_carries_raw_filtered_and_ranges(run):
 
 
 def test_spectrum_marks_span_and_dropper_passing(run):
-    figure = next(f for f in report.railway.figures(run) if "spectrum" in f.title)
+    figure = next(f for f in railway_figures.figures(run) if "spectrum" in f.title)
     at = {round(s["x0"], 3) for s in figure.figure["layout"]["shapes"]}
     assert {round(69.444 / 60, 3), round(69.444 / 6.5, 3)} <= at
     trace = figure.figure["data"][0]

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 
 SPEED = 188.49555921538757  # rad/s, 30 Hz
 RATE = 10_000.0
@@ -11,7 +11,7 @@ JIS_6306 = {"outer": 92.5385, "inner": 147.4615}  # Hz at 30 Hz: 4 * 30 (1 -+ 11
 
 
 def _result(scene, time, columns, measures):
-    settled = Scene.model_validate(scene)
+    settled = read_scene(scene)
     return SimpleNamespace(
         scene=settled, time=time, columns=columns, measures=measures, snapshots={}, outcome="done", message="", info={}
     )

@@ -9,9 +9,11 @@ import plotly.graph_objects as go
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
+from cosimo.orchestrator.harness.analysis.records import recorded, source
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import SYSTEMS, load_scene
-from cosimo.orchestrator.systems.bearings.records import bearings, recorded, rotors, source
+from cosimo.orchestrator.systems.bearings.records import bearings
+from cosimo.orchestrator.systems.rotor.records import rotors
 from cosimo.orchestrator.systems.rotor.whirl import whirl
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers
 from cosimo.tests.systems.bearings.machines import JIS_6306, RATE, SPEED, bearing_run, rotor_run
@@ -25,12 +27,12 @@ def named(figure, name):
 
 @pytest.fixture(scope="module")
 def bearing():
-    return figures(report.bearings.blocks(bearing_run()))
+    return figures(SYSTEMS["bearings"].figures(bearing_run()))
 
 
 @pytest.fixture(scope="module")
 def rotor():
-    return figures(report.rotor.blocks(rotor_run({"critical_speeds": [100.0]})))
+    return figures(SYSTEMS["rotor"].figures(rotor_run({"critical_speeds": [100.0]})))
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(bearing, rotor):
@@ -39,7 +41,7 @@ def test_every_figure_is_valid_and_every_axis_has_its_unit(bearing, rotor):
 
 
 def test_bearing_report_has_its_figures_and_tables():
-    blocks = report.bearings.blocks(bearing_run())
+    blocks = SYSTEMS["bearings"].figures(bearing_run())
     assert list(figures(blocks)) == [
         "Time history", "Amplitude spectrum", "Envelope spectrum", "Orbit and phase planes", "Recurrence",
     ]  # fmt: skip
@@ -56,7 +58,7 @@ def test_lines_stand_at_the_frequencies_of_the_geometry(bearing):
 
 
 def test_inner_race_gets_sidebands_of_the_rotation_when_it_has_the_defect():
-    figure = figures(report.bearings.blocks(bearing_run(effects=("inner_defect",))))["Amplitude spectrum"]
+    figure = figures(SYSTEMS["bearings"].figures(bearing_run(effects=("inner_defect",))))["Amplitude spectrum"]
     at = numbers(named(figure, "inner race (BPFI)")["x"])
     assert np.unique(at[~np.isnan(at)])[:5] == pytest.approx(JIS_6306["inner"] + 30.0 * np.arange(-2, 3), rel=1e-5)
 
@@ -87,7 +89,7 @@ def test_orbit_has_one_scale_and_its_section(bearing):
 
 def test_section_of_the_scene_is_taken():
     wanted = {"section": {"signal": "bearing.displacement_x", "angle": "bearing.inner_angle", "turns": 1}}
-    figure = figures(report.bearings.blocks(bearing_run(wanted)))["Orbit and phase planes"]
+    figure = figures(SYSTEMS["bearings"].figures(bearing_run(wanted)))["Orbit and phase planes"]
     x = numbers(named(figure, "section")["x"])
     assert x == pytest.approx(7.0, abs=1e-4)  # 5 + 2 µm at angle zero, each turn
     assert len(x) == 52  # 30 turns a second, from 0.25 s (7.5 turns) to 2 s (60 turns, the last sample is just before it)
@@ -97,17 +99,17 @@ def test_without_an_angle_the_section_is_where_the_velocity_rises_through_zero()
     result = bearing_run()
     for name in ("bearing.inner_angle", "bearing.cage_angle"):
         del result.columns[name]
-    section = named(figures(report.bearings.blocks(result))["Orbit and phase planes"], "section")
+    section = named(figures(SYSTEMS["bearings"].figures(result))["Orbit and phase planes"], "section")
     assert numbers(section["x"]) == pytest.approx(3.0, abs=1e-4)  # x = 5 + 2 cos: its least, in µm
     assert numbers(section["y"]) == pytest.approx(0.0, abs=1e-4)
 
 
 def test_recurrence_of_a_periodic_motion_is_diagonal():
-    result = bearing_run()
-    (_, measures), *_ = [(b.title, {r[1]: r[2] for r in b.rows}) for b in report.bearings.blocks(result) if b.kind == "cells"]
+    tables = [b for b in SYSTEMS["bearings"].figures(bearing_run()) if b.kind == "cells"]
+    measures = {r[1]: r[2] for r in tables[0].rows}
     # Every diagonal is whole but for the corners; the interval of recording is no multiple of the period.
     assert float(measures["DET"]) > 99.5
-    picture = next(t for t in figures(report.bearings.blocks(result))["Recurrence"]["data"] if t["type"] == "heatmap")
+    picture = next(t for t in figures(SYSTEMS["bearings"].figures(result))["Recurrence"]["data"] if t["type"] == "heatmap")
     z = np.array(picture["z"])
     assert (z == z.T).all()
     assert (np.diag(z) == 1).all()
@@ -119,13 +121,13 @@ def test_settings_of_the_analysis_that_do_not_exist_are_named():
         ({"section": {"signal": "bearing.displacement_x", "angle": "bearing.cag_angle"}}, "cage_angle"),
     ):  # fmt: skip
         with pytest.raises(BadInput, match=meant):
-            report.bearings.blocks(bearing_run(analysis))
+            SYSTEMS["bearings"].figures(bearing_run(analysis))
 
 
 def test_dimensionless_bearing_has_no_units_of_measure():
     result = bearing_run()
     result.measures = dict.fromkeys(result.columns, "1")
-    axes = [a["title"]["text"] for f in figures(report.bearings.blocks(result)).values()
+    axes = [a["title"]["text"] for f in figures(SYSTEMS["bearings"].figures(result)).values()
             for k, a in f["layout"].items() if re.fullmatch(r"[xy]axis\d*", k)]  # fmt: skip
     assert not [text for text in axes if re.search(r", (s|Hz|m|µm|mm/s|N)\b", text)]
 
@@ -145,13 +147,13 @@ def test_a_speed_that_changes_or_turns_back_has_no_frequencies():
         result.columns |= {"bearing.inner_angle": angle % (2 * np.pi), "bearing.cage_angle": 0.4 * angle % (2 * np.pi)}
         (record,) = bearings(result)
         assert not record.frequencies
-        titles = set(figures(report.bearings.blocks(result)))
+        titles = set(figures(SYSTEMS["bearings"].figures(result)))
         assert titles == {"Time history", "Amplitude spectrum", "Orbit and phase planes", "Recurrence"}
 
 
 def test_rotor_that_turns_back_is_shown_without_orders():
     result = rotor_run(rate=-4.0)
-    assert set(figures(report.rotor.blocks(result))) == {
+    assert set(figures(SYSTEMS["rotor"].figures(result))) == {
         "Time history", "Amplitude spectrum at 191 rpm", "Orbits", "Forces of the bearings",
     }  # fmt: skip
 
@@ -191,7 +193,7 @@ def test_waterfall_follows_the_rotation(rotor):
 
 
 def test_orbits_are_shown_for_every_window_and_place():
-    shown = [b for b in report.rotor.blocks(rotor_run({"orbit_windows": [[1.0, 1.2], [19.0, 19.2]]})) if b.title == "Orbits"]
+    shown = [b for b in SYSTEMS["rotor"].figures(rotor_run({"orbit_windows": [[1.0, 1.2], [19.0, 19.2]]})) if b.title == "Orbits"]
     assert len(shown) == 2
     first = shown[0].figure
     orbits = [t for t in first["data"] if t["name"] == "orbit"]
@@ -217,7 +219,7 @@ def test_campbell_diagram_adds_the_recorded_tangent_of_the_bearing():
             lowest = found.frequency[0, 0]
         else:
             assert found.frequency[0, 0] > 1.05 * lowest
-    figure = figures(report.rotor.blocks(result))["Campbell diagram"]
+    figure = figures(SYSTEMS["rotor"].figures(result))["Campbell diagram"]
     synchronous = named(figure, "1 × speed")
     assert synchronous["y"][1] == pytest.approx(synchronous["x"][1] / 60.0, rel=1e-4)  # five digits are drawn
 
@@ -233,7 +235,7 @@ def test_campbell_diagram_with_modes_that_are_overdamped_at_some_speeds():
     (record,) = rotors(result)
     found = whirl(result, record)
     assert np.isfinite(found.frequency).sum(axis=1)[[0, -1]].tolist() == [4, 8]
-    figure = figures(report.rotor.blocks(result))["Campbell diagram"]
+    figure = figures(SYSTEMS["rotor"].figures(result))["Campbell diagram"]
     go.Figure(figure)
     json.dumps(figure, allow_nan=False)
     drawn = np.concatenate([numbers(t["y"]) for t in figure["data"] if "whirl" in t.get("name", "")])
@@ -241,7 +243,7 @@ def test_campbell_diagram_with_modes_that_are_overdamped_at_some_speeds():
 
 
 def test_steady_rotor_has_a_spectrum_with_its_speed_marked():
-    figure = figures(report.rotor.blocks(rotor_run(rate=0.0, duration=5.0)))["Amplitude spectrum at 382 rpm"]
+    figure = figures(SYSTEMS["rotor"].figures(rotor_run(rate=0.0, duration=5.0)))["Amplitude spectrum at 382 rpm"]
     trace = named(figure, "x")
     assert numbers(trace["x"])[np.argmax(numbers(trace["y"]))] == pytest.approx(40.0 / (2 * np.pi), abs=0.2)  # a bin
 
@@ -263,7 +265,7 @@ def test_pages_of_both_systems_are_written(tmp_path):
 def test_shipped_scenes_have_their_figures(name, stop, expected):
     scene = load_scene(name).with_changes({"stop_time": stop, "analysis.transient": 0.1})
     result = run(scene, in_process=True)
-    made = figures(SYSTEMS[scene.analysis.system].figures(result, ()))
+    made = figures(SYSTEMS[scene.analysis.system].figures(result))
     assert expected <= set(made)
     if "Campbell diagram" in made:
         # Friswell et al., example 5.9.1: synchronous critical speeds on isotropic supports 86.4, 86.9 and 260.5 rad/s (825, 830,

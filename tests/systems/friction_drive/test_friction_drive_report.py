@@ -6,8 +6,7 @@ import re
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.friction_drive.records import at_rest, drives, energies, moves, standing
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers, tables
 from cosimo.tests.systems.friction_drive.drive_runs import AT, RATE, STEP, TURN, drive_run
@@ -16,7 +15,7 @@ UNIT = re.compile(r", (mm|mm/s|µm|degrees|s|rad/s|V|A|N\.m|N|1|W)$")
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit():
-    shown = figures(report.friction_drive.blocks(drive_run(starts=3)))
+    shown = figures(SYSTEMS["friction_drive"].figures(drive_run(starts=3)))
     assert list(shown) == ["Way of the sleeve", "While the set point stands", "Wheels and motors", "Contacts",
                            "Tractions in the plane of contact"]  # fmt: skip
     for figure in shown.values():
@@ -40,10 +39,10 @@ def test_an_overshoot_that_stays_is_not_settled():
     feed = moves(drives(drive_run(overshoot=0.1))[0])[0]
     assert feed.overshoot == pytest.approx(0.1 * STEP, rel=1e-6)
     assert feed.arguments is None
-    (row, _) = tables(report.friction_drive.blocks(drive_run(overshoot=0.1)))["Moves"].rows
+    (row, _) = tables(SYSTEMS["friction_drive"].figures(drive_run(overshoot=0.1)))["Moves"].rows
     assert row[-1] == "not"
     wide = drive_run({"feed_band": 3e-3, "rotation_band": 0.1}, overshoot=0.1)
-    assert [r[-1] == "not" for r in tables(report.friction_drive.blocks(wide))["Moves"].rows] == [False, False]
+    assert [r[-1] == "not" for r in tables(SYSTEMS["friction_drive"].figures(wide))["Moves"].rows] == [False, False]
 
 
 @pytest.mark.parametrize("starts", [0, 1, 4])
@@ -52,10 +51,10 @@ def test_rest_and_what_breaks_loose_are_counted(starts):
     (drive,) = drives(result)
     assert standing(drive) == pytest.approx(0.5, abs=1e-3)
     assert result.time[at_rest(drive)] == pytest.approx(0.801)
-    rows = {r[1]: r for r in tables(report.friction_drive.blocks(result))["Rest"].rows}
+    rows = {r[1]: r for r in tables(SYSTEMS["friction_drive"].figures(result))["Rest"].rows}
     assert rows["first shaft"][3] == str(starts)
     assert float(rows["second shaft"][2]) == pytest.approx(60.0, abs=0.2)
-    caption = next(b.caption for b in report.friction_drive.blocks(result) if b.title == "While the set point stands")
+    caption = next(b.caption for b in SYSTEMS["friction_drive"].figures(result) if b.title == "While the set point stands")
     assert ("hunts" in caption) == (starts > 1)
 
 
@@ -66,21 +65,21 @@ def test_energies_are_the_integrals():
 
 
 def test_tractions_stand_beside_the_limits_of_their_law():
-    exact = figures(report.friction_drive.blocks(drive_run()))["Tractions in the plane of contact"]
+    exact = figures(SYSTEMS["friction_drive"].figures(drive_run()))["Tractions in the plane of contact"]
     for name, level in (("kinetic friction", 6.0), ("static friction", 7.2)):
         circle = drawn(exact, name)[0]
         assert np.hypot(numbers(circle["x"]), numbers(circle["y"])) == pytest.approx(np.full(181, level), rel=1e-4)
-    smooth = figures(report.friction_drive.blocks(drive_run(law=("smoothed_slip",))))["Tractions in the plane of contact"]
+    smooth = figures(SYSTEMS["friction_drive"].figures(drive_run(law=("smoothed_slip",))))["Tractions in the plane of contact"]
     assert drawn(smooth, "kinetic friction")
     assert not drawn(smooth, "static friction")
-    creeping = figures(report.friction_drive.blocks(drive_run(law=())))
+    creeping = figures(SYSTEMS["friction_drive"].figures(drive_run(law=())))
     assert not drawn(creeping["Tractions in the plane of contact"], "kinetic friction")
     titles = [a["title"]["text"] for k, a in creeping["Contacts"]["layout"].items() if k.startswith("yaxis")]
     assert "traction, N" in titles
 
 
 def test_a_drive_without_a_controller_has_no_set_point():
-    shown = report.friction_drive.blocks(drive_run(controller=False))
+    shown = SYSTEMS["friction_drive"].figures(drive_run(controller=False))
     assert "Moves" not in tables(shown)
     assert not drawn(figures(shown)["Way of the sleeve"], "set point")
     assert "While the set point stands" not in figures(shown)
@@ -89,7 +88,7 @@ def test_a_drive_without_a_controller_has_no_set_point():
 def test_a_run_without_a_drive_has_no_figures():
     result = drive_run()
     del result.columns["wheels.feed"]
-    assert report.friction_drive.blocks(result) == []
+    assert SYSTEMS["friction_drive"].figures(result) == []
 
 
 def test_keys_that_nothing_reads_are_refused():

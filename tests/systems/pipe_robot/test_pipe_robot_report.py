@@ -6,9 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.scene.scene import Scene
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.pipe_robot.figures.places import ways
 from cosimo.orchestrator.systems.pipe_robot.records import (
     amplitude,
@@ -45,13 +43,13 @@ def run_of(columns, exciter="harmonic_force", analysis=None):
     scene = {"title": "Made-up robots", "stop_time": float(T[-1]), "master": {"step": 1e-3}, "units": units,
              "analysis": {"system": "pipe_robot", **(analysis or {})}}  # fmt: skip
     named = {f"{u}.{n}": v for u, own in columns.items() for n, v in own.items()}
-    return SimpleNamespace(scene=Scene.model_validate(scene), time=T, columns=named, measures=dict.fromkeys(named, "1"),
+    return SimpleNamespace(scene=read_scene(scene), time=T, columns=named, measures=dict.fromkeys(named, "1"),
                            snapshots={}, outcome="done", message="", info={})  # fmt: skip
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit():
     standing = {**moving(), **{n: np.zeros(T.size) for n in ("position", "velocity", "mode")}}
-    blocks = report.pipe_robot.blocks(run_of({"one": moving(), "two": standing}, analysis={"transient": 1.0}))
+    blocks = SYSTEMS["pipe_robot"].figures(run_of({"one": moving(), "two": standing}, analysis={"transient": 1.0}))
     assert list(figures(blocks)) == ["Way and speed", "What stands and what creeps", "In detail"]
     assert list(tables(blocks)) == ["Travel", "Energy"]
     for figure in figures(blocks).values():
@@ -72,7 +70,7 @@ def test_a_mean_over_a_period_knows_no_swing():
 
 
 def test_the_table_has_way_speed_modes_and_energies():
-    found = tables(report.pipe_robot.blocks(run_of({"robot": moving()}, analysis={"transient": 2.0})))
+    found = tables(SYSTEMS["pipe_robot"].figures(run_of({"robot": moving()}, analysis={"transient": 2.0})))
     _, way, speed, forwards, rest, backwards, changes = (c if k == 0 else float(c) for k, c in enumerate(found["Travel"].rows[0]))
     assert (way, speed, rest) == pytest.approx((2.0 * SPEED, SPEED, 0.0), rel=1e-3)
     share = 100.0 * np.arccos(-SPEED / SWING) / np.pi
@@ -87,7 +85,7 @@ def test_the_one_that_stands_is_said_and_the_others_are_drawn_from_then_on():
     creeping = {**moving(), "position": 1e-4 * T, "velocity": np.full(T.size, 1e-4)}
     result = run_of({"exact": halting, "smoothed": creeping})
     assert [standing_since(r) for r in robots(result)] == [pytest.approx(1.0), None]
-    (block,) = [b for b in report.pipe_robot.blocks(result) if b.title == "What stands and what creeps"]
+    (block,) = [b for b in SYSTEMS["pipe_robot"].figures(result) if b.title == "What stands and what creeps"]
     assert "exact stands to the last bit" in block.caption
     assert "smoothed by 0.0003 m" in block.caption
     (curve,) = drawn(block.figure, "smoothed")
@@ -98,7 +96,7 @@ def test_the_one_that_stands_is_said_and_the_others_are_drawn_from_then_on():
 def test_a_sweep_is_drawn_up_and_down_over_its_frequency():
     sweep = 100.0 - 20.0 * np.abs(T - 2.0)
     result = run_of({"robot": {**moving(), "unbalance.rate": sweep}}, "unbalance")
-    blocks = report.pipe_robot.blocks(result)
+    blocks = SYSTEMS["pipe_robot"].figures(result)
     figure = figures(blocks)["Against the exciter's frequency"]
     names = {t["name"] for t in figure["data"]}
     assert {"robot, rising", "robot, falling", "resonance, body free"} <= names
@@ -109,7 +107,7 @@ def test_a_sweep_is_drawn_up_and_down_over_its_frequency():
 
 
 def test_the_detail_is_the_part_that_was_asked_for():
-    figure = figures(report.pipe_robot.blocks(run_of({"robot": moving()}, analysis={"detail": [1.0, 1.2]})))["In detail"]
+    figure = figures(SYSTEMS["pipe_robot"].figures(run_of({"robot": moving()}, analysis={"detail": [1.0, 1.2]})))["In detail"]
     x = numbers(drawn(figure, "body")[0]["x"])
     assert (x[0], x[-1]) == pytest.approx((1.0, 1.2))
 
@@ -125,4 +123,4 @@ def test_keys_of_others_and_details_that_do_not_rise_are_refused():
 def test_a_run_without_robots_has_no_blocks():
     result = run_of({"robot": moving()})
     result.columns = {"robot.mode": np.zeros(T.size)}
-    assert report.pipe_robot.blocks(result) == []
+    assert SYSTEMS["pipe_robot"].figures(result) == []

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 
 
 def made_up_run(speed=69.444, title="Made-up run", second=False):
@@ -25,7 +25,7 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
     every = slice(None, None, 20)
     offsets = np.arange(-60, 61)
     heights = 0.03 * np.exp(-((offsets / 20.0) ** 2)) * (1 + 0.3 * np.sin(5 * t[every, None])) - 0.004
-    scene = Scene.model_validate(
+    scene = read_scene(
         {
             "title": title,
             "stop_time": 7.0,
@@ -42,7 +42,6 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
             "analysis": {
                 "system": "railway",
                 "window": [240.0, 360.0],
-                "supports": [240.0, 300.0, 360.0],
                 "span": 60.0,
                 "droppers": [5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0],
             },

@@ -4,10 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import Scene
-from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.rov.records import vehicles
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers
 from cosimo.tests.systems.rov.vehicles import ASIDE, DEPTH, LIMIT, RADIUS, THRUST, vehicle_run
@@ -21,11 +19,11 @@ def named(figure, name, axis=""):
 
 @pytest.fixture(scope="module")
 def blocks():
-    return report.rov.blocks(vehicle_run({"headings": 2.0}))
+    return SYSTEMS["rov"].figures(vehicle_run({"headings": 2.0}))
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(blocks):
-    for figure in figures([*blocks, *report.rov.blocks(run(short("rov-tumbling"), in_process=True))]).values():
+    for figure in figures([*blocks, *SYSTEMS["rov"].figures(run(short("rov-tumbling"), in_process=True))]).values():
         assert_valid_with_units(figure, UNIT)
 
 
@@ -55,17 +53,17 @@ def test_track_from_above_and_from_the_south_with_set_point_and_headings(blocks)
 
 
 def test_the_depth_has_its_set_point_and_the_current_is_shown():
-    made = figures(report.rov.blocks(run(short("rov-station-keeping"), in_process=True)))
+    made = figures(SYSTEMS["rov"].figures(run(short("rov-station-keeping"), in_process=True)))
     assert numbers(named(made["Depth and attitude"], "set point")["y"]) == pytest.approx(5.5)
     assert [t["name"] for t in made["Current"]["data"]] == ["north", "east"]
 
 
 def test_angles_have_gaps_where_they_wrap_and_where_they_cannot_be_told():
-    figure = figures(report.rov.blocks(vehicle_run()))["Depth and attitude"]
+    figure = figures(SYSTEMS["rov"].figures(vehicle_run()))["Depth and attitude"]
     yaw = numbers(named(figure, "yaw", "4")["y"])
     assert np.isnan(yaw).sum() == 1
     assert np.nanmax(np.abs(np.diff(yaw))) < 3.0
-    vertical = report.rov.blocks(vehicle_run(vertical=True))
+    vertical = SYSTEMS["rov"].figures(vehicle_run(vertical=True))
     figure = figures(vertical)["Depth and attitude"]
     for n, name in (("2", "roll"), ("4", "yaw")):
         trace = named(figure, name, n)
@@ -94,7 +92,7 @@ def test_thrusts_show_their_limits(blocks):
 
 
 def test_errors_are_told_in_numbers_after_the_transient():
-    table = next(b for b in report.rov.blocks(vehicle_run({"transient": 5.0})) if b.title == "Errors")
+    table = next(b for b in SYSTEMS["rov"].figures(vehicle_run({"transient": 5.0})) if b.title == "Errors")
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["east"] == ("mm", "200", "200")
     assert rows["yaw"] == ("degrees", "4.06", "5.73")  # 0.1 rad, over whole turns and one sample
@@ -103,7 +101,7 @@ def test_errors_are_told_in_numbers_after_the_transient():
 
 def test_several_vehicles_share_their_figures():
     result = run(short("rov-added-mass"), in_process=True)
-    made = figures(report.rov.blocks(result))
+    made = figures(SYSTEMS["rov"].figures(result))
     assert list(made) == ["Track", "Depth and attitude", "Motion in body axes"]
     assert {"hull track", "whole track"} <= {t["name"] for t in made["Track"]["data"]}
     assert "yaxis2" not in made["Track"]["layout"]  # they go straight down: nothing to see from above
@@ -119,7 +117,7 @@ def test_what_a_body_in_a_perfect_fluid_keeps_is_shown_as_its_drift():
         np.testing.assert_allclose(values, values[:, :1] + 0.0 * values, atol=1e-8 * np.abs(values).max())
     # 17 kg at 0.7 m/s ...: the impulse at the start in north, east, down, the body level and bow to the north
     np.testing.assert_allclose(vehicle.constants["impulse"][:, 0], [17.0 * 0.7, -24.2 * 0.4, 26.07 * 0.5])
-    blocks = report.rov.blocks(result)
+    blocks = SYSTEMS["rov"].figures(result)
     assert "Drift of energy and impulse" in figures(blocks)
 
 
@@ -133,7 +131,8 @@ def test_what_is_not_kept_is_not_shown_as_kept(changes):
 
 
 def test_a_run_without_position_has_no_figures():
-    assert report.rov.blocks(run(short("rov-tumbling").with_changes({"record.signals": ["hull.surge"]}), in_process=True)) == []
+    result = run(short("rov-tumbling").with_changes({"record.signals": ["hull.surge"]}), in_process=True)
+    assert SYSTEMS["rov"].figures(result) == []
 
 
 @pytest.mark.parametrize(("fault", "inside"), [
@@ -143,7 +142,7 @@ def test_a_run_without_position_has_no_figures():
 ])
 def test_thrusts_are_those_that_arrive(fault, inside):
     result = vehicle_run()
-    result.scene = Scene.model_validate({**result.scene.model_dump(), "faults": [{**fault, "begin": 5.0, "end": 10.0}]})
+    result.scene = read_scene({**result.scene.model_dump(), "faults": [{**fault, "begin": 5.0, "end": 10.0}]})
     thrusts = vehicles(result)[0].thrusts
     during = (result.time >= 5.0) & (result.time < 10.0)
     assert set(thrusts[3][during]) == {inside}
@@ -154,6 +153,6 @@ def test_thrusts_are_those_that_arrive(fault, inside):
 def test_without_a_limit_in_reach_no_share_is_drawn():
     result = vehicle_run()
     result.columns["control.scale"] = np.ones_like(result.time)
-    block = next(b for b in report.rov.blocks(result) if b.title == "Thrusts")
+    block = next(b for b in SYSTEMS["rov"].figures(result) if b.title == "Thrusts")
     assert "kept nothing back" in block.caption
     assert not any(t["name"] == "given of what is wanted" for t in block.figure["data"])

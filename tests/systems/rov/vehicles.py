@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 
 RADIUS, DEPTH, DURATION, STEP = 3.0, 5.0, 20.0, 0.1
 ASIDE = 0.2  # m, by which the track is east of the set point
@@ -49,5 +49,5 @@ def vehicle_run(analysis=None, vertical=False, control=True):
                     "control.scale": np.where((t >= LIMIT[0]) & (t <= LIMIT[1]), 0.7, 1.0)}
     scene = {"title": "Made-up vehicle", "stop_time": DURATION, "master": {"step": STEP}, "units": units,
              "connections": CONNECTIONS if control else [], "analysis": {"system": "rov", **(analysis or {})}}
-    return SimpleNamespace(scene=Scene.model_validate(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
+    return SimpleNamespace(scene=read_scene(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
                            outcome="done")

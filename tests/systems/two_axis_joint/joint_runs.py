@@ -2,11 +2,11 @@
 
 import numpy as np
 from cosimo.orchestrator.results import Result
-from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 
 
 def _result(scene, time, columns):
-    settled = Scene.model_validate({"stop_time": float(time[-1]), "master": {"step": float(time[1])}, **scene})
+    settled = read_scene({"stop_time": float(time[-1]), "master": {"step": float(time[1])}, **scene})
     return Result(settled, time, columns, {}, dict.fromkeys(columns, "rad"), {}, "done", "")
 
 

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.components.two_axis_joint.gimbal_equations import body_to_base
-from cosimo.orchestrator.harness import report
+from cosimo.orchestrator.systems import SYSTEMS
 from cosimo.orchestrator.systems.two_axis_joint.records import axis_direction, joints, poincare
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers
 from cosimo.tests.systems.two_axis_joint.joint_runs import chain_run, gimbal_run, three_frictions
@@ -17,15 +17,15 @@ UNIT = re.compile(r", (degrees/s|degrees|s|m|1|J|kg·m²/s)$")
 
 @pytest.mark.parametrize("made", [gimbal_run, chain_run, three_frictions])
 def test_every_figure_is_valid_and_every_axis_has_its_unit(made):
-    for figure in figures(report.two_axis_joint.blocks(made())).values():
+    for figure in figures(SYSTEMS["two_axis_joint"].figures(made())).values():
         assert_valid_with_units(figure, UNIT)
 
 
 def test_a_motion_that_keeps_its_energy_has_sections_and_drifts():
-    assert list(figures(report.two_axis_joint.blocks(gimbal_run()))) == [
+    assert list(figures(SYSTEMS["two_axis_joint"].figures(gimbal_run()))) == [
         "Motion", "Track of the axis", "Phase portraits", "Poincaré sections", "Energy and momentum",
     ]  # fmt: skip
-    figure = figures(report.two_axis_joint.blocks(gimbal_run()))["Energy and momentum"]
+    figure = figures(SYSTEMS["two_axis_joint"].figures(gimbal_run()))["Energy and momentum"]
     assert {figure["layout"][k]["title"]["text"] for k in ("yaxis", "yaxis2")} == {"drift of energy, 1", "drift of momentum, 1"}
     (energy,) = drawn(figure, "energy")
     assert numbers(energy["y"])[-1] == pytest.approx(-4e-11 * 39.995 / 2.0, rel=1e-3)
@@ -49,7 +49,7 @@ def test_the_scenes_own_section_is_taken():
     np.testing.assert_allclose(outer.angle, 0.5 * np.pi * np.arange(1, outer.angle.size + 1), rtol=1e-9)
     np.testing.assert_allclose(inner.angle, 0.4 * np.sin(3.7 * 0.25 * np.pi * np.arange(1, inner.angle.size + 1)), atol=1e-6)
     with pytest.raises(BadInput, match="outer_angle"):
-        report.two_axis_joint.blocks(gimbal_run({"section": {"angle": "body.outer_angel"}}))
+        SYSTEMS["two_axis_joint"].figures(gimbal_run({"section": {"angle": "body.outer_angel"}}))
 
 
 @pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
@@ -67,7 +67,7 @@ def test_the_sphere_shows_its_near_and_its_far_side():
     """A cone about the vertical: from below all of it is near, from the side half of it."""
     result = gimbal_run()
     result.columns["body.inner_angle"] = np.full_like(result.time, 0.5)
-    figure = figures(report.two_axis_joint.blocks(result))["Track of the axis"]
+    figure = figures(SYSTEMS["two_axis_joint"].figures(result))["Track of the axis"]
     below, side, _ = drawn(figure, "near side")
     assert np.hypot(numbers(below["x"]), numbers(below["y"])) == pytest.approx(np.sin(0.5), rel=1e-3)
     assert np.isfinite(numbers(side["x"])).mean() == pytest.approx(0.5, abs=0.05)
@@ -75,7 +75,7 @@ def test_the_sphere_shows_its_near_and_its_far_side():
 
 
 def test_what_dies_down_has_no_section_and_its_energy_is_shown_as_it_is():
-    made = figures(report.two_axis_joint.blocks(chain_run()))
+    made = figures(SYSTEMS["two_axis_joint"].figures(chain_run()))
     assert list(made) == ["Motion", "Path of the tip", "Phase portraits", "Energy and momentum"]
     assert made["Energy and momentum"]["layout"]["yaxis"]["title"]["text"] == "energy, J"
     round_and_round = numbers(drawn(made["Phase portraits"], "motion")[1]["x"])
@@ -95,7 +95,7 @@ def test_an_axis_that_only_rounding_moves_has_no_phase_portrait_and_no_section()
     result = gimbal_run(effects=["gravity"])
     for name in ("inner_angle", "inner_rate"):
         result.columns[f"body.{name}"] = 1e-17 * result.columns[f"body.{name}"]
-    made = [b for b in report.two_axis_joint.blocks(result) if b.kind == "figure"]
+    made = [b for b in SYSTEMS["two_axis_joint"].figures(result) if b.kind == "figure"]
     shown = next(b for b in made if b.title == "Phase portraits")
     assert "xaxis2" not in shown.figure["layout"]
     assert shown.caption.endswith("Not shown, as it does not move: inner axis.")
@@ -103,7 +103,7 @@ def test_an_axis_that_only_rounding_moves_has_no_phase_portrait_and_no_section()
 
 
 def test_several_joints_are_compared_and_what_stands_has_no_line_among_the_rates():
-    made = figures(report.two_axis_joint.blocks(three_frictions()))
+    made = figures(SYSTEMS["two_axis_joint"].figures(three_frictions()))
     figure = made["Motion"]
     assert [figure["layout"][f"yaxis{n}"]["title"]["text"] for n in ("", "2", "3", "4")] == [
         "outer axis, degrees", "inner axis, degrees", "rate of the outer axis, degrees/s", "rate of the inner axis, degrees/s",

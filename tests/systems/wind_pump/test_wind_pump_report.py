@@ -7,8 +7,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
 from cosimo.orchestrator.harness.analysis.signals import accumulated
-from cosimo.orchestrator.scene.scene import Scene
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wind_pump.records import branches, chains, efficiencies, moving_mean, runnings
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers, tables
 from cosimo.tests.systems.wind_pump.wind_pumps import (
@@ -28,11 +27,11 @@ UNIT = re.compile(r", (m/s|rad/s|1|W|l/s|m³|m|s|h)$")
 
 @pytest.fixture(scope="module")
 def shown():
-    return report.wind_pump.blocks(hysteresis_run())
+    return SYSTEMS["wind_pump"].figures(hysteresis_run())
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(shown):
-    found = {**figures(shown), **figures(report.wind_pump.blocks(gusty_run()))}
+    found = {**figures(shown), **figures(SYSTEMS["wind_pump"].figures(gusty_run()))}
     for figure in found.values():
         assert_valid_with_units(figure, UNIT)
 
@@ -87,7 +86,7 @@ def test_a_run_that_begins_and_ends_outside_the_record_has_no_marks():
 
 
 def test_a_gusty_wind_is_shown_in_bins_and_in_hours():
-    made = figures(report.wind_pump.blocks(gusty_run()))
+    made = figures(SYSTEMS["wind_pump"].figures(gusty_run()))
     course, against = made["Course of the run"], made["Against the wind"]
     assert any(a["title"]["text"] == "time, h" for k, a in course["layout"].items() if k.startswith("xaxis"))
     lines = [t for t in against["data"] if t["name"] == "bins of 0.5 m/s"]
@@ -120,7 +119,7 @@ def test_the_ripple_of_a_piston_is_drawn_as_its_mean():
     t, wind = triangle()
     result = run_of(t, wind, np.full(t.size, True), ripple=1.0, analysis={"average": 2.0})
     (chain,) = chains(result)
-    figure = figures(report.wind_pump.blocks(result))["Course of the run"]
+    figure = figures(SYSTEMS["wind_pump"].figures(result))["Course of the run"]
     drawn = next(x for x in figure["data"] if x["name"] == "pump" and max(numbers(x["y"])) > 50.0)
     assert max(numbers(drawn["y"])) < 0.6 * chain.powers["hydraulic"].max()
     shares = {stage: share for stage, _, share in efficiencies(chain)}
@@ -132,7 +131,7 @@ def test_the_mean_power_coefficient_is_that_of_the_mean_powers():
     t, wind = triangle()
     result = run_of(t, wind, np.full(t.size, True), analysis={"average": 40.0})
     result.columns["turbine.power_coefficient"] = np.where(wind < 0.2, -1e4 * (0.2 - wind), CP)
-    figure = figures(report.wind_pump.blocks(result))["Course of the run"]
+    figure = figures(SYSTEMS["wind_pump"].figures(result))["Course of the run"]
     panel = next(k for k, a in figure["layout"].items() if k.startswith("yaxis") and "Cp" in a["title"]["text"])
     drawn = numbers(next(x for x in figure["data"] if x["yaxis"] == panel.replace("axis", ""))["y"])
     middle = slice(drawn.size // 4, 3 * drawn.size // 4)
@@ -145,9 +144,9 @@ def test_two_chains_are_told_apart():
     again = [c.replace("gear.", "second.") for c in scene["connections"] if "gear." in c and "turbine.torque" not in c]
     scene["connections"] = [*scene["connections"], *(c for c in again if "pump.speed" not in c)]
     scene["units"]["second"] = {"component": "FixedTransmission"}
-    result.scene = Scene.model_validate(scene)
+    result.scene = read_scene(scene)
     result.columns["second.speed"] = 0.5 * result.columns["gear.speed"]
-    blocks = report.wind_pump.blocks(result)
+    blocks = SYSTEMS["wind_pump"].figures(result)
     names = {t["name"] for t in figures(blocks)["Course of the run"]["data"]}
     assert {"gear: pump", "second: pump", "gear: turbine"} <= names
     assert {row[0] for row in tables(blocks)["Starts and stops"].rows} == {"gear", "second"}
@@ -156,7 +155,7 @@ def test_two_chains_are_told_apart():
 def test_without_a_pump_speed_there_is_nothing_to_show():
     result = hysteresis_run()
     del result.columns["gear.speed"]
-    assert report.wind_pump.blocks(result) == []
+    assert SYSTEMS["wind_pump"].figures(result) == []
 
 
 def test_keys_that_nothing_reads_are_refused():
@@ -166,5 +165,5 @@ def test_keys_that_nothing_reads_are_refused():
 
 
 def test_the_page_is_written(tmp_path):
-    html = report.for_run(hysteresis_run(), tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(hysteresis_run(), tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert html.count("<figure>") >= 3

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from cosimo.orchestrator.scene.scene import Scene
+from cosimo.orchestrator.systems import read_scene
 
 STARTS, STOPS, TOP = 3.6, 2.4, 5.0  # m/s
 CP, TRANSMITTED, PUMPED = 0.3, 0.8, 0.9  # of the wind; of the turbine's power; of the pump shaft's
@@ -56,7 +56,7 @@ def run_of(t, wind, running, ripple=0.0, analysis=None):
         "connections": CHAIN,
         "analysis": {"system": "wind_pump", **(analysis or {})},
     }
-    return SimpleNamespace(scene=Scene.model_validate(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
+    return SimpleNamespace(scene=read_scene(scene), time=t, columns=columns, measures=dict.fromkeys(columns, "1"),
                            snapshots={}, outcome="done", message="", info={})  # fmt: skip
 
 

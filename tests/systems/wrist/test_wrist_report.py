@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness import report
-from cosimo.orchestrator.scene.scene import Scene
-from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wrist.records import bundles, direction, follows_rule, linkages, muscles, postures, wrists
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, tables
 
@@ -37,7 +36,7 @@ def wrist_run(factors=None, analysis=None, prefix=""):
     columns |= {"bar.input_angle": crank, "bar.output_angle": 1.0 + 0.3 * np.sin(crank), "bar.ratio": 0.3 * np.cos(crank),
                 "bar.transmission_angle": np.radians(78.0 - 34.0 * np.cos(crank)),
                 "bar.coupler_point.x": 0.02 * np.cos(crank), "bar.coupler_point.y": 0.02 * np.sin(crank)}  # fmt: skip
-    scene = Scene.model_validate({
+    scene = read_scene({
         "title": "Made-up wrist", "stop_time": 5.0, "master": {"step": 0.01}, "units": units,
         "analysis": {"system": "wrist", **(analysis or {})},
     })  # fmt: skip
@@ -47,13 +46,13 @@ def wrist_run(factors=None, analysis=None, prefix=""):
 
 @pytest.fixture(scope="module")
 def shown():
-    return report.wrist.blocks(wrist_run({"intact": 1.0, "cut": 1.2}, {"postures": list(HELD)}))
+    return SYSTEMS["wrist"].figures(wrist_run({"intact": 1.0, "cut": 1.2}, {"postures": list(HELD)}))
 
 
 def test_every_figure_is_valid_and_every_axis_has_its_unit(shown):
     found = figures(shown)
     assert list(found) == ["Motion of the hand and its rows", "Paths", "Muscles", "Ligaments", "Four-bar linkage bar"]
-    for figure in [*found.values(), *figures(report.wrist.blocks(wrist_run())).values()]:
+    for figure in [*found.values(), *figures(SYSTEMS["wrist"].figures(wrist_run())).values()]:
         assert_valid_with_units(figure, UNIT)
 
 
@@ -70,7 +69,7 @@ def test_what_differs_from_the_first_stands_in_a_table_of_its_own(shown):
     assert [r[:3] for r in rows] == [("cut", "1", "flexion"), ("cut", "2", "radial deviation"), ("cut", "3", "extension"),
                                      ("cut", "4", "ulnar deviation")]  # fmt: skip
     assert rows[3][4] == "−4.00"  # a fifth more of 20 degrees
-    assert "Against wrist" not in tables(report.wrist.blocks(wrist_run(analysis={"postures": list(HELD)})))
+    assert "Against wrist" not in tables(SYSTEMS["wrist"].figures(wrist_run(analysis={"postures": list(HELD)})))
 
 
 def test_without_instants_the_ends_of_the_motion_are_the_postures():
@@ -94,7 +93,7 @@ def test_the_rule_is_broken_by_a_row_that_goes_the_other_way():
     assert follows_rule("ulnar flexion", 0.2, 0.2) is None  # of which it says nothing
     run = wrist_run(analysis={"postures": [2.0]})
     run.columns["wrist.distal_flexion"] = -run.columns["wrist.distal_flexion"]
-    assert tables(report.wrist.blocks(run))["Postures"].rows[0][8] == "no"
+    assert tables(SYSTEMS["wrist"].figures(run))["Postures"].rows[0][8] == "no"
 
 
 def test_wrists_of_subsystems_have_the_subsystems_names():
@@ -114,7 +113,7 @@ def test_muscles_ligaments_and_linkages_are_found_by_their_names():
     assert bound.tension["scapho-lunate"][-1] == 5.0
     (bar,) = linkages(run)
     assert np.degrees(bar.signals["transmission_angle"].max()) == pytest.approx(112.0)
-    blocks = {b.title: b for b in report.wrist.blocks(run) if b.kind == "figure"}
+    blocks = {b.title: b for b in SYSTEMS["wrist"].figures(run) if b.kind == "figure"}
     assert "from 44.00 to 112.00 degrees" in blocks["Four-bar linkage bar"].caption
     assert "Without tension throughout: trapezium-scaphoid" in blocks["Ligaments"].caption
 
@@ -128,7 +127,7 @@ def test_the_abstract_and_what_is_ours_are_told_apart(shown):
 def test_without_recorded_angles_there_is_nothing_to_show():
     run = wrist_run()
     run.columns = {"wrist.flexion": run.columns["wrist.flexion"]}
-    assert report.wrist.blocks(run) == []
+    assert SYSTEMS["wrist"].figures(run) == []
 
 
 def test_keys_that_nothing_reads_are_refused():
@@ -139,5 +138,5 @@ def test_keys_that_nothing_reads_are_refused():
 
 
 def test_the_page_is_written(tmp_path):
-    html = report.for_run(wrist_run(), tmp_path).read_text(encoding="utf-8")
+    html = report.for_run(wrist_run(), tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert html.count("<figure>") >= 5

@@ -11,9 +11,10 @@ from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...charts.blocks import Block, Cells, Facts, Figure, Text
 from ...charts.style import CYCLE, INK, MUTED, RAW, VERMILION, axis, drawn, label, layout, number, rectangle
 from ...studies.quantities import percent
-from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from ..page import Page, Section, write_page
 
 if TYPE_CHECKING:
     from ...studies.accuracy import Accuracy, Point

@@ -7,10 +7,11 @@ from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...charts.blocks import Block, Cells, Facts, Figure, Text
 from ...charts.style import BLUE, GREEN, INK, RAW, SKY, VERMILION, axis, drawn, label, layout, vertical
 from ...studies.chosen import reason
 from ...studies.quantities import percent
-from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from ..page import Page, Section, write_page
 
 if TYPE_CHECKING:
     from ...studies.effects import Effects, Finding

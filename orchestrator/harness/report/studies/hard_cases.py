@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from .....components.catalogue import component_class
 from .....components.core.hard_cases import Refused
+from ...charts.blocks import Block, Cells, Figure, Text
 from ...charts.style import BLUE, INK, MUTED, VERMILION, axis, drawn, label, layout, vertical
-from ..page import Block, Cells, Figure, Page, Section, Text, write_page
+from ..page import Page, Section, write_page
 
 if TYPE_CHECKING:
     from ...studies.hard_cases import HardCases, Verdict

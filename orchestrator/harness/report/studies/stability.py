@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...charts.blocks import Block, Cells, Facts, Figure, Text
 from ...charts.style import BLUE, CYCLE, INK, MUTED, RAW, RISING, VERMILION, axis, drawn, label, layout, vertical
-from ..page import Block, Cells, Facts, Figure, Page, Section, Text, write_page
+from ..page import Page, Section, write_page
 
 if TYPE_CHECKING:
     from ...studies.internal_steps import InternalSteps

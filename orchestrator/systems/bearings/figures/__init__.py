@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ....harness.analysis.records import after_transient
+from ....harness.charts.blocks import Block
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ..keys import BearingKeys
 from ..records import BearingRecord, bearings
 from .heat import heat_chart

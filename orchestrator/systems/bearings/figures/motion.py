@@ -9,9 +9,9 @@ import numpy as np
 from .....components.core.errors import BadInput, nearest
 from ....harness.analysis.sections import crossings, distinct, section
 from ....harness.analysis.spectra import TURN, turns_steadily
+from ....harness.charts.blocks import Cells
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..records import BearingRecord
 from .scales import Scales
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....harness.analysis.recurrence import Quantification, line_survival, quantify, recurrence_matrix, standardised
+from ....harness.charts.blocks import Cells
 from ....harness.charts.chart import Chart, Panel, Picture, Series
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..keys import BearingKeys, RecurrenceKeys
 from ..records import BearingRecord
 from .motion import after

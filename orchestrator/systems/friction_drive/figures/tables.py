@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ....harness.charts.blocks import Cells
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..records import Drive, energies, moves, starts
 from .way import SCALES
 

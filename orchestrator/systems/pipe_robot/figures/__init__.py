@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....harness.charts.blocks import Block, Text
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block, Text
 from ..keys import PipeRobotKeys
 from ..records import robots
 from .course import course_chart, creep_chart, detail_chart

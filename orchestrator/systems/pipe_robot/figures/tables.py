@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ....harness.charts.blocks import Cells
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..records import RobotRecord, energies, shares, steady_speed, switches
 
 PERCENT = 100.0

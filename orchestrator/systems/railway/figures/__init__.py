@@ -10,8 +10,8 @@ import numpy as np
 
 from .....components.core.errors import BadInput
 from ....harness.analysis.signals import Filter
+from ....harness.charts.blocks import Block, Cells, Figure, Text
 from ....harness.charts.style import number
-from ....harness.report.page import Block, Cells, Figure, Text
 from ....harness.report.windows import fault_windows, shaded
 from ..records import Passage, passages, statistics
 from .force import force_figure, spectrum_figure

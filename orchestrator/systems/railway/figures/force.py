@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....harness.analysis.signals import Filter, amplitude_spectrum, uniform, window
+from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
     CYCLE,
@@ -30,7 +31,6 @@ from ....harness.charts.style import (
     tint,
     vertical,
 )
-from ....harness.report.page import Figure
 from ..keys import RailwayKeys
 from ..records import Passage, analysis_window, dropper_spacing
 from .track import track_marks

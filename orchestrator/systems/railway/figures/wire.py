@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
     CYCLE,
@@ -26,7 +27,6 @@ from ....harness.charts.style import (
     tint,
     vertical,
 )
-from ....harness.report.page import Figure
 from ..records import Passage, analysis_window
 from .track import track_marks
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from ....harness.analysis.records import after_transient
 from ....harness.analysis.spectra import turns_steadily
+from ....harness.charts.blocks import Block
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ...bearings.figures.heat import heat_chart
 from ...bearings.records import STEADY
 from ..keys import RotorKeys

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....harness.charts.blocks import Block
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ..keys import RovKeys
 from ..records import vehicles
 from .constants import constants_chart

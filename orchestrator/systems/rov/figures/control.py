@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ....harness.charts.blocks import Cells
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..records import ERRORS, Vehicle
 from .motion import DEGREES
 

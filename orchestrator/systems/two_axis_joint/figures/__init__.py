@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ....harness.analysis.records import after_transient
+from ....harness.charts.blocks import Block
 from ....harness.charts.chart import Chart
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ..records import JointRecord, joints, poincare
 from .constants import constants_chart
 from .phase import comparison_charts, history_chart, phase_chart, section_chart

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ....harness.analysis.records import after_transient
+from ....harness.charts.blocks import Block
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ..keys import WindPumpKeys
 from ..records import branches, chains, moving_mean
 from .against_wind import bins_chart, branches_chart

@@ -9,8 +9,8 @@ import numpy as np
 
 from .....components.catalogue import component_class
 from ....harness.analysis.signals import accumulated
+from ....harness.charts.blocks import Cells
 from ....harness.charts.style import number
-from ....harness.report.page import Cells
 from ..records import Chain, efficiencies
 from .shown import Shown, scale
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ....harness.analysis.records import after_transient
+from ....harness.charts.blocks import Block
 from ....harness.charts.charts import draw_chart
-from ....harness.report.page import Block
 from ..keys import WristKeys
 from ..records import bundles, linkages, muscles, wrists
 from .four_bars import linkage_chart

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ....harness.report.page import Cells
+from ....harness.charts.blocks import Cells
 from ..records import HAND, ROWS, WristRecord, postures
 from .motion import DEGREES
 
