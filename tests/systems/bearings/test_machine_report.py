@@ -109,7 +109,7 @@ def test_recurrence_of_a_periodic_motion_is_diagonal():
     measures = {r[1]: r[2] for r in tables[0].rows}
     # Every diagonal is whole but for the corners; the interval of recording is no multiple of the period.
     assert float(measures["DET"]) > 99.5
-    picture = next(t for t in figures(SYSTEMS["bearings"].figures(result))["Recurrence"]["data"] if t["type"] == "heatmap")
+    picture = next(t for t in figures(SYSTEMS["bearings"].figures(bearing_run()))["Recurrence"]["data"] if t["type"] == "heatmap")
     z = np.array(picture["z"])
     assert (z == z.T).all()
     assert (np.diag(z) == 1).all()
