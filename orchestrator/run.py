@@ -27,6 +27,7 @@ from .run_info import CompileTime, describe_run
 from .scene.scene import Scene
 from .units import Unit
 from .units.component import ComponentUnit
+from .units.interface import SimulationEnded
 
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
@@ -126,6 +127,8 @@ class Run:
             self.outcome = "done"
         except Runaway as error:
             self.message = f"{error}. {self._remedy()}"
+        except SimulationEnded as error:
+            self._end_early(error)
         except StepFailed as error:
             self.message = str(error)
         except KeyboardInterrupt:
@@ -134,6 +137,14 @@ class Run:
                 self.checkpoints.write()
                 self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         self._until = perf_counter(), process_time()
+
+    def _end_early(self, end: SimulationEnded) -> None:
+        """A unit has ended the simulation: that is no failure. Its last row is kept; of coupled ones the last step of all."""
+        self.outcome, self.message = "done", f"{end} of {self.scene.stop_time:.9g} s"
+        if len(self.units) == 1:
+            self.signals.close(end.time, reading(self.units, self._ends))
+            for recorder in self.arrays.values():
+                recorder.close(end.time)
 
     def conclude(self, past: Checkpoint | None) -> Result:
         """The result, with all that run.json says of the run."""

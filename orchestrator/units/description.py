@@ -47,6 +47,12 @@ class Scalar:
         return KINDS.get(type_) or ("real" if type_.startswith("Float") else "integer")
 
     @property
+    def nominal(self) -> float:
+        """Typical size of its values, positive: its own, of its declared type, or 1."""
+        declared = self.variable.declaredType
+        return abs(float(self.variable.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
+
+    @property
     def discrete(self) -> bool:
         """Whether it changes at instants only."""
         return self.kind != "real" or self.variable.variability != "continuous"

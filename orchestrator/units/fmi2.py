@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from math import inf
 from time import sleep
 from typing import Any
 from weakref import WeakValueDictionary
@@ -19,6 +20,7 @@ from fmpy.logging import addLoggerProxy
 
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
+from .interface import SimulationEnded
 from .machine import Machine, machine
 
 DISCARD, PENDING = 2, 5
@@ -98,16 +100,18 @@ class Fmi2CoSimulation(Fmi2Unit):
 
     def stopped(self, status: int, t: float) -> None:
         """A call of this unit from compiled code had this status, which ends the step from t; raises `StepFailed`."""
-        self._not_done(status, t)
+        self._not_done(status, t, inf)
 
     def step(self, t: float, h: float) -> None:
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
         self._time = t
         status = self._do_step(self._instance, t, h, self._forget)
         self._steps += 1
         if status > WARNING:
-            self._not_done(status, t)
+            self._not_done(status, t, t + h)
 
-    def _not_done(self, status: int, t: float) -> None:
+    def _not_done(self, status: int, t: float, end: float) -> None:
         """Wait for a step that goes on in the FMU's own thread; tell why one was not completed."""
         kind, place = ctypes.c_int, ctypes.c_void_p
         while status == PENDING:
@@ -121,7 +125,9 @@ class Fmi2CoSimulation(Fmi2Unit):
                 ended.value = 0
             known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
             if ended.value:
-                self._asked_to_end(last.value if known else t)
+                self._step_end = end
+                self._end_at(last.value if known else t)
+                return
             if known and last.value > t:
                 self._failed(status, f" and got to {last.value:.9g} s",
                              f"A macro step of at most {last.value - t:.3g} s may help")

@@ -1,6 +1,6 @@
 """Units made of co-simulation FMUs of FMI 3.0, with early return and event mode where the FMU has them.
 
-An FMU with event mode handles its events inside `step`: it returns at the event, its discrete states are settled, and
+An FMU with event mode handles its events inside `step`: it returns at the event, its discrete states are iterated, and
 it goes on to the end of the step. Where it announces the time of its next event, it is stepped exactly to it. Inputs that
 change at instants only are handed over in event mode, and only when they have changed.
 """
@@ -18,6 +18,7 @@ from fmpy.fmi3 import FMU3Slave
 from ...components.core.errors import StepFailed
 from .fmu_unit import FmuUnit
 from .inputs import WARNING, Others, Reals, Requested
+from .interface import SimulationEnded
 
 DISCARD = 2
 ITERATIONS = 100  # of the discrete states at an event
@@ -70,7 +71,7 @@ class Fmi3CoSimulation(FmuUnit):
         self._call("ExitInitializationMode")
         self._started = True
         if self._events:
-            self._settle_events()
+            self._handle_events()
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         super().wire(inputs, outputs)
@@ -94,9 +95,9 @@ class Fmi3CoSimulation(FmuUnit):
             self._check(self._enter_event_mode(self._instance))
         super()._hand_over(inputs, values)
         if event:
-            self._settle_events()
+            self._handle_events()
 
-    def _settle_events(self) -> None:
+    def _handle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
         flags, when = np.zeros(5, dtype=np.uint8), DOUBLE()
         places = [flags.ctypes.data + k for k in range(5)]
@@ -104,17 +105,20 @@ class Fmi3CoSimulation(FmuUnit):
             self._check(self._update_discrete(self._fmu.component, *places, ctypes.addressof(when)))
             again, ends, _, _, defined = flags.tolist()
             if ends:
-                self._asked_to_end(self._time)
+                self._end_at(self._time)
+                return
             if not again:
                 break
         else:
             raise StepFailed(self.name, self._time,
-                             f"the discrete states do not settle in {ITERATIONS} iterations{self._log_lines()}")
+                             f"the discrete states do not converge in {ITERATIONS} iterations{self._log_lines()}")
         self.next_event = when.value if defined else inf
         self._check(self._enter_step_mode(self._fmu.component))
 
     def step(self, t: float, h: float) -> None:
-        self._time, self.event = t, None
+        if self._ended is not None:
+            raise SimulationEnded(self.name, self._ended)
+        self._time, self.event, self._step_end = t, None, t + h
         self._steps += 1
         if self.next_event <= t + h:
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))
@@ -142,7 +146,8 @@ class Fmi3CoSimulation(FmuUnit):
         event, ends, early, _ = self._word.value.to_bytes(4, "little")
         reached = self._reached.value if early else end
         if ends:
-            self._asked_to_end(reached)
+            self._end_at(reached)
+            return reached, False
         if status == DISCARD and t < self._reached.value < end:
             self._failed(status, f" and got to {self._reached.value:.9g} s",
                          f"A macro step of at most {self._reached.value - t:.3g} s may help")
@@ -154,13 +159,15 @@ class Fmi3CoSimulation(FmuUnit):
         reached, event = first
         end = t + h
         for _ in range(EVENTS):
+            if self._ended is not None:
+                return
             due = self._events and (event or self.next_event <= reached)
             if self.event is None and (due or reached < end):
                 self.event = reached
             self._time = reached
             if due:
                 self._check(self._enter_event_mode(self._instance))
-                self._settle_events()
+                self._handle_events()
             left = end - reached
             if left <= 2.0 * ulp(end):
                 return

@@ -80,9 +80,8 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
 def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
     v, declared, kind = s.variable, s.variable.declaredType, s.kind
     unit = v.unit or (declared.unit if declared else None) or ""
-    nominal = abs(float(v.nominal or (declared.nominal if declared else None) or 1.0)) or 1.0
     start = (s.start or "") if kind == "string" else float(s.start or 0)
-    return Signal(s.name, unit, start, nominal, feedthrough, kind, s.discrete, measures.get(unit))
+    return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, measures.get(unit))
 
 
 def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],

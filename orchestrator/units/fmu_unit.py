@@ -13,7 +13,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from math import isfinite
+from math import isfinite, ulp
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from ...components.core.errors import BadInput, StepFailed
 from .description import Description
 from .folders import give, take
 from .inputs import WARNING, Others, Reals, means
-from .interface import ARRAY_THRESHOLD, PortValues
+from .interface import ARRAY_THRESHOLD, PortValues, SimulationEnded
 from .outputs import derivatives, reader
 from .states import State, States
 from .values import Block, blocks, decoded, same, signature
@@ -54,6 +54,8 @@ class FmuUnit:
         self._tolerance, self._fmi3 = tolerance, description.fmi3
         self._time, self._steps = 0.0, 0
         self._initializing = self._started = False
+        self._ended: float | None = None  # s, where the FMU ended the simulation
+        self._step_end = 0.0  # s, of the present step
         self._forget = 1  # what a step is told: no earlier state will come back
         self._last_held: list[Any] | None = None  # values and texts that the FMU has
         self._last_texts: list[str] | None = None
@@ -139,9 +141,11 @@ class FmuUnit:
         reason = f"the FMU {STATUS.get(status, f'returned status {status}')}{more}{self._log_lines()}"
         raise StepFailed(self.name, self._time, reason, remedy)
 
-    def _asked_to_end(self, t: float) -> None:
-        self._healthy = False
-        raise StepFailed(self.name, t, f"the FMU asked to end the simulation{self._log_lines()}")
+    def _end_at(self, t: float) -> None:
+        """The FMU ends the simulation: where that is the end of a step, all units complete it, and the next one is not begun."""
+        self._ended = t
+        if not self._started or self._step_end - t > 4.0 * ulp(t):
+            raise SimulationEnded(self.name, t)
 
     # Values
 
@@ -218,7 +222,7 @@ class FmuUnit:
 
     def _hold(self, values: list[Any]) -> None:
         """Inputs that change at instants only: the FMU gets them when they do."""
-        if values != self._last_held:
+        if values != self._last_held and self._ended is None:
             self._hand_over(self._held, values)
             self._last_held = values
 
@@ -231,7 +235,7 @@ class FmuUnit:
         self._text_outputs = blocks([self._scalars[n] for n in outputs], self._fmi3)
 
     def set_texts(self, values: Sequence[str]) -> None:
-        if list(values) != self._last_texts:
+        if list(values) != self._last_texts and self._ended is None:
             self._hand_over(self._texts, values)
             self._last_texts = list(values)
 
@@ -282,7 +286,7 @@ class FmuUnit:
 
     def restore(self, state: State) -> None:
         self._states.restore(state)
-        self._healthy = True  # whatever it reported in a step that is taken back
+        self._healthy, self._ended = True, None  # whatever it reported in a step that is taken back
         self._take(state.beside)
 
     def _beside(self) -> Any:

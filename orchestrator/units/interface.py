@@ -8,6 +8,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from ...components.core.errors import StepFailed
 from ...components.core.measure import Unit as Measure
 
 PortValues = Any  # list[float], or an ndarray of more than ARRAY_THRESHOLD numbers
@@ -57,6 +58,16 @@ class Interface:
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 
+class SimulationEnded(StepFailed):
+    """A unit has ended the simulation, as FMI lets it; no failure, and its outputs may still be read."""
+
+    def __init__(self, unit: str, time: float):
+        super().__init__(unit, time, "it has ended the simulation")
+
+    def __str__(self) -> str:
+        return f"{self.unit} ended the simulation at t = {self.time:.9g} s"
+
+
 class Unit(Protocol):
     """One simulated part. Calls come in this order:
 
@@ -69,9 +80,10 @@ class Unit(Protocol):
     `step` may return before the unit has finished; `get` then waits for it. So units in processes of their own work at the
     same time where a master calls `step` of several before it asks for their values. What a step raises, `get` may raise.
 
-    After `StepFailed` only `restore` and `close` are allowed. `values` and what `get` returns are in the order of the names
-    given to `wire`: plain lists, for the few scalars of a usual connection faster than arrays, and arrays where there are
-    more than ARRAY_THRESHOLD of them; what `get` returns may be overwritten by the next call.
+    After `SimulationEnded` outputs may still be read; after any other `StepFailed` only `restore` and `close` are allowed.
+    `values` and what `get` returns are in the order of the names given to `wire`: plain lists, for the few scalars of a usual
+    connection faster than arrays, and arrays where there are more than ARRAY_THRESHOLD of them; what `get` returns may be overwritten by
+    the next call.
     """
 
     name: str

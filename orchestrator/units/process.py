@@ -115,6 +115,7 @@ class WorkerUnit:
             self._values, self._stale = self._take(content, EVENT.size), False
         elif code == FAILED:
             kind, arguments = pickle.loads(content)
+            self._stale = True
             raise kind(*arguments)
         return content
 

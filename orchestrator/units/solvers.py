@@ -1,7 +1,10 @@
 """Integrators for FMUs without one: CVode from the SUNDIALS libraries FMPy ships, and the methods of SciPy's solve_ivp.
 
-Both go step by step from the last `restart` and end a step where an event indicator changes between positive and not
-positive, on the far side of the change. They remember nothing from before a `restart`.
+Both go step by step and end a step where an event indicator changes between positive and not positive, on the far side of
+the change. Multistep methods (CVode, BDF) live from the steps behind them: begun anew they are of first order, and many
+restarts cost far more accuracy than their tolerance says. So they go on across macro steps wherever nothing jumps. One-step
+methods lose nothing at a restart but the length of their step, which is kept. LSODA is begun anew with every macro step,
+because SciPy's cannot be given another end.
 """
 
 from __future__ import annotations
@@ -30,6 +33,8 @@ class Solver(Protocol):
     """Integrates x' = f(t, x); `address`: of the states reached."""
 
     address: int
+    multistep: bool  # accuracy lives from the past: go on after a step rather than `restart`
+    step_size: float | None  # s, all that a restarted one-step method goes on from; None: not known yet
 
     def restart(self, t: float, x: np.ndarray) -> None:
         """Begin anew at t with the states x, (n,)."""
@@ -52,11 +57,13 @@ def make_solver(method: str, states: int, indicators: int, f: Equation, g: Equat
 class Cvode:
     """Backward differentiation of order 1 to 5 with a dense Jacobian from differences."""
 
+    multistep, step_size = True, None
+
     def __init__(self, states: int, indicators: int, f: Equation, g: Equation, relative: float):
         from fmpy.sundials import libraries
 
         self._libraries, self._relative = libraries, relative
-        self._said = ""
+        self._error_text = ""
         n, pointer, real = max(states, 1), ctypes.c_void_p, ctypes.c_double
         data = self._function("core", "N_VGetArrayPointer", pointer, pointer)
 
@@ -70,7 +77,7 @@ class Cvode:
             return g(t, data(x), z)
 
         def error(_line: int, _function: bytes, _file: bytes, message: bytes, *_: Any) -> None:
-            self._said = (message or b"").decode(errors="replace").strip()
+            self._error_text = (message or b"").decode(errors="replace").strip()
 
         # kept here as long as the library may call them
         self._derivatives = ctypes.CFUNCTYPE(ctypes.c_int, real, pointer, pointer, pointer)(derivatives)
@@ -114,7 +121,7 @@ class Cvode:
 
     def _check(self, status: int) -> None:
         if status < 0:
-            raise SolverFailed(self._said or f"CVode returned {status}")
+            raise SolverFailed(self._error_text or f"CVode returned {status}")
 
     def tolerate(self, absolute: np.ndarray) -> None:
         if absolute.size:
@@ -148,7 +155,10 @@ class Scipy:
         import scipy.integrate
 
         self._method = getattr(scipy.integrate, method)
+        self.multistep, self._keeps_step = method == "BDF", method != "LSODA"
+        self.step_size: float | None = None
         self._n, self._relative, self._g = states, relative, g
+        self._solver: Any = None
         self._z = np.zeros(indicators)
         self._tolerances = np.ones(max(states, 1))
         self._equation = f
@@ -179,22 +189,32 @@ class Scipy:
     def restart(self, t: float, x: np.ndarray) -> None:
         self._place(x if self._n else np.zeros(1))
         self._t = t
-        self._solver: Any = None
+        self._solver = None
         self._before = self._signs(t, self._x)
 
     def advance(self, goal: float) -> tuple[float, bool]:
-        if self._solver is None or self._solver.t_bound != goal:
-            self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances)
-        solver, before = self._solver, self._t
-        said = solver.step()
+        solver, before = self._heading_for(goal), self._t
+        wished = solver.h_abs if self._keeps_step else 0.0
+        reason = solver.step()
         if solver.status == "failed":
-            raise SolverFailed(said or "the step became too small")
+            raise SolverFailed(reason or "the step became too small")
         self._t = float(solver.t)
+        if self._keeps_step:  # a step that the goal has cut says nothing against the one that was wished
+            self.step_size = float(max(solver.h_abs, wished if wished > goal - before else 0.0))
         self._place(solver.y.copy())
         crossed = bool(self._z.size) and bool((self._signs(self._t, self._x) != self._before).any())
         if crossed:
             self._t = self._locate(before, self._t, solver.dense_output())
         return self._t, crossed
+
+    def _heading_for(self, goal: float) -> Any:
+        """SciPy's object, on its way to the goal."""
+        if self._solver is not None and self._solver.t_bound != goal and self.multistep:
+            self._solver.t_bound, self._solver.status = goal, "running"
+        elif self._solver is None or self._solver.t_bound != goal:
+            first = {"first_step": min(self.step_size, goal - self._t)} if self.step_size else {}
+            self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances, **first)
+        return self._solver
 
     def _locate(self, low: float, high: float, at: Callable[[float], np.ndarray]) -> float:
         """The far side of a change of indicators between two times, where `_x` is left."""

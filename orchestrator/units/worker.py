@@ -21,7 +21,7 @@ from typing import Any
 from ...components.core.errors import BadInput, StepFailed
 from . import Unit, open_unit
 from .channel import CALL, EVENT, FAILED, INDEX, OBJECT, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
-from .interface import PortValues
+from .interface import PortValues, SimulationEnded
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
 
@@ -106,6 +106,8 @@ class Worker:
                 code, answer = self._answer(code, content)
             except BadInput as error:
                 code, answer = FAILED, pickle.dumps((BadInput, (error.where, error.actual, error.expected, error.remedy)))
+            except SimulationEnded as error:
+                code, answer = FAILED, pickle.dumps((SimulationEnded, (error.unit, error.time)))
             except StepFailed as error:
                 code, answer = FAILED, pickle.dumps((StepFailed, (error.unit, error.time, error.reason, error.remedy)))
             except Exception as error:

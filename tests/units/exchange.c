@@ -1,4 +1,5 @@
-/* An FMU of FMI 2.0 for model exchange: x' = -k x + u (or - u where `reversed`), a ball that bounces, a counter of time
+/* An FMU of FMI 2.0 for model exchange: x' = -k x + u (or - u where `reversed`), a ball that bounces and lies
+   when it leaves slower than `rest` (or, with mu > 0, Van der Pol's oscillator in h and v), a counter of time
    events, a counter of u's passages through 0.5, and events of completed steps that put x back to 0. With BARE: no states.
    It is strict: a call in a wrong mode and a state taken back after it was given up are errors, which its log explains. */
 #include <math.h>
@@ -8,9 +9,9 @@
 #include "fmi2Functions.h"
 
 enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, CONTINUOUS = 8, OVER = 16 };
-enum { U, X, K, H, V, E, Y, PERIOD, SAW, LIMIT, END, CRASH, REALS };       /* references of reals */
+enum { U, X, K, H, V, E, Y, PERIOD, SAW, LIMIT, END, CRASH, MU, REST, REALS }; /* references of reals */
 enum { BOUNCES, TICKS, PASSAGES, RESETS, REVERSED, WHOLES };               /* of integers; the last is a boolean */
-typedef struct { double t, r[REALS], dx[3], next; int i[WHOLES], above, mode; double completed; } State;
+typedef struct { double t, r[REALS], dx[3], next; int i[WHOLES], above, mode, lies; double completed; } State;
 typedef struct { State now; double given_up; const fmi2CallbackFunctions *callbacks; } Unit;
 
 #define ALLOWED(modes) \
@@ -45,7 +46,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real toleranc
     return fmi2OK;
 }
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    ALLOWED(INSTANTIATED) s->mode = INITIALIZATION;
+    ALLOWED(INSTANTIATED) s->mode = INITIALIZATION, s->r[H] = s->r[MU] > 0.0 ? 2.0 : 1.0;
     return fmi2OK;
 }
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
@@ -64,7 +65,10 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info) {
     ALLOWED(EVENT)
     double *r = s->r;
     int changed = 0;
-    if (r[H] <= 0.0 && r[V] < 0.0) r[H] = 1e-300, r[V] *= -r[E], s->i[BOUNCES]++, changed = 1;
+    if (r[MU] == 0.0 && r[H] <= 0.0 && r[V] < 0.0) {
+        r[H] = 1e-300, r[V] *= -r[E], s->i[BOUNCES]++, changed = 1;
+        if (r[V] < r[REST]) r[V] = 0.0, s->lies = 1;
+    }
     if (s->t >= s->next) s->i[TICKS]++, s->next += r[PERIOD];
     if (r[K] < 0.0) changed = 1; /* never at rest */
     if (s->above != (r[U] > 0.5)) s->above = !s->above, s->i[PASSAGES]++;
@@ -106,14 +110,15 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x[], size
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real dx[], size_t n) {
     ALLOWED(EVENT | CONTINUOUS)
     if (s->r[X] > s->r[LIMIT]) return fmi2Discard;
-    if (n) dx[0] = -s->r[K] * s->r[X] + (s->i[REVERSED] ? -s->r[U] : s->r[U]), dx[1] = s->r[V], dx[2] = -9.81;
+    if (n) dx[0] = -s->r[K] * s->r[X] + (s->i[REVERSED] ? -s->r[U] : s->r[U]), dx[1] = s->r[V],
+        dx[2] = s->r[MU] > 0.0 ? s->r[MU] * (1.0 - s->r[H] * s->r[H]) * s->r[V] - s->r[H] : s->lies ? 0.0 : -9.81;
     return fmi2OK;
 }
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real z[], size_t n) {
     ALLOWED(EVENT | CONTINUOUS | INITIALIZATION)
     if (n != NZ) return complain(unit, "another number of event indicators");
     z[0] = s->r[U] - 0.5;
-    if (n > 1) z[1] = s->r[H];
+    if (n > 1) z[1] = s->r[MU] > 0.0 ? 1.0 : s->r[H];
     return fmi2OK;
 }
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference v[], size_t n, fmi2Real value[]) {

@@ -15,8 +15,9 @@ import fmpy
 import pytest
 
 HERE = Path(__file__).parent
-REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "crash")
-PARAMETERS = {"k": "1", "e": "0.7", "period": "1e9", "saw": "1e9", "limit": "1e9", "end": "1e9", "crash": "1e9"}
+REALS = ("u", "x", "k", "h", "v", "e", "y", "period", "saw", "limit", "end", "crash", "mu", "rest")
+PARAMETERS = {"k": "1", "e": "0.7", "period": "1e9", "saw": "1e9", "limit": "1e9", "end": "1e9", "crash": "1e9",
+              "mu": "0", "rest": "0"}
 WHOLES = ("bounces", "ticks", "passages", "resets")
 CAPABILITIES = 'canGetAndSetFMUstate="true" canSerializeFMUstate="true" providesDirectionalDerivative="true"'
 

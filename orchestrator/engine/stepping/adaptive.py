@@ -10,6 +10,7 @@ import numpy as np
 from ....components.core.errors import StepFailed
 from ...settings import ControlSettings, SceneSettings
 from ...units import Unit
+from ...units.interface import SimulationEnded
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount
 from ..algorithms.multirate import MultirateUnit
@@ -21,6 +22,7 @@ from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
+SHORT = 10  # parts of a step: what is shorter is nothing to extrapolate from
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none
 
 
@@ -44,6 +46,7 @@ class AdaptiveStepping(Stepping):
         self._restarts, self._resolution, self._rollback = restarts, resolution, rollback
         self._saved: Any = None
         self.counts = dict.fromkeys(("accepted", "rejected", "failed", "inaccurate", "events", "restores"), 0)
+        self._behind_event = False  # the tick is no multiple of the stride, because an event ended the last step
         self.shortest, self.longest = end, 0  # ticks of the steps that were kept, but for those that a stop or an event has cut
 
     def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
@@ -67,7 +70,7 @@ class AdaptiveStepping(Stepping):
             try:
                 reached, event, error, order = self._attempt(self.tick + length)
             except StepFailed as failure:
-                if control is None or not self._rollback:
+                if control is None or not self._rollback or isinstance(failure, SimulationEnded):
                     raise
                 if length <= control.unit:
                     raise StepFailed(failure.unit, failure.time, f"{failure.reason}; so did shorter steps, down to "
@@ -89,14 +92,18 @@ class AdaptiveStepping(Stepping):
                 self.shortest, self.longest = min(self.shortest, taken), max(self.longest, taken)
             if order:
                 control.accept(taken, error, order)
-        if event:
-            self.counts["events"] += 1
+        self.counts["events"] += event
+        short = self._behind_event and SHORT * taken < self.stride
+        if event or short:  # over a step as short as that, a chord shows the rounding of its ends
             for restart in self._restarts:
                 restart()
+        self._behind_event = event and self.tick % self.stride > 0
 
     def _length(self, stop: int) -> int:
         """Ticks of the next step, if nothing happens in it."""
         distance = stop - self.tick
+        if self.control is None and self._behind_event:  # the grid of times that were asked for goes on
+            return min(self.stride - self.tick % self.stride, distance)
         if self.control is None:
             return next(lengths(self.tick, stop, self.stride, stop == self.end))[0]
         length, unit = self.control.length, self.control.unit

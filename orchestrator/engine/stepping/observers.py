@@ -68,6 +68,12 @@ class Recorder(BatchObserver):
                     self._times.append(t)
                     self._values.fromlist(row.tolist())
 
+    def close(self, t: float, sample: Sample | None = None) -> None:
+        """A last row where a unit has ended the run at t, s, between two steps; by `sample` where the own one is out of date."""
+        if not self._times or t > self._times[-1]:
+            self._times.append(t)
+            self._values.fromlist((sample or self._sample)())
+
     def state(self) -> dict[str, Any]:
         """What was recorded so far, for a checkpoint."""
         return {"due": self._due, "times": self.time, "values": self.values}
