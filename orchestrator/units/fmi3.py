@@ -146,6 +146,7 @@ class Fmi3CoSimulation(FmuUnit):
         event, ends, early, _ = self._word.value.to_bytes(4, "little")
         reached = self._reached.value if early else end
         if ends:
+            reached = min(max(t, self._reached.value), end)
             self._end_at(reached)
             return reached, False
         if status == DISCARD and t < self._reached.value < end:

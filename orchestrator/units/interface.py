@@ -82,8 +82,8 @@ class Unit(Protocol):
 
     After `SimulationEnded` outputs may still be read; after any other `StepFailed` only `restore` and `close` are allowed.
     `values` and what `get` returns are in the order of the names given to `wire`: plain lists, for the few scalars of a usual
-    connection faster than arrays, and arrays where there are more than ARRAY_THRESHOLD of them; what `get` returns may be overwritten by
-    the next call.
+    connection faster than arrays, and arrays where there are more than ARRAY_THRESHOLD of them; what `get` returns may be
+    overwritten by the next call.
     """
 
     name: str

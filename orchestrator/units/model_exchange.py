@@ -30,6 +30,7 @@ from .values import signature
 TOLERANCE = 1e-8  # relative, where neither scene nor FMU gives one; Van der Pol's oscillator over 20 s is then within 3e-6
 ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
+ROUNDING = 32.0  # units in the last place: an event of time is within a step where a sum of its period is that far behind its end
 REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
 
 
@@ -223,7 +224,7 @@ class Fmi2ModelExchange(Fmi2Unit):
                 self._left_inputs, self._polynomial = self._target[self._moving_at], None
 
     def _integrate(self, t: float, end: float) -> None:
-        near, now = 4.0 * ulp(end), t
+        near, now = ROUNDING * ulp(end), t
         self._check(max(self._set_time(self._instance, t), self._move_inputs(t)))
         if (self._present_signs() != self._signs).any():  # the inputs have jumped over a threshold
             self._event(t)
@@ -292,7 +293,7 @@ class Fmi2ModelExchange(Fmi2Unit):
     def _take(self, beside: Any) -> None:
         others, size = beside
         super()._take(others)
-        if self._solver is not None and not self._solver.multistep:
+        if self._solver is not None:
             self._solver.step_size = size
 
     def work(self) -> dict[str, int]:

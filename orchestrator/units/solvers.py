@@ -212,8 +212,9 @@ class Scipy:
         if self._solver is not None and self._solver.t_bound != goal and self.multistep:
             self._solver.t_bound, self._solver.status = goal, "running"
         elif self._solver is None or self._solver.t_bound != goal:
-            first = {"first_step": min(self.step_size, goal - self._t)} if self.step_size else {}
-            self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances, **first)
+            first = min(self.step_size, goal - self._t) if self.step_size else None
+            self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances,
+                                        first_step=first)
         return self._solver
 
     def _locate(self, low: float, high: float, at: Callable[[float], np.ndarray]) -> float:

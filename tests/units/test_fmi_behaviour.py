@@ -72,6 +72,8 @@ def test_with_rollback_all_units_meet_at_the_events_of_one(algorithm):
         "stop_time": 3.0, "connections": ["ball.h -> other.Float64_continuous_input"],
         "units": {"ball": {"fmu": native_fmu("bouncing_ball", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}},
         "master": {"algorithm": algorithm, "step": 0.05}}))
+    grid = np.arange(61) * 0.05
+    assert np.abs(result.time[:, None] - grid).min(axis=0).max() < 1e-15  # every time of the grid has its row
     late = [min(t for t in result.time if t >= at) - at for at, _ in bounces()]
     assert max(late) < 1e-6 * 0.05  # a tick of the clock
     np.testing.assert_allclose(result["ball.h"], [ball(t)[0] for t in result.time], atol=1e-13)
@@ -96,19 +98,35 @@ def test_a_stair_is_climbed_where_it_announces_its_steps(fmi, flags):
     np.testing.assert_array_equal(result["f.counter"], [1 + math.floor(t + 1e-9) for t in result.time])
 
 
-def test_an_fmu_that_wants_the_simulation_to_end_ends_it():
-    result = run(read_scene(scene("stair", 3, EVENTS, step=0.5, stop=20.0)))
-    assert result.outcome == "failed"
-    assert "f failed at t = 10 s: the FMU asked to end the simulation" in result.message
-    assert result.time[-1] == 9.5
-    for fmi in (2, 3):
-        with_flag = run(read_scene(scene("moody", fmi, end_at=0.35)))
-        assert "the FMU asked to end the simulation" in with_flag.message
-        assert with_flag.time[-1] == pytest.approx(0.3)
+@pytest.mark.parametrize("isolation", ["none", "process"])
+def test_an_fmu_that_ends_the_simulation_is_no_failure(isolation):
+    """The stair ends at the end of a step, 10 s, the other one inside a step; either leaves a row at its end."""
+    stair = scene("stair", 3, EVENTS, step=0.5, stop=20.0)
+    stair["units"]["f"]["isolation"] = isolation
+    result = run(read_scene(stair))
+    assert (result.outcome, result.message) == ("done", "f ended the simulation at t = 10 s of 20 s")
+    assert (result.time[-1], result["f.counter"][-1]) == (10.0, 11.0)
+    np.testing.assert_array_equal(result.time, np.arange(21) * 0.5)
+    for fmi, end in ((2, 0.35), (3, 0.4)):  # the one of FMI 3 completes its step
+        inside = scene("moody", fmi, end_at=0.35)
+        inside["units"]["f"]["isolation"] = isolation
+        result = run(read_scene(inside))
+        assert (result.outcome, result.message) == ("done", f"f ended the simulation at t = {end} s of 1 s")
+        np.testing.assert_allclose(result.time, [0.0, 0.1, 0.2, 0.3, end])
+        assert result["f.now"][-1] == end
 
 
-def test_discrete_states_that_never_settle_are_said():
-    with pytest.raises(StepFailed, match="the discrete states do not settle in 100 iterations"):
+@pytest.mark.parametrize("flags", [EVENTS, f"{EVENTS} {STATE[3]}"])
+def test_units_that_are_coupled_end_with_the_one_that_ends(flags):
+    result = run(read_scene({
+        "stop_time": 20.0, "connections": ["stair.counter -> other.Int32_in"], "master": {"algorithm": "jacobi", "step": 0.5},
+        "units": {"stair": {"fmu": native_fmu("stair", 3, flags)}, "other": {"fmu": native_fmu("feedthrough", 3, flags)}}}))
+    assert (result.outcome, result.message) == ("done", "stair ended the simulation at t = 10 s of 20 s")
+    assert (result.time[-1], result["other.Int32_out"][-1]) == (10.0, 11.0)
+
+
+def test_discrete_states_that_never_converge_fail():
+    with pytest.raises(StepFailed, match="the discrete states do not converge in 100 iterations"):
         started("moody", 3, EVENTS, restless=True)
 
 

@@ -170,10 +170,11 @@ class AdaptiveStepping(Stepping):
     def state(self) -> dict[str, Any]:
         control, crossings = self.control, self._crossings
         return {"counts": self.counts, "range": [self.shortest, self.longest], "signs": crossings.signs if crossings else [],
-                "control": control.state() if control else {}}
+                "control": control.state() if control else {}, "behind_event": self._behind_event}
 
     def take(self, state: Mapping[str, Any]) -> None:
         self.counts, (self.shortest, self.longest) = dict(state["counts"]), state["range"]
+        self._behind_event = state["behind_event"]
         if self._crossings is not None:
             self._crossings.signs = list(state["signs"])
         if self.control is not None:
