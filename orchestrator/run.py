@@ -205,6 +205,7 @@ class Run:
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
         texts += self.account.warnings() if self.account else []
+        texts += [self.message] if self.outcome == "done" and self.message else []
         worst = max(errors, key=errors.__getitem__, default="")
         if worst and errors[worst] >= TOO_FAR:
             reason = self.master.delayed_feedthrough or (

@@ -22,7 +22,7 @@ from .events import Crossings
 from .loop import Action, Observer, Steppable, Stepping, Stops, lengths
 
 RESOLUTION = 1_000_000  # part of master.step that events are located to: what the rest of a step moves is below its error
-SHORT = 10  # parts of a step: what is shorter is nothing to extrapolate from
+SHORT = 1000  # parts of a step: what is shorter is nothing to extrapolate from
 SMALLEST = 1000  # part of master.step that is the smallest step, if the scene gives none
 
 

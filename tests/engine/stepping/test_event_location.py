@@ -86,9 +86,11 @@ def arcs(step: float, events: list, **master) -> float:
 
 
 def test_order_through_events_is_that_of_the_inputs():
-    errors = [arcs(step, ["mass.x_out"]) for step in (0.04, 0.02, 0.01, 0.005)]
-    assert np.polyfit(np.log([8.0, 4.0, 2.0, 1.0]), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.15)
-    assert errors[-1] < 0.02 * arcs(0.005, [])
+    """Where in a step the events lie changes its error by a factor of up to 5 either way: many steps tell the order."""
+    steps = [float(f"{h:.4g}") for h in np.geomspace(0.08, 0.0025, 24)]
+    errors = [arcs(step, ["mass.x_out"]) for step in steps]
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.25)
+    assert arcs(0.005, ["mass.x_out"]) < 0.02 * arcs(0.005, [])
 
 
 @pytest.mark.parametrize(("method", "share"), [("milne", 2.0), ("doubling", 0.05)])
@@ -111,8 +113,8 @@ def test_a_located_crossing_takes_few_trials():
 
 def test_steps_lead_back_to_the_grid_behind_an_event():
     result = run(read_scene(relay(0.3, 0, ["mass.x_out"], stop=3.0)))
-    grid = result.time[result.time > 2.5] / 0.3
-    assert np.abs(grid - np.round(grid)).max() < 1e-9
+    grid = np.arange(11) * 0.3
+    assert np.abs(result.time[:, None] - grid).min(axis=0).max() < 1e-9  # each of its times has a row
 
 
 def test_a_signal_that_jumps_is_located_as_well():
@@ -179,7 +181,7 @@ def told(rollback: bool, *times: float) -> tuple[list[float], list[float], int]:
 
 def test_all_units_are_brought_to_an_event_that_one_of_them_tells():
     ends, restarts, events = told(True, 0.27)
-    assert ends == pytest.approx([0.0, 0.1, 0.2, 0.27, 0.335, 0.4, 0.5], abs=1e-12)
+    assert ends == pytest.approx([0.0, 0.1, 0.2, 0.27, 0.3, 0.4, 0.5], abs=1e-12)
     assert restarts == [0.27]
     assert events == 1
 
@@ -233,8 +235,7 @@ def test_a_unit_with_a_rate_of_its_own_tells_an_event_once_only():
     ends = []
     loop.run([lambda tick, t: ends.append(t)])
     assert loop.counts["events"] == 1
-    assert ends[:4] == pytest.approx([0.0, 0.1, 0.2, 0.27], abs=1e-12)
-    assert min(np.diff(ends)) > 0.04
+    assert ends == pytest.approx([0.0, 0.1, 0.2, 0.27, *np.arange(3, 10) * 0.1], abs=1e-12)
 
 
 def test_two_events_of_a_unit_in_one_step():
