@@ -1,1 +1,87 @@
-"""cosimo: physical components as FMI co-simulation FMUs, an orchestrator that couples them, and a harness that judges them."""
+"""cosimo: physical components as FMI co-simulation FMUs, an orchestrator that couples them, and a harness that judges them.
+
+What stands here is the public interface; whatever it needs is imported when it is asked for.
+
+    import cosimo
+
+    scene = cosimo.load_scene("en50318-2002").with_changes({"stop_time": 2.0})
+    result = cosimo.run(scene, in_process=True)
+    print(result["pantograph.contact_force"].max(), "N")
+
+Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Result`, `write_report`, `sweep`.
+Judging them: `validate`, `accuracy`, `stability`, `effects`.
+FMUs: `build`, `check`.
+A component of one's own: `Component`, `OdeComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent`, `Effect`,
+`Preset`; `parameter`, `integer`, `choice`, `input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
+Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .components.catalogue import component_class
+    from .components.core.component import Component, Effect, Preset
+    from .components.core.errors import BadInput, StepFailed
+    from .components.core.events import EventComponent
+    from .components.core.integrators import OdeComponent
+    from .components.core.kernels import bind, hold_inputs, kernel, kernel_tuple
+    from .components.core.sampled import SampledComponent
+    from .components.core.stateless import StatelessComponent
+    from .components.core.variables import choice, input_, integer, output, parameter
+    from .fmus.build import build
+    from .fmus.check import check
+    from .orchestrator.harness.studies.accuracy import accuracy
+    from .orchestrator.harness.studies.effects import effects
+    from .orchestrator.harness.studies.stability import stability
+    from .orchestrator.harness.sweep import sweep
+    from .orchestrator.results import Result
+    from .orchestrator.run import run
+    from .orchestrator.scene.scene import Scene
+    from .orchestrator.scene.text import write_scene
+    from .orchestrator.systems import load_scene, read_scene, validate, write_report
+
+_PLACES = {
+    "components.catalogue": ("component_class",),
+    "components.core.component": ("Component", "Effect", "Preset"),
+    "components.core.errors": ("BadInput", "StepFailed"),
+    "components.core.events": ("EventComponent",),
+    "components.core.integrators": ("OdeComponent",),
+    "components.core.kernels": ("bind", "hold_inputs", "kernel", "kernel_tuple"),
+    "components.core.sampled": ("SampledComponent",),
+    "components.core.stateless": ("StatelessComponent",),
+    "components.core.variables": ("choice", "input_", "integer", "output", "parameter"),
+    "fmus.build": ("build",),
+    "fmus.check": ("check",),
+    "orchestrator.harness.studies.accuracy": ("accuracy",),
+    "orchestrator.harness.studies.effects": ("effects",),
+    "orchestrator.harness.studies.stability": ("stability",),
+    "orchestrator.harness.sweep": ("sweep",),
+    "orchestrator.results": ("Result",),
+    "orchestrator.run": ("run",),
+    "orchestrator.scene.scene": ("Scene",),
+    "orchestrator.scene.text": ("write_scene",),
+    "orchestrator.systems": ("load_scene", "read_scene", "validate", "write_report"),
+}
+_PLACE = {name: place for place, names in _PLACES.items() for name in names}
+
+__all__ = [
+    "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
+    "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class", "effects",
+    "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_scene", "run",
+    "stability", "sweep", "validate", "write_report", "write_scene",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module("." + _PLACE[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..components.core.errors import BadInput, nearest
+from .output import ensure_directory, not_written
 
 if TYPE_CHECKING:
     from .scene.scene import Scene
@@ -50,7 +50,7 @@ class Result:
 
     def save(self, directory: str | Path) -> Path:
         """Write result.csv (first column "time"; numbers keep every bit) and run.json into the directory, which is made."""
-        directory = made(directory)
+        directory = ensure_directory(directory)
         try:
             with open(directory / "result.csv", "w", encoding="utf-8") as file:
                 file.write(",".join(['"time"', *(f'"{name}"' for name in self.columns)]) + "\n")
@@ -58,31 +58,5 @@ class Result:
                     file.write(",".join(map(repr, row)) + "\n")
             (directory / "run.json").write_text(json.dumps(self.info, indent=2) + "\n", encoding="utf-8")
         except OSError as error:
-            raise _not_written(directory, error) from None
+            raise not_written(directory, error) from None
         return directory
-
-
-def made(directory: str | Path) -> Path:
-    """The directory for results, made if it is missing; raises `BadInput` where it cannot be."""
-    try:
-        Path(directory).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise _not_written(directory, error) from None
-    return Path(directory)
-
-
-def write_table(directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str]]) -> Path:
-    """A file of comma-separated values in the directory, which is made; numbers keep every bit, texts stand in quotes."""
-    path = made(directory) / name
-    try:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
-            writer.writerow(header)
-            writer.writerows(rows)
-    except OSError as error:
-        raise _not_written(directory, error) from None
-    return path
-
-
-def _not_written(directory: str | Path, error: OSError) -> BadInput:
-    return BadInput("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror}.")

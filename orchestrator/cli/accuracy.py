@@ -36,11 +36,11 @@ def accuracy(
     """
     from ..harness.report.studies.accuracy import for_accuracy
     from ..harness.studies.accuracy_table import write_points
-    from ..results import made
+    from ..output import ensure_directory
 
     if budget is not None and not budget > 0.0:
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
-    made(output)  # now, not after a long measurement
+    ensure_directory(output)  # now, not after a long measurement
     kept: Path | None = None
     with status_spinner() as on_message:
         if what.startswith(COMPONENT):

@@ -42,7 +42,7 @@ def effects(
     from ..harness.report.studies.effects import for_effects
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
-    from ..results import made
+    from ..output import ensure_directory
     from ..scene.text import write_scene
     from ..systems import load_scene
 
@@ -52,7 +52,7 @@ def effects(
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
     loaded = changed(loaded, changes)
-    made(output)  # now, not after many runs
+    ensure_directory(output)  # now, not after many runs
     with status_spinner() as on_message:
         found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
     written = [found.save(output), for_effects(found, output)]

@@ -22,7 +22,7 @@ def sweep(
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from ..harness import report
     from ..harness.sweep import sweep as run_sweep
-    from ..results import made
+    from ..output import ensure_directory
     from ..systems import load_scene
 
     loaded = load_scene(scene)
@@ -30,7 +30,7 @@ def sweep(
     if over:
         changes["sweep"] = dict(map(range_of, over))
     loaded = changed(loaded, changes)
-    made(output)  # now, not after a long sweep
+    ensure_directory(output)  # now, not after a long sweep
     found = run_sweep(loaded, progress=True)
     written = [found.save(output), report.for_sweep(found, output)]
     failed = [o for o in found.outcomes if o != "done"]

@@ -65,7 +65,7 @@ def run(
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..results import made
+    from ..output import ensure_directory
     from ..run import run as run_scene
     from ..systems import load_scene
 
@@ -94,7 +94,7 @@ def run(
     if checkpoint_every is not None and output is None:
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
     if output is not None:
-        made(output)  # now, not after a long run
+        ensure_directory(output)  # now, not after a long run
     result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
                        checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
     if reason is not None:

@@ -46,9 +46,9 @@ def stability(
     A component alone: cosimo stability component:Pantograph. Without a map: cosimo stability lumped-catenary.
     Hard cases of all components: cosimo stability --hard-cases -o out; exit code 1 where one does not hold.
     """
-    from ..results import made
+    from ..output import ensure_directory
 
-    made(output)  # now, not after a long study
+    ensure_directory(output)  # now, not after a long study
     if hard:
         for option, given in {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation, "--steps": steps,
                               "--effects": effects, "--preset": preset, "--set": values}.items():

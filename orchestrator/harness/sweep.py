@@ -20,7 +20,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
-from ..results import Result, write_table
+from ..output import write_table
+from ..results import Result
 from ..run import run
 from ..scene.scene import Scene
 from ..units.component import find

@@ -17,6 +17,7 @@ from . import bearings, friction_drive, pipe_robot, railway, rotor, rov, two_axi
 if TYPE_CHECKING:
     from ..harness.system import Systems
     from ..harness.validation.case import Case, CaseResult
+    from ..results import Result
     from ..scene.scene import Scene
 
 SYSTEMS: Systems = {module.SYSTEM.name: module.SYSTEM for module in (
@@ -53,3 +54,10 @@ def validate(names: Iterable[str], directory: str | Path, in_process: bool = Fal
         if name not in cases():
             raise BadInput("case", repr(name), "a validation case", nearest(name, cases()))
     return run_cases([cases()[name] for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)
+
+
+def write_report(result: Result, directory: str | Path) -> Path:
+    """Write `report.html` of a run to the directory: figures of its system, recorded signals, settings; returns its path."""
+    from ..harness.report import for_run
+
+    return for_run(result, directory, SYSTEMS)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ....components.core.errors import BadInput
-from ...results import write_table
+from ...output import write_table
 from .accuracy import Accuracy, Point
 from .trial import WORK
 

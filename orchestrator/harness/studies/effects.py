@@ -12,7 +12,7 @@ from math import inf, nan
 from pathlib import Path
 
 from ....components.core.errors import BadInput, StepFailed
-from ...results import write_table
+from ...output import write_table
 from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
 from .indicator import Windows

@@ -18,7 +18,7 @@ from ....components.catalogue import CATALOGUE, component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
 from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
-from ...results import write_table
+from ...output import write_table
 from ..sweep import tracked
 
 

@@ -18,7 +18,7 @@ from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
-from ...results import write_table
+from ...output import write_table
 from ..sweep import tracked
 from .disturbance import Growth, Own, growth_of, sizes
 from .full_model import with_required

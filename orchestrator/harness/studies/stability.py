@@ -19,7 +19,7 @@ import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
 from ...advice.probing import contacts
-from ...results import write_table
+from ...output import write_table
 from ...scene.scene import Scene
 from ..sweep import points, tracked, unit_of
 from .disturbance import FEWEST, Disturbed, Growth, Own
