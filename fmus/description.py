@@ -8,6 +8,7 @@ from __future__ import annotations
 import html
 import inspect
 import math
+from collections.abc import Iterable
 from importlib.metadata import version
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -38,23 +39,19 @@ def model_description(name: str, component: Any, guid: str) -> bytes:
         "providesDirectionalDerivative": "false",
     })
     scalars = interface(component)
-    _units(root, scalars)
-    categories = ET.SubElement(root, "LogCategories")
-    for category, text in LOG_CATEGORIES.items():
-        ET.SubElement(categories, "Category", {"name": category, "description": text})
-    ET.SubElement(root, "DefaultExperiment", {
-        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step)})
+    add_head(root, component, {s.unit for s in scalars if s.type == "Real"})
     variables = ET.SubElement(root, "ModelVariables")
     for reference, scalar in enumerate(scalars):
-        _variable(variables, reference, scalar)
-    _structure(root, scalars)
+        add_variable(variables, reference, scalar)
+    add_structure(root, scalars)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
-def _units(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
+def add_head(root: ET.Element, component: Any, units: Iterable[str]) -> None:
+    """Units, categories of messages and default experiment."""
     definitions = ET.SubElement(root, "UnitDefinitions")
-    for name in sorted({s.unit for s in scalars if s.type == "Real"}):
+    for name in sorted(units):
         unit = parse(name)
         base = {b: str(e) for b, e in zip(BASES, unit.exponents, strict=True) if e}
         if unit.factor != 1.0:
@@ -62,13 +59,21 @@ def _units(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
         if unit.offset:
             base["offset"] = repr(unit.offset)
         ET.SubElement(ET.SubElement(definitions, "Unit", {"name": name}), "BaseUnit", base)
+    categories = ET.SubElement(root, "LogCategories")
+    for category, text in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", {"name": category, "description": text})
+    ET.SubElement(root, "DefaultExperiment", {
+        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step)})
 
 
-def _variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
+def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
+    """One ScalarVariable; a local one is a constant."""
     attributes = {"name": scalar.name, "valueReference": str(reference), "description": scalar.text}
     attributes["causality"] = scalar.causality
     if scalar.causality == "parameter":
         attributes |= {"variability": "fixed", "initial": "exact"}
+    elif scalar.causality == "local":
+        attributes |= {"variability": "constant", "initial": "exact"}
     elif scalar.causality == "output":
         attributes |= {"variability": "continuous", "initial": "calculated"}
     else:
@@ -85,7 +90,7 @@ def _variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
     ET.SubElement(ET.SubElement(parent, "ScalarVariable", attributes), scalar.type, value)
 
 
-def _structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
+def add_structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
     """Outputs with the inputs they depend on within an instant; at the start they may depend on everything."""
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [(i, s) for i, s in enumerate(scalars, 1) if s.causality == "output"]
@@ -99,18 +104,22 @@ def _structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
         ET.SubElement(initial, "Unknown", {"index": str(index)})
 
 
-def documentation(name: str, component: Any) -> bytes:
+HOST = """The host needs Python 3.11 or newer with NumPy{scipy}; Numba makes the FMU fast.</p>
+<p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true."""
+
+
+def documentation(name: str, component: Any, scalars: tuple[Scalar, ...] = (), host: str = HOST) -> bytes:
     """documentation/index.html: the equations as they stand in the source, and the variables."""
+    host = host.format(scipy=" and SciPy" if component.needs_scipy else "")
     rows = "\n".join(
         "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in (s.name, s.causality, _shown(s), s.unit, s.text)) + "</tr>"
-        for s in interface(component) if s.order == 0
+        for s in scalars or interface(component) if s.order == 0
     )
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{name}</title></head><body>
 <h1>{name}: {html.escape(component.title)}</h1>
 <pre>{html.escape(inspect.getdoc(component) or "")}</pre>
-<p>The host needs Python 3.11 or newer with NumPy{" and SciPy" if component.needs_scipy else ""}; Numba makes the FMU fast.</p>
-<p>Effects are off unless the parameter <code>effects.&lt;name&gt;</code> is true. For each input <code>v</code> the inputs
+<p>{host} For each input <code>v</code> the inputs
 <code>der(v)</code> and <code>der(v,2)</code> let a master extrapolate: they hold for the next step, then they are 0 again.</p>
 <table><tr><th>name</th><th>causality</th><th>start</th><th>unit</th><th>meaning</th></tr>
 {rows}

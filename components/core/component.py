@@ -239,7 +239,7 @@ class Component:
         self.u[1:] = 0.0
         self.counts[:] = 0
         try:
-            status = self._initialize(self.t)
+            status = self._initialize(self.t) or self._start(self.t)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise BadInput(self.name, "parameters or inputs of which something cannot be computed", "numbers of a usual size",
                            f"Check the largest and the smallest of them ({type(error).__name__}: {error}).") from error
@@ -283,6 +283,13 @@ class Component:
     # -- what a component gives --------------------------------------------------------------------------------------
     def _initialize(self, t: float) -> int:
         raise NotImplementedError
+
+    def _start(self, t: float) -> int:
+        """What of the initial state follows from inputs and time, behind `_initialize`, in statements like those of `_step`.
+
+        A native FMU runs it at its own start; all that `_initialize` computes is a constant of such an FMU.
+        """
+        return DONE
 
     def _step(self, t: float, h: float) -> int:
         """Advance the state; leave the outputs of the end of the step in `y`, and the inputs held (`hold_inputs`)."""

@@ -86,6 +86,9 @@ class SampledComponent(Component):
         rows, columns = self.work_shape
         self._work = np.zeros((rows, max(self.u.shape[1], columns)))
         self.x = self.initial_state(t)
+        return DONE
+
+    def _start(self, t: float) -> int:
         self.x[NEXT] = math.floor(t / self.arguments[0].period * (1.0 + 1e-12)) + 1.0
         type(self).sample_kernel(t, self.u[0], self.x, self._work, *self.arguments)
         return DONE

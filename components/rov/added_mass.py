@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.kernels import DONE
+from ..core.kernels import DONE, kernel
 from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
@@ -50,4 +50,11 @@ class AddedMassForce(StatelessComponent):
         return DONE
 
     def _outputs(self, t: float) -> None:
-        self.y[:] = -self._masses * self.u[0]
+        reaction(self.u[0], self.y, self._masses)
+
+
+@kernel
+def reaction(acceleration, force, masses):
+    """Force against each acceleration."""
+    for j in range(masses.size):
+        force[j] = -masses[j] * acceleration[j]

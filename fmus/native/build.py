@@ -1,0 +1,119 @@
+"""A component to FMU files that need no Python: compiled, linked with the runtime, packed. The same source and compiler give the
+same file, byte for byte."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ...components.core.errors import BadInput, nearest
+from ..build import write
+from ..description import documentation
+from .description import HOST, description2, description3
+from .image import compiled_with_image
+from .machine_code import TARGETS, object_code
+from .variables import native_variables, tables
+
+RUNTIME = Path(__file__).parent / "runtime"
+SOURCES = ("native.c", "fmi2.c", "fmi3.c")
+# contraction would form fused products, and other bits than those of the component in process
+FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-s")
+HERE = {("Linux", "x86_64"): "linux64", ("Windows", "AMD64"): "win64"}
+
+
+@dataclass(frozen=True)
+class Library:
+    """What FMUs of one component, for any version of FMI, have in common."""
+
+    name: str
+    component: Any
+    variables: tuple[Any, ...]
+    token: str
+    binaries: dict[str, bytes]  # target -> library
+
+
+def own_target() -> str:
+    """The target that is this machine, or "" if it is none of them."""
+    return HERE.get((platform.system(), platform.machine()), "")
+
+
+def compiler(target: str) -> list[str]:
+    """The command of a C compiler for a target: zig's where it is installed, else the system's own for this machine."""
+    if target not in TARGETS:
+        raise BadInput("build --native", f"target {target!r}", "one of " + ", ".join(TARGETS), nearest(target, TARGETS))
+    if find_spec("ziglang") is not None:
+        return [sys.executable, "-m", "ziglang", "cc", "-target", TARGETS[target].zig]
+    found = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
+    if target == own_target() and found:
+        return [found, "-Wl,--build-id=none"]
+    raise BadInput("build --native", f"no C compiler for {target}", "zig, which compiles for all targets" +
+                   (", or cc" if target == own_target() else ""), "Install it: pip install 'cosimo[native]'.")
+
+
+def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Library:
+    """Compile what `make` makes, a component with its effects, parameters and start values, for all targets."""
+    compilers = {target: compiler(target) for target in targets}  # refused before anything is compiled
+    component, code, image = compiled_with_image(make)
+    variables = native_variables(component, code, image)
+    objects = {target: object_code(code, target) for target in {*compilers, "linux64"}}
+    total = hashlib.sha256(objects["linux64"])
+    for part in (tables(component, code, image, variables, ""), *((RUNTIME / f).read_text() for f in sorted(_files()))):
+        total.update(f"{len(part)}\0{part}".encode())
+    total.update(description2(name, component, variables, ""))
+    digest = total.hexdigest()
+    token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+    model = tables(component, code, image, variables, token)
+    binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
+    return Library(name, component, variables, token, binaries)
+
+
+def _files() -> list[str]:
+    return [f.name for f in RUNTIME.iterdir() if f.suffix in (".c", ".h")]
+
+
+def _linked(name: str, target: str, command: list[str], model: str, code: bytes) -> bytes:
+    with tempfile.TemporaryDirectory(prefix="cosimo-") as folder:
+        for file in _files():
+            shutil.copy(RUNTIME / file, folder)
+        Path(folder, "model.c").write_text(model)
+        Path(folder, "entries.o").write_bytes(code)
+        result = name + TARGETS[target].suffix
+        dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later
+        done = subprocess.run([*command, *FLAGS, *dense, *SOURCES, "model.c", "entries.o", "-o", result, "-lm"], cwd=folder,
+                              capture_output=True, text=True)
+        if done.returncode:
+            lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines() or ["no message"]
+            raise BadInput("build --native", f"{command[0]} for {target} failed: {lines[0][:300]}", "a C compiler that links",
+                           "Check its installation.")
+        return Path(folder, result).read_bytes()
+
+
+def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str], versions: Iterable[int] = (2,)) -> list[Path]:
+    """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
+
+    `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.
+    """
+    return [pack(found, directory, version) for found in [library(name, make, targets)] for version in versions]
+
+
+def pack(found: Library, directory: Path, version: int) -> Path:
+    """One FMU file of a compiled component."""
+    describe = {2: description2, 3: description3}[version]
+    scalars = tuple(v.scalar for v in found.variables if v.role != "ABSENT")
+    members = {
+        "modelDescription.xml": describe(found.name, type(found.component), found.variables, found.token),
+        "documentation/index.html": documentation(found.name, type(found.component), scalars, HOST),
+    }
+    for target, content in found.binaries.items():
+        folder = TARGETS[target].folder2 if version == 2 else TARGETS[target].folder3
+        members[f"binaries/{folder}/{found.name}{TARGETS[target].suffix}"] = content
+    return write(members, Path(directory) / f"{found.name}{'.fmi3' if version == 3 else ''}.fmu")

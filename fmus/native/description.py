@@ -1,0 +1,107 @@
+"""modelDescription.xml of native FMUs, for FMI 2.0 and 3.0; variables, units and texts are those of the pythonfmu FMU.
+
+Sources: FMI 2.0.4, sections 2.2 and 4.3; FMI 3.0.2, sections 2.4 and 4.3.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from importlib.metadata import version
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from ..description import add_head, add_structure, add_variable
+from .variables import NativeVariable
+
+ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
+HOST = """This FMU needs no Python. Effects and parameters are constants, fixed when it was built; the documentation of each says so."""
+
+
+def _root(fmi: str, name: str, component: Any, **token: str) -> ET.Element:
+    release = version("cosimo")
+    return ET.Element("fmiModelDescription", {
+        "fmiVersion": fmi, "modelName": name, **token, "description": component.title, "version": release, "license": "MIT",
+        "generationTool": f"cosimo {release}", "variableNamingConvention": "structured"})
+
+
+def _finished(root: ET.Element) -> bytes:
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return ("INF" if value > 0 else "-INF") if isinstance(value, float) and math.isinf(value) else str(value)
+
+
+def description2(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str) -> bytes:
+    """For FMI 2.0."""
+    root = _root("2.0", name, component, guid=token)
+    ET.SubElement(root, "CoSimulation", {
+        "modelIdentifier": name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    })
+    present = [(k, replace(v.scalar, start=_shown(v.scalar.start))) for k, v in enumerate(variables) if v.role != "ABSENT"]
+    add_head(root, component, {s.unit for _, s in present if s.type == "Real"})
+    parent = ET.SubElement(root, "ModelVariables")
+    for reference, scalar in present:
+        add_variable(parent, reference, scalar)
+    add_structure(root, tuple(s for _, s in present))
+    return _finished(root)
+
+
+def description3(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str) -> bytes:
+    """For FMI 3.0: elements that follow one another are arrays."""
+    root = _root("3.0", name, component, instantiationToken=token)
+    ET.SubElement(root, "CoSimulation", {
+        "modelIdentifier": name, "needsExecutionTool": "false", "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true",
+        "canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "0",
+    })
+    present = [(k, v) for k, v in enumerate(variables) if v.role != "ABSENT" and v.size]
+    add_head(root, component, {v.scalar.unit for _, v in present if v.scalar.type == "Real"} | {"s"})
+    parent = ET.SubElement(root, "ModelVariables")
+    ET.SubElement(parent, "Float64", {"name": "time", "valueReference": str(len(variables)), "description": "simulated time",
+                                      "causality": "independent", "variability": "continuous", "unit": "s"})
+    for reference, variable in present:
+        _add_variable3(parent, reference, variable, variables[reference : reference + variable.size])
+    structure = ET.SubElement(root, "ModelStructure")
+    outputs = [(k, v) for k, v in present if v.role == "OUTPUT"]
+    inputs = [(k, {e.scalar.name for e in variables[k : k + v.size]}) for k, v in present if v.role == "INPUT"]
+    for reference, variable in outputs:
+        fed = {n for e in variables[reference : reference + variable.size] for n in e.scalar.feedthrough}
+        known = [k for k, names in inputs if names & fed or {n.partition("[")[0] for n in names} & fed]
+        ET.SubElement(structure, "Output", {"valueReference": str(reference), "dependencies": " ".join(map(str, known))})
+    for reference, _ in outputs:
+        ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
+    return _finished(root)
+
+
+def _add_variable3(parent: ET.Element, reference: int, variable: NativeVariable, elements: tuple[NativeVariable, ...]) -> None:
+    scalar = variable.scalar
+    name = scalar.name if variable.size == 1 else scalar.name.partition("[")[0]
+    attributes = {"name": name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
+    if scalar.causality == "local":
+        attributes |= {"variability": "constant", "initial": "exact"}
+    elif scalar.causality == "output":
+        attributes |= {"variability": "continuous", "initial": "calculated"}
+    else:
+        attributes |= {"variability": "continuous"}
+    if scalar.type == "Real":
+        attributes["unit"] = scalar.unit
+        attributes |= {"nominal": repr(scalar.nominal)} if scalar.nominal != 1.0 else {}
+    if scalar.type in ("Real", "Integer"):
+        attributes |= {key: repr(limit) for key, limit in (("min", scalar.low), ("max", scalar.high)) if math.isfinite(limit)}
+    starts = [_shown(e.scalar.start) for e in elements]
+    if scalar.causality != "output" and scalar.type != "String":
+        attributes["start"] = " ".join(starts)
+    element = ET.SubElement(parent, ELEMENTS[scalar.type], attributes)
+    if len(elements) > 1:
+        ET.SubElement(element, "Dimension", {"start": str(len(elements))})
+    if scalar.type == "String":
+        for text in starts:
+            ET.SubElement(element, "Start", {"value": text})

@@ -1,0 +1,260 @@
+"""Object files of generated functions and of all kernels that they call, without Python and without Numba's runtime.
+
+Numba compiles, LLVM emits for the target. A kernel of a component carries flags for use from Python; here each is compiled once
+more with flags of its own: no reference counts, no wrappers. What allocates is then refused by Numba, with its line. The calling
+convention between Numba's functions, `i32 f(result *, exception **, arguments ...)`, stays inside the object; each entry
+gets a C function around it. An object may ask for nothing but the functions of `ALLOWED`, which libc and libm have.
+"""
+
+from __future__ import annotations
+
+import re
+import types
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ...components.core.errors import BadInput
+from .block import Block
+from .hooks import Hooks
+
+ENTRIES = {"start": ("_start", "double %t"), "step": ("_step", "double %t, double %h"), "outputs": ("_outputs", "double %t")}
+RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
+ALLOWED = {
+    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc", "exp",
+    "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p", "log2", "memcpy",
+    "memmove", "memset", "nearbyint", "pow", "rint", "round", "sin", "sincos", "sinh", "sqrt", "tan", "tanh", "tgamma", "trunc",
+}
+
+
+@dataclass(frozen=True)
+class Target:
+    """A machine and its C runtime."""
+
+    triple: str  # for LLVM
+    zig: str  # for zig's C compiler; the oldest glibc whose symbols are enough
+    cpu: str
+    folder2: str  # under binaries/ of FMI 2
+    folder3: str  # and of FMI 3
+    suffix: str
+
+
+TARGETS = {
+    "linux64": Target("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so"),
+    "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll"),
+}
+
+
+class _Compiler:
+    """Copies of kernels, compiled with the flags given here; callees likewise."""
+
+    def __init__(self, counted: bool):
+        from numba import njit
+
+        options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
+        self.compiled = njit(**options) if counted else njit(_nrt=False, **options)
+        self.kernels: dict[int, tuple[Any, Any]] = {}
+
+    def clone(self, kernel: Any) -> Any:
+        """A kernel, or a plain function that a hook calls, under these flags."""
+        function = getattr(kernel, "py_func", kernel)
+        if id(function) in self.kernels:
+            return self.kernels[id(function)][0]
+        package = "" if kernel is not function else function.__module__.partition(".")[0]
+        cells = function.__closure__ and tuple(types.CellType(self._kernel(c.cell_contents)) for c in function.__closure__)
+        new = types.FunctionType(function.__code__, dict(function.__globals__), function.__name__, function.__defaults__, cells)
+        new.__qualname__, new.__module__ = function.__qualname__, function.__module__
+        copy = self.compiled(new)
+        self.kernels[id(function)] = (copy, function)  # before its callees: it may call itself
+        for name in set(_names(function.__code__)):
+            if is_kernel(new.__globals__.get(name), package):
+                new.__globals__[name] = self.clone(new.__globals__[name])
+        return copy
+
+    def _kernel(self, value: Any) -> Any:
+        return self.clone(value) if is_kernel(value, "") else value
+
+
+def is_kernel(value: Any, package: str) -> bool:
+    """Whether a value is a kernel, or a plain function of the package, which a hook may call like one."""
+    plain = isinstance(value, types.FunctionType) and value.__module__ is not None
+    return hasattr(value, "py_func") or (plain and value.__module__.partition(".")[0] == package)
+
+
+def _names(code: types.CodeType) -> Iterable[str]:
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _names(constant)
+
+
+def helpers() -> dict[str, Any]:
+    """What generated functions use to look at the block: pointers from an address, and arrays over them."""
+    from numba import types as t
+    from numba.extending import intrinsic
+    from numba.np.arrayobj import get_cfarray_intrinsic
+
+    def pointer(kind: Any) -> Any:
+        @intrinsic
+        def cast(context, address):
+            signature = t.CPointer(kind)(t.int64)
+
+            def generate(context, builder, signature, arguments):
+                return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
+
+            return signature, generate
+
+        return cast
+
+    kinds = {"float64": t.float64, "int64": t.int64, "int32": t.int32, "uint64": t.uint64, "bool": t.boolean}
+    # the public carray allocates a tuple for its shape when reference counts are off, and is refused
+    return {**{f"_pointer_{name}": pointer(kind) for name, kind in kinds.items()},
+            "_view_c": get_cfarray_intrinsic("C", None), "_view_f": get_cfarray_intrinsic("F", None)}
+
+
+@dataclass(frozen=True)
+class Code:
+    """The entries of one component in LLVM's language, and the words of the statuses that its hooks return."""
+
+    text: str
+    messages: tuple[str, ...]
+    block: Block
+
+
+def compile_entries(component: Any) -> Code:
+    """Entries of an initialized component; `BadInput` names the line that prevents it."""
+    from numba.core.errors import NumbaError, UnsupportedBytecodeError
+
+    refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
+    try:
+        return _compile(component, counted=False)
+    except refused as error:
+        first = error
+    try:
+        # code that is never reached may mention allocation; what remains of it is seen among the symbols
+        return _compile(component, counted=True)
+    except refused as second:
+        raise refusal(component, second) from first
+
+
+def _compile(component: Any, counted: bool) -> Code:
+    from numba import types as t
+
+    compiler, block = _Compiler(counted), Block(component)
+    hooks = Hooks(component, block, compiler.clone, compiler.compiled, helpers())
+    texts = {}
+    for entry, (method, arguments) in ENTRIES.items():
+        if entry == "start" and not starts(component):
+            continue
+        function = hooks.entry(method)
+        signature = (t.float64,) * arguments.count("double") + (t.int64,)
+        function.compile(signature)
+        texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
+    text = _linked(component, texts, [k.py_func.__name__ for k, _ in compiler.kernels.values()])
+    return Code(text, tuple(hooks.messages), block)
+
+
+def starts(component: Any) -> bool:
+    """Whether part of the initial state is computed by `_start`, for the inputs and the time of the start."""
+    from ...components.core.component import Component
+
+    return type(component)._start is not Component._start
+
+
+def _with_c_entry(entry: str, arguments: str, compiled: Any) -> str:
+    name, result = compiled.fndesc.llvm_func_name, compiled.signature.return_type
+    width = result.bitwidth
+    if width not in (32, 64):
+        raise ValueError(f"{entry} returns a {result}, expected a status")
+    value = "%v = trunc i64 %w to i32" if width == 64 else "%v = add i32 %w, 0"
+    return compiled.library.get_llvm_str() + f"""
+define i32 @model_{entry}({arguments}, i64 %b) {{
+ %r = alloca i{width}
+ %e = alloca ptr
+ store i{width} 0, ptr %r
+ %s = call i32 @"{name}"(ptr %r, ptr %e, {arguments}, i64 %b)
+ %ok = icmp eq i32 %s, 0
+ %w = load i{width}, ptr %r
+ {value}
+ %o = select i1 %ok, i32 %v, i32 {RAISED}
+ ret i32 %o
+}}
+"""
+
+
+def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str:
+    """One module of all entries, optimized for the baseline of x86-64; refuses symbols that are not `ALLOWED`."""
+    import llvmlite.binding as llvm
+
+    modules = [llvm.parse_assembly(text) for text in texts.values()]
+    module, *others = modules
+    for other in others:
+        module.link_in(other)
+    for item in [*module.functions, *module.global_variables]:
+        if not item.is_declaration and not item.name.startswith("model_"):
+            item.linkage = "internal"
+    before = str(module)
+    _optimize(module, TARGETS["linux64"])
+    found = [f.name for f in [*module.functions, *module.global_variables] if f.is_declaration]
+    foreign = sorted(n for n in found if not n.startswith("llvm.") and n not in ALLOWED)
+    if foreign:
+        raise BadInput(type(component).__name__, "machine code that needs " + ", ".join(foreign) + _users(before, foreign[0], kernels),
+                       "kernels that allocate nothing and call only functions of libm", "Give the kernel workspace, or write a loop.")
+    return str(module)
+
+
+def _users(text: str, symbol: str, kernels: list[str]) -> str:
+    """The kernels whose code names a symbol."""
+    names = set()
+    for function in re.split(r"\ndefine ", text):
+        head, _, body = function.partition("\n")
+        if symbol in body:
+            names |= {k for k in kernels if f"{len(k)}{k}B" in head or f"{k}" in head}
+    return f" (in {', '.join(sorted(names, key=len)[-3:])})" if names else ""
+
+
+def _machine(target: Target) -> Any:
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    return llvm.Target.from_triple(target.triple).create_target_machine(cpu=target.cpu, features="", opt=3, reloc="pic",
+                                                                        codemodel="default")
+
+
+def _optimize(module: Any, target: Target) -> Any:
+    import llvmlite.binding as llvm
+
+    machine = _machine(target)
+    module.triple, module.data_layout = target.triple, str(machine.target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = options.slp_vectorization = False  # Numba has done it
+    builder = llvm.create_pass_builder(machine, options)
+    builder.getModulePassManager().run(module, builder)
+    return machine
+
+
+def object_code(code: Code, target: str) -> bytes:
+    """The object file for a target; its entries are hidden from other libraries of the process."""
+    import llvmlite.binding as llvm
+
+    module = llvm.parse_assembly(code.text)
+    machine = _optimize(module, TARGETS[target])
+    for function in module.functions:
+        if function.name.startswith("model_"):
+            function.visibility = "hidden"
+    module.verify()
+    return machine.emit_object(module)
+
+
+def refusal(component: Any, error: Exception) -> BadInput:
+    """Numba's message, shortened to its cause and the deepest line that it names."""
+    text = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    ignored = ("During:", "File", "This error", "Failed in", "Overload", "<source", "-", "^")
+    causes = [line for line in lines if not line.startswith(ignored)]
+    places = re.findall(r'File "([^"]+)", line (\d+)', text)
+    where = f" ({places[-1][0]}, line {places[-1][1]})" if places else ""
+    cause = next((c for c in reversed(causes) if len(c) > 12), type(error).__name__)
+    return BadInput(type(component).__name__, f"what has no native form{where}: {cause[:200]}",
+                    "kernels that allocate nothing and call only functions of libm", "Move it into a kernel with workspace.")

@@ -1,0 +1,78 @@
+/* What a native FMU consists of: the tables of one model, and the runtime that every model shares. */
+#ifndef NATIVE_H
+#define NATIVE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+enum { REAL, INTEGER, BOOLEAN, STRING };                         /* types of variables */
+enum { ABSENT, CONSTANT, INPUT, DERIVATIVE, OUTPUT, CLOCK_TIME }; /* roles; a reference of an effect that is off is absent */
+enum { OK, WARNING, DISCARD, ERROR };                            /* statuses, of both versions of FMI */
+
+/* One variable; its position in the table is its value reference. */
+typedef struct {
+    const char *name;
+    uint8_t type, role, bound; /* bound: the initial state was computed at the start value of this input */
+    uint32_t size;             /* FMI 3: number of elements of the array that begins here; 0 inside of one */
+    uint32_t cell;             /* of an input, a derivative or an output in the block */
+    double factor;             /* of the cell over the variable */
+    double value, nominal;     /* value of a constant, size of an input */
+    const char *text;          /* of a constant String */
+} Variable;
+typedef struct { int32_t status; const char *text; } Reason;
+
+/* ---- written at build ---- */
+extern const Variable model_variables[];
+extern const Reason model_reasons[];
+extern const uint64_t model_image[]; /* the block after initialization */
+extern const char model_token[];
+extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_u, model_u_size, model_y, model_y_size;
+extern const uint32_t model_bound_time; /* whether the initial state was computed for a start at t = 0 */
+extern int32_t (*const model_start_entry)(double t, int64_t block); /* null where nothing is left to compute */
+int32_t model_step(double t, double h, int64_t block);
+int32_t model_outputs(double t, int64_t block);
+
+/* ---- native.c ---- */
+typedef struct Instance Instance;
+typedef void (*Logger)(const Instance *, int status, const char *category, const char *text);
+struct Instance {
+    uint32_t phase, stale;       /* stale: the outputs do not belong to the present inputs */
+    int logging, fmi3;
+    double t, start, stop;
+    Logger log;
+    void *environment, *callback; /* of the host */
+    char name[256];
+    double block[];
+};
+enum { INSTANTIATED = 1, INITIALIZATION = 2, STEPPING = 4, FAILED = 8, TERMINATED = 16, EVERY = 31 };
+
+int report(const Instance *m, int status, const char *format, ...);
+Instance *create(const char *name, const char *token, int logging, int fmi3, Logger log, void *environment, void *callback);
+void discard_instance(void *m);
+int allowed(const Instance *m, uint32_t phases, const char *call);
+int get_values(Instance *m, int type, const uint32_t *references, size_t n, void *values, size_t room);
+int set_values(Instance *m, int type, const uint32_t *references, size_t n, const void *values, size_t room);
+int set_slopes(Instance *m, const uint32_t *references, size_t n, const int32_t *orders, const double *values);
+int set_logging(Instance *m, int on, size_t n, const char *const *categories);
+int setup(Instance *m, double start, int has_stop, double stop);
+int enter_initialization(Instance *m);
+int exit_initialization(Instance *m);
+int terminate(Instance *m);
+int reset(Instance *m);
+int do_step(Instance *m, double t, double h);
+int directional(Instance *m, const uint32_t *unknowns, size_t n, const uint32_t *knowns, size_t k, const double *seed, size_t seeds,
+                double *result, size_t results);
+int get_state(Instance *m, void **state);
+int set_state(Instance *m, const void *state);
+int free_state(Instance *m, void **state);
+int state_size(Instance *m, const void *state, size_t *size);
+int serialize(Instance *m, const void *state, void *bytes, size_t size);
+int deserialize(Instance *m, const void *bytes, size_t size, void **state);
+int refuse(const Instance *m, const char *call); /* a function that this kind of FMU does not offer */
+#endif

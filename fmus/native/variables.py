@@ -1,0 +1,132 @@
+"""The variables of a native FMU: the same names and value references as those of the pythonfmu FMU, with what is fixed at build.
+
+Parameters and effects are constants. What belongs to an effect that is off has no variable; its value references stay unused.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..interface import Scalar, interface
+from .image import Image
+from .machine_code import Code
+
+TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
+
+
+@dataclass(frozen=True)
+class NativeVariable:
+    """One variable; `cell` and `factor` say where an input or an output lies in the block."""
+
+    scalar: Scalar
+    role: str
+    cell: int = 0
+    factor: float = 1.0
+    bound: bool = False  # an input at whose start value the initial state was computed
+    size: int = 1  # elements of the array that begins here; 0 inside of one
+
+
+def native_variables(component: Any, code: Code, image: Image) -> tuple[NativeVariable, ...]:
+    """All variables in the order of their value references."""
+    places: dict[str, tuple[int, float]] = {}
+    n = len(component.inputs)
+    for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
+        places |= {form.format(name): (code.block.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
+    places |= {name: (code.block.y + i, 1.0) for i, name in enumerate(component.outputs)}
+    return _with_sizes([_variable(s, component, places, image) for s in interface(type(component))])
+
+
+def _variable(scalar: Scalar, component: Any, places: dict[str, tuple[int, float]], image: Image) -> NativeVariable:
+    name = scalar.name
+    if scalar.causality == "parameter":
+        if name.startswith("effects."):
+            value: Any = name.partition(".")[2] in component.on
+        elif name in component.parameters:
+            value = component.parameters[name]
+        else:
+            return NativeVariable(scalar, "ABSENT")
+        return NativeVariable(replace(scalar, causality="local", start=value, text=scalar.text + "; fixed at build"), "CONSTANT")
+    if name not in places:
+        return NativeVariable(scalar, "ABSENT")
+    cell, factor = places[name]
+    if scalar.causality == "output":
+        return NativeVariable(scalar, "OUTPUT", cell)
+    if scalar.order:
+        return NativeVariable(scalar, "DERIVATIVE", cell, factor)
+    start, bound = float(image.cells[cell]), name in image.bound_inputs
+    text = scalar.text + "; fixed at build is its start value, for which the initial state was computed" if bound else scalar.text
+    return NativeVariable(replace(scalar, start=start, text=text), "INPUT", cell, bound=bound)
+
+
+def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
+    """Elements `name[1]`, `name[2]` ... that follow one another are one array in FMI 3."""
+    found: list[NativeVariable] = []
+    first = 0
+    for k, variable in enumerate(variables):
+        base, bracket, _ = variable.scalar.name.partition("[")
+        of_array = bool(bracket) and variable.scalar.name.endswith("]")
+        before = variables[first]
+        if k and of_array and before.role == variable.role and before.scalar.name == f"{base}[1]":
+            found[first] = replace(found[first], size=found[first].size + 1)
+            found.append(replace(variable, size=0))
+        else:
+            first = k
+            found.append(variable)
+    return tuple(found)
+
+
+def tables(component: Any, code: Code, image: Image, variables: tuple[NativeVariable, ...], token: str) -> str:
+    """model.c: what the runtime reads."""
+    rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
+    rows.append('{"time", REAL, CLOCK_TIME, 0, 1, 0, 1.0, 0.0, 1.0, 0}')
+    reasons = [f"{{{status}, {quoted(text)}}}" for status, text in reasons_of(component, code)]
+    cells = [f"{value:#x}u" for value in image.cells.view("uint64").tolist()]
+    block = code.block
+    numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": block.cells, "saved": block.saved,
+               "u": block.u, "u_size": component.u.size, "y": block.y, "y_size": component.y.size,
+               "bound_time": int(image.bound_time)}
+    start = "int32_t model_start(double t, int64_t block);\n" if "@model_start(" in code.text else ""
+    return "\n".join([
+        "#include \"native.h\"", "#include <math.h>",
+        "const Variable model_variables[] = {", ",\n".join(rows), "};",
+        "const Reason model_reasons[] = {", ",\n".join(reasons), "};",
+        "const uint64_t model_image[] = {", *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)), "};",
+        f"const char model_token[] = {quoted(token)};",
+        "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
+        start + f"int32_t (*const model_start_entry)(double, int64_t) = {'model_start' if start else '0'};", ""])
+
+
+def _row(name: str, kind: str, variable: NativeVariable) -> str:
+    scalar, role = variable.scalar, variable.role
+    text = quoted(str(scalar.start)) if role == "CONSTANT" and kind == "STRING" else "0"
+    value = number(float(scalar.start)) if role in ("CONSTANT", "INPUT", "DERIVATIVE") and kind != "STRING" else "0.0"
+    name = quoted(name) if role != "ABSENT" else "0"
+    return (f"{{{name}, {kind}, {role}, {int(variable.bound)}, {variable.size}, {variable.cell}, {number(variable.factor)}, {value}, "
+            f"{number(scalar.nominal)}, {text}}}")
+
+
+def number(value: float) -> str:
+    """A real number in C, every bit of it."""
+    return f"{'-' if value < 0 else ''}INFINITY" if math.isinf(value) else value.hex()
+
+
+def quoted(text: str) -> str:
+    """A string literal of C."""
+    return '"' + "".join(chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'
+
+
+def reasons_of(component: Any, code: Code) -> list[tuple[int, str]]:
+    """(status, message) of all that a step or the outputs may return, kernels' statuses in the component's own words."""
+    from ...components.core.errors import StepFailed
+    from ...components.core.kernels import REASONS
+    from .hooks import FIRST_RAISED
+
+    found = []
+    for status in REASONS:
+        try:
+            component._check(status)
+        except StepFailed as failure:
+            found.append((status, failure.reason + (f". {failure.remedy}" if failure.remedy else "")))
+    return found + [(FIRST_RAISED + k, text) for k, text in enumerate(code.messages)]
