@@ -40,10 +40,8 @@ class Block:
         root = array
         while isinstance(root.base, np.ndarray):
             root = root.base
-        for known, offset in self._roots:
-            if known is root:
-                break
-        else:
+        offset = next((at for known, at in self._roots if known is root), None)
+        if offset is None:
             offset = CELL * self.cells
             self.cells += max(1, -(-root.nbytes // CELL))
             self._roots.append((root, offset))

@@ -38,6 +38,8 @@ class Library:
     component: Any
     variables: tuple[Any, ...]
     token: str
+    model: str  # model.c
+    objects: dict[str, bytes]  # target -> entries.o
     binaries: dict[str, bytes]  # target -> library
 
 
@@ -73,19 +75,24 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(component, code, image, variables, token)
     binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
-    return Library(name, component, variables, token, binaries)
+    return Library(name, component, variables, token, model, objects, binaries)
 
 
 def _files() -> list[str]:
     return [f.name for f in RUNTIME.iterdir() if f.suffix in (".c", ".h")]
 
 
+def write_sources(folder: Path, model: str, code: bytes) -> None:
+    """All that a C compiler needs: the runtime, model.c and entries.o."""
+    for file in _files():
+        shutil.copy(RUNTIME / file, folder)
+    Path(folder, "model.c").write_text(model)
+    Path(folder, "entries.o").write_bytes(code)
+
+
 def _linked(name: str, target: str, command: list[str], model: str, code: bytes) -> bytes:
     with tempfile.TemporaryDirectory(prefix="cosimo-") as folder:
-        for file in _files():
-            shutil.copy(RUNTIME / file, folder)
-        Path(folder, "model.c").write_text(model)
-        Path(folder, "entries.o").write_bytes(code)
+        write_sources(Path(folder), model, code)
         result = name + TARGETS[target].suffix
         dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later
         done = subprocess.run([*command, *FLAGS, *dense, *SOURCES, "model.c", "entries.o", "-o", result, "-lm"], cwd=folder,
@@ -97,7 +104,8 @@ def _linked(name: str, target: str, command: list[str], model: str, code: bytes)
         return Path(folder, result).read_bytes()
 
 
-def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str], versions: Iterable[int] = (2,)) -> list[Path]:
+def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str],
+                 versions: Iterable[int] = (2,)) -> list[Path]:
     """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.

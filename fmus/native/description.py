@@ -15,7 +15,7 @@ from ..description import add_head, add_structure, add_variable
 from .variables import NativeVariable
 
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
-HOST = """This FMU needs no Python. Effects and parameters are constants, fixed when it was built; the documentation of each says so."""
+HOST = "This FMU needs no Python. Effects and parameters are constants, fixed when it was built."
 
 
 def _root(fmi: str, name: str, component: Any, **token: str) -> ET.Element:

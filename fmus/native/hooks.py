@@ -34,6 +34,7 @@ class Hooks:
                  helpers: dict[str, Any]):
         self.component, self.block, self.clone, self.compiled = component, block, clone, compiled
         self.helpers = helpers
+        self.assigned = assigned_in_run(type(component))
         self.messages: list[str] = []  # of status FIRST_RAISED + position
         self._done: dict[Any, tuple[str, _Method]] = {}
         self._functions: dict[str, Any] = {}
@@ -233,18 +234,12 @@ class _Method(ast.NodeTransformer):
                 return None
             if isinstance(node, ast.Attribute) and is_self(node.value):
                 value = getattr(self.component, node.attr, None)
-                if not presence and (node.attr in ("t", "u", "y", "x") or node.attr in self.assigned() or not fixed(value)):
+                if not presence and (node.attr in ("t", "u", "y", "x") or node.attr in self.hooks.assigned or not fixed(value)):
                     return None
         if not any(is_self(n) for n in ast.walk(test)):
             return None
         expression = compile(ast.fix_missing_locations(ast.Expression(test)), self.file, "eval")
         return bool(eval(expression, dict(self.function.__globals__), {"self": self.component}))
-
-    def assigned(self) -> set[str]:
-        """Attributes that some method of the component's classes sets, but for those that make the initial state."""
-        if not hasattr(self.hooks, "_assigned"):
-            self.hooks._assigned = assigned_in_run(type(self.component))  # type: ignore[attr-defined]
-        return self.hooks._assigned  # type: ignore[attr-defined]
 
     # -- expressions -------------------------------------------------------------------------------------------------
     def attribute(self, node: Any) -> Any:
@@ -346,13 +341,18 @@ def fixed(value: Any) -> bool:
 
 
 def assigned_in_run(cls: type) -> set[str]:
-    """Attributes that methods set which belong neither to construction nor to initialization."""
+    """Attributes that the hooks of a run set, or methods that they call."""
     found: set[str] = set()
-    for base in cls.__mro__[:-1]:
-        for name, function in vars(base).items():
-            if isinstance(function, types.FunctionType) and name in ("_step", "_outputs") or name.startswith("_check_"):
+    seen, todo = set(), ["_start", "_step", "_outputs"]
+    while todo:
+        name = todo.pop()
+        seen.add(name)
+        for function in [vars(base).get(name) for base in cls.__mro__]:
+            if isinstance(function, types.FunctionType):
                 tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-                found |= {n.attr for n in ast.walk(tree) if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)}
+                nodes = [n for n in ast.walk(tree) if isinstance(n, ast.Attribute)]
+                found |= {n.attr for n in nodes if isinstance(n.ctx, ast.Store)}
+                todo += [n.attr for n in nodes if n.attr not in seen and n.attr not in todo]
     return found
 
 

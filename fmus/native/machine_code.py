@@ -19,11 +19,13 @@ from .block import Block
 from .hooks import Hooks
 
 ENTRIES = {"start": ("_start", "double %t"), "step": ("_step", "double %t, double %h"), "outputs": ("_outputs", "double %t")}
+NATIVE = "kernels that allocate nothing and call only functions of libm"
 RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
 ALLOWED = {
-    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc", "exp",
-    "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p", "log2", "memcpy",
-    "memmove", "memset", "nearbyint", "pow", "rint", "round", "sin", "sincos", "sinh", "sqrt", "tan", "tanh", "tgamma", "trunc",
+    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc",
+    "exp", "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p",
+    "log2", "memcpy", "memmove", "memset", "nearbyint", "pow", "rint", "round", "sin", "sincos", "sinh", "sqrt", "tan",
+    "tanh", "tgamma", "trunc",
 }
 
 
@@ -135,6 +137,9 @@ def compile_entries(component: Any) -> Code:
         return _compile(component, counted=True)
     except refused as second:
         raise refusal(component, second) from first
+    except BadInput as second:
+        place = _place(_plain(first))
+        raise BadInput(second.where, second.actual + place, second.expected, second.remedy) from first
 
 
 def _compile(component: Any, counted: bool) -> Code:
@@ -198,8 +203,9 @@ def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str
     found = [f.name for f in [*module.functions, *module.global_variables] if f.is_declaration]
     foreign = sorted(n for n in found if not n.startswith("llvm.") and n not in ALLOWED)
     if foreign:
-        raise BadInput(type(component).__name__, "machine code that needs " + ", ".join(foreign) + _users(before, foreign[0], kernels),
-                       "kernels that allocate nothing and call only functions of libm", "Give the kernel workspace, or write a loop.")
+        needed = ", ".join(foreign) + _users(before, foreign[0], kernels)
+        remedy = "Give the kernel workspace, or write a loop."
+        raise BadInput(type(component).__name__, f"machine code that needs {needed}", NATIVE, remedy)
     return str(module)
 
 
@@ -249,12 +255,21 @@ def object_code(code: Code, target: str) -> bytes:
 
 def refusal(component: Any, error: Exception) -> BadInput:
     """Numba's message, shortened to its cause and the deepest line that it names."""
-    text = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+    text = _plain(error)
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     ignored = ("During:", "File", "This error", "Failed in", "Overload", "<source", "-", "^")
     causes = [line for line in lines if not line.startswith(ignored)]
-    places = re.findall(r'File "([^"]+)", line (\d+)', text)
-    where = f" ({places[-1][0]}, line {places[-1][1]})" if places else ""
     cause = next((c for c in reversed(causes) if len(c) > 12), type(error).__name__)
-    return BadInput(type(component).__name__, f"what has no native form{where}: {cause[:200]}",
-                    "kernels that allocate nothing and call only functions of libm", "Move it into a kernel with workspace.")
+    return BadInput(type(component).__name__, f"what has no native form{_place(text)}: {cause[:200]}",
+                    NATIVE, "Move it into a kernel with workspace.")
+
+
+def _plain(error: Exception) -> str:
+    return re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+
+
+def _place(text: str) -> str:
+    """The deepest line outside of Numba that a message of it names: it goes from the inside to the outside."""
+    found = re.findall(r'File "([^"]+)", line (\d+)|at (\S+\.py) \((\d+)\)', text)
+    places = [(a or c, b or d) for a, b, c, d in found if "/numba/" not in a + c and not (a + c).startswith(("<", "unknown"))]
+    return f" ({places[0][0]}, line {places[0][1]})" if places else ""

@@ -103,8 +103,8 @@ def _row(name: str, kind: str, variable: NativeVariable) -> str:
     text = quoted(str(scalar.start)) if role == "CONSTANT" and kind == "STRING" else "0"
     value = number(float(scalar.start)) if role in ("CONSTANT", "INPUT", "DERIVATIVE") and kind != "STRING" else "0.0"
     name = quoted(name) if role != "ABSENT" else "0"
-    return (f"{{{name}, {kind}, {role}, {int(variable.bound)}, {variable.size}, {variable.cell}, {number(variable.factor)}, {value}, "
-            f"{number(scalar.nominal)}, {text}}}")
+    return (f"{{{name}, {kind}, {role}, {int(variable.bound)}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
+            f"{value}, {number(scalar.nominal)}, {text}}}")
 
 
 def number(value: float) -> str:

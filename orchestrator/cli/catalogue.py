@@ -66,13 +66,30 @@ def _cases() -> list[dict[str, Any]]:
 
 @app.command()
 def build(
-    names: Annotated[list[str] | None, typer.Argument(help="components; all of them without it")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="components; all without it. With --native also module:Class")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
+    native: Annotated[bool, typer.Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
+    target: Annotated[str, typer.Option(help="With --native: linux64, win64 or both; default: this machine.")] = "",
+    fmi: Annotated[str, typer.Option(help="With --native: 2, 3 or both; default: 2.")] = "",
+    effects: Annotated[str, typer.Option(help="With --native: effects that are on, separated by commas.")] = "",
+    values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
+        "With --native: a parameter, or the start value of an input; may be repeated."))] = None,
+    scene: Annotated[str, typer.Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
 ) -> None:
     """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
     from ...components.catalogue import CATALOGUE
     from ...fmus.build import build as build_fmu
 
+    given = [option for option, value in (("--target", target), ("--fmi", fmi), ("--effects", effects), ("--set", values),
+                                          ("--scene", scene)) if value]
+    if native:
+        from .native import build_native_fmus
+
+        build_native_fmus(names or [], output, target, fmi, effects, values or [], scene)
+        return
+    if given:
+        raise BadInput("build", f"{given[0]} without --native", "no such option: other FMUs are configured by their host",
+                       "Add --native, or leave it out.")
     for name in names or CATALOGUE:
         print(build_fmu(name, output))
 

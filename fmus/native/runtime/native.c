@@ -77,8 +77,8 @@ static const char *not_finite(const Instance *m) {
         if (model_variables[k].role == OUTPUT && !isfinite(m->block[model_variables[k].cell])) return model_variables[k].name;
     return NULL;
 }
-/* Inputs from whose start values the initial state follows, when it was computed at build. */
-static int bound(Instance *m) {
+/* Whether the run begins with the inputs for which the initial state was computed at build. */
+static int bound(const Instance *m) {
     for (uint32_t k = 0; k < model_variable_count; k++) {
         const Variable *v = &model_variables[k];
         if (v->role == INPUT && v->bound && m->block[v->cell] != v->value)
@@ -94,7 +94,6 @@ static int freshen(Instance *m) {
     if (!m->stale) return OK;
     if (m->phase == INITIALIZATION) {
         fill(m, 0);
-        if (bound(m)) return ERROR;
         m->block[0] = m->t = m->start;
         if (model_start_entry) status = model_start_entry(m->t, ADDRESS(m));
     }
@@ -125,7 +124,7 @@ int enter_initialization(Instance *m) {
     return OK;
 }
 int exit_initialization(Instance *m) {
-    if (!allowed(m, INITIALIZATION, "ExitInitializationMode") || freshen(m)) return ERROR;
+    if (!allowed(m, INITIALIZATION, "ExitInitializationMode") || bound(m) || freshen(m)) return ERROR;
     m->phase = STEPPING;
     return OK;
 }

@@ -1,0 +1,82 @@
+"""FMUs without Python: what is built, from names or from the units of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ...components.catalogue import CATALOGUE
+from ...components.core.component import Component
+from ...components.core.errors import BadInput, nearest
+from ...fmus.native.build import build_native, own_target
+from ..units.component import ComponentUnit, find, make
+from .common import listed, parameters_of
+
+
+def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str, effects: str, values: Sequence[str],
+                      scene: str) -> None:
+    """Build native FMUs and print their paths; arguments as of the command `build`."""
+    targets = listed("--target", [target]) if target else [own_target()]
+    if not targets[0]:
+        raise BadInput("build --native", "this machine, which is no target", "linux64 or win64", "Give --target.")
+    versions = listed("--fmi", [fmi]) if fmi else ["2"]
+    if unknown := [v for v in versions if v not in ("2", "3")]:
+        raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")
+    if scene and (effects or values):
+        raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
+    on = listed("--effects", [effects]) if effects else []
+    units = scene_units(scene, names) if scene else {
+        name.rpartition(":")[2]: partial(_component, name, on, parameters_of(values))
+        for name in names or CATALOGUE}
+    refused: list[BadInput] = []
+    for name, maker in units.items():
+        try:
+            for path in build_native(name, maker, output, targets, [int(v) for v in versions]):
+                print(path)
+        except BadInput as error:
+            if len(units) == 1 or error.where == "build --native":
+                raise
+            refused.append(error)
+            print(f"refused: {error}")
+    if refused:
+        raise BadInput("build --native", f"{len(refused)} of {len(units)} components that have no native form",
+                       "components whose steps are kernels", "The lines above name what prevents it.")
+
+
+def _component(name: str, effects: Sequence[str], values: dict[str, Any]) -> Component:
+    return find(name, "build")(effects, values)
+
+
+def _inputs(unit: Any, name: str) -> dict[str, float]:
+    if not isinstance(unit, ComponentUnit):
+        raise BadInput("build --scene", f"unit {name!r} in a process of its own", "one of this process", "Leave isolation out.")
+    return dict(zip(unit.component.inputs, unit.component.u[0].tolist(), strict=True))
+
+
+def scene_units(name: str, wanted: Sequence[str]) -> dict[str, Callable[[], Component]]:
+    """Makers of a scene's components, or of those that are wanted, at the inputs with which the scene's run begins."""
+    from ..engine.algorithms import master_of
+    from ..engine.coupling.resolve import resolve_coupling
+    from ..open_all import open_units
+    from ..scene.scene import load_scene
+
+    scene = load_scene(name)
+    components = {unit: settings for unit, settings in scene.units.items() if settings.component}
+    for unit in wanted:
+        if unit not in components:
+            raise BadInput("build --scene", f"unit {unit!r}", f"a component of the scene {scene.name}", nearest(unit, components))
+    with ExitStack() as stack:
+        units = open_units(scene, stack, True)
+        master_of(scene, units, resolve_coupling(scene), ()).initialize(0.0)
+        starts = {unit: _inputs(units[unit], unit) for unit in wanted or components}
+
+    def maker(unit: str) -> Component:
+        component = make(unit, components[unit])
+        for port, value in starts[unit].items():
+            component.set(port, value)
+        return component
+
+    return {unit: partial(maker, unit) for unit in starts}

@@ -1,0 +1,23 @@
+"""A native FMU gives the bits of the component in process, at any step length, also from a restored state."""
+
+import numpy as np
+import pytest
+from cosimo.components.catalogue import CATALOGUE
+from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
+
+REFUSED = {"BeamRotor"}  # see test_native_refusals.py
+QUICK = ("PlanarLink", "GimbalController", "FourBar")
+ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE if n not in REFUSED]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_thousand_driven_steps_at_three_lengths(name, tmp_path):
+    found = compiled(name)
+    for share in (1.0, 0.37, 1.9):
+        component = maker(name)()
+        h = share * component.default_step
+        expected = in_process(component, h, 1000)
+        assert np.isfinite(expected).all()
+        assert expected.shape[1] == 0 or np.ptp(expected, axis=0).any(), "nothing moves: the comparison would say nothing"
+        np.testing.assert_array_equal(native(found, tmp_path, h, 1000), expected)
+    np.testing.assert_array_equal(native(found, tmp_path, h, 1000, version=3, restored_at=471), expected)
