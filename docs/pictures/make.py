@@ -1,6 +1,6 @@
-"""The pictures in the README: `python tests/pictures/make.py` runs three studies and photographs the top of their pages.
+"""The pictures of README and documentation: `python docs/pictures/make.py [NAME...]` runs commands and photographs their pages.
 
-It needs a Chromium, and takes some minutes.
+It needs a Chromium, and takes some minutes for all of them.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-STUDIES = {  # picture -> command, height in pixels
+PAGES = {  # picture -> command, height in pixels
+    "report": (("run", "en50318-2002", "--in-process"), 900),
     "accuracy": (("accuracy", "en50318-2002", "--budget", "200"), 960),
     "stability": (("stability", "mass-on-spring", "--algorithm", "jacobi,gauss-seidel"), 1000),
     "effects": (("effects", "wind-pump-start", "--tolerance", "5%"), 1160),
@@ -33,8 +34,8 @@ def photograph(page: Path, picture: Path, height: int) -> None:
 def main(names: list[str]) -> None:
     """Make the named pictures, or all."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or STUDIES:
-            command, height = STUDIES[name]
+        for name in names or PAGES:
+            command, height = PAGES[name]
             out = Path(folder) / name
             subprocess.run(["cosimo", *command, "-o", str(out)], check=True)
             photograph(out / "report.html", HERE / f"{name}.png", height)
