@@ -11,6 +11,8 @@ from cosimo.components.friction_drive.monolith import FrictionDrive, drive_deriv
 from cosimo.components.friction_drive.wheels import FrictionWheels
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.full
+
 FULL = ("inductance", "shaft_friction", "exact_slip", "trocar_friction", "gravity", "preload_loss")
 NEUTRAL = {"shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0, "trocar_friction.level": 0.0,
            "gravity.acceleration": 0.0, "preload_loss.first": 0.0}

@@ -29,6 +29,7 @@ def launch(catenary: Catenary, centre: float, width: float) -> np.ndarray:
     return x
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("method", METHODS)
 def test_pulse_travels_at_the_wave_speed_and_keeps_its_shape(method):
     catenary = bare_wire(method, length=240.0)
