@@ -74,6 +74,18 @@ class Quantity:
             distance = abs(float(self._apart(np.array(self.value(history) - self.value(reference)))))
         return distance / scale if isfinite(distance) else inf
 
+    def between_samples(self, reference: TimeHistory) -> float:
+        """How far a sampled extreme may be from the true one, by a parabola through it and its neighbours, over the scale."""
+        if self.kind not in ("maximum", "minimum"):
+            return 0.0
+        x, _ = self._kept(reference, reference.time)
+        k = int(np.argmax(x) if self.kind == "maximum" else np.argmin(x))
+        if not 0 < k < x.size - 1:
+            return 0.0
+        before, at, after = (float(v) for v in x[k - 1 : k + 2])
+        bend = abs(before - 2.0 * at + after)
+        return (before - after) ** 2 / (8.0 * bend * self.scale(reference)) if bend > 0.0 else 0.0
+
     def scale(self, reference: TimeHistory) -> float:
         """Range of the reference's signal, or its magnitude where it is constant, or its nominal value where that is zero."""
         x, _ = self._kept(reference, reference.time)

@@ -67,19 +67,24 @@ class SecondSolution:
 
 @dataclass(frozen=True)
 class Reference:
-    """What errors are measured against. shares: see `Solution`.  mesh_error: by quantity, of the mesh that it has."""
+    """What errors are measured against. shares: see `Solution`.
+
+    By quantity, mesh_error: of the mesh that it has; between_samples: of an extreme that falls between two samples.
+    """
 
     history: TimeHistory
     method: str
     second: tuple[SecondSolution, ...]
     shares: tuple[str, ...] = ()
     mesh_error: Mapping[str, float] = field(default_factory=dict)
+    between_samples: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def agreement(self) -> dict[str, float]:
-        """By quantity the largest distance of a second solution."""
+        """By quantity the largest distance of a second solution, and of an extreme what may lie between two samples."""
         names = dict.fromkeys(name for solution in self.second for name in solution.errors)
-        return {name: max(s.errors[name] for s in self.second if name in s.errors) for name in names}
+        return {name: max(s.errors[name] for s in self.second if name in s.errors) + self.between_samples.get(name, 0.0)
+                for name in names}
 
     @property
     def uncertainty(self) -> dict[str, float]:
@@ -105,7 +110,8 @@ def reference(scene: Scene, quantities: Sequence[Quantity], finest: float,
     if scene.study.monolith is not None:
         second.append(_monolith(scene, quantities, first.history, finest, on_message))
     method = f"{first.method}, elements x {FINER_MESH:g}" if mesh else first.method
-    return Reference(first.history, method, tuple(second), (*first.shares, MESH) if mesh else first.shares, mesh)
+    return Reference(first.history, method, tuple(second), (*first.shares, MESH) if mesh else first.shares, mesh,
+                     {q.name: q.between_samples(first.history) for q in quantities})
 
 
 def mesh_error(scene: Scene, quantities: Sequence[Quantity], on_message: Callable[[str], None] = lambda text: None

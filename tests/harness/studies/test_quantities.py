@@ -67,6 +67,17 @@ def test_a_run_on_other_instants_is_compared_at_its_own():
     assert quantity("time history").error(shorter, history(TIME**2)) < 1e-6  # of 16: chords of 5 ms are off by 6e-6
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.5])
+def test_what_an_extreme_between_two_samples_misses(shift):
+    """Of a cosine sampled with step h, the peak lies `shift` h behind a sample: 1 - cos(shift h), of a range of 2."""
+    h = 0.01
+    time = np.arange(201) * h
+    wave = TimeHistory(time, {"m.x": np.cos(np.pi * (time - 1.0 - shift * h))})
+    expected = 0.5 * (1.0 - np.cos(np.pi * shift * h))
+    assert quantity("maximum").between_samples(wave) == pytest.approx(expected, rel=2e-3, abs=1e-12)
+    assert quantity("mean").between_samples(wave) == 0.0
+
+
 def test_angles_are_directions():
     turning = 40.0 * TIME
     wrapped = np.remainder(turning, 2.0 * np.pi)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 LAW = frozenset({"lugre_slip", "exact_slip", "smoothed_slip"})  # laws of friction in place of creep
 FORM = frozenset({"trocar_friction.static_ratio", "trocar_friction.deflection", "trocar_friction.damping_time",

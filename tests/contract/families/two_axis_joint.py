@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 TORQUES = {"first_torque": 0.3, "second_torque": 0.2}
 AT_THE_STOP = {"stops.upper": 0.0}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 # Every ball moves: nothing of a turning bearing is at rest.
 MOVING = frozenset({"*"})

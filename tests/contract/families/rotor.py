@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 NO_SUPPORT = {f"linear_supports.{n}[{k}]": 0.0 for n in ("stiffness_x", "stiffness_y", "damping_x", "damping_y") for k in (1, 2)}
 NO_DISK = {f"disks.{n}[{k}]": 0.0 for n in ("mass", "polar_inertia", "diametral_inertia") for k in (1, 2)}

@@ -1,6 +1,6 @@
-"""The pictures of README and documentation: `python docs/pictures/make.py [NAME...]` runs commands and photographs their pages.
+"""The pictures in the README: `python tests/pictures/make.py` runs three studies and photographs the top of their pages.
 
-It needs a Chromium, and takes some minutes for all of them.
+It needs a Chromium, and takes some minutes.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-PAGES = {  # picture -> command, height in pixels
-    "report": (("run", "en50318-2002", "--in-process"), 900),
+STUDIES = {  # picture -> command, height in pixels
     "accuracy": (("accuracy", "en50318-2002", "--budget", "200"), 960),
     "stability": (("stability", "mass-on-spring", "--algorithm", "jacobi,gauss-seidel"), 1000),
     "effects": (("effects", "wind-pump-start", "--tolerance", "5%"), 1160),
@@ -34,8 +33,8 @@ def photograph(page: Path, picture: Path, height: int) -> None:
 def main(names: list[str]) -> None:
     """Make the named pictures, or all."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or PAGES:
-            command, height = PAGES[name]
+        for name in names or STUDIES:
+            command, height = STUDIES[name]
             out = Path(folder) / name
             subprocess.run(["cosimo", *command, "-o", str(out)], check=True)
             photograph(out / "report.html", HERE / f"{name}.png", height)

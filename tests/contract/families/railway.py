@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 PUSHED = {"contact_position": 52.0, "contact_force": 100.0}
 

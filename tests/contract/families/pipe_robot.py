@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 FACTS: dict[str, Facts] = {
     "PipeRobot": Facts(
@@ -44,10 +44,5 @@ FACTS: dict[str, Facts] = {
         plain=(("slack",), {"length": 0.4}, 5),
         disturbance={"front_position": 0.6, "rear_velocity": 0.1},
         structural=frozenset({"slack"}),
-    ),
-    "ExciterProgram": Facts(
-        small={"start_amplitude": 10.0},
-        moving=frozenset({"*"}),
-        plain=((), {"start_amplitude": 10.0}, 20),
     ),
 }

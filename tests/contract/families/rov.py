@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cosimo.tests.contract.facts import Facts
+from cosimo.tests.contract.families import Facts
 
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")

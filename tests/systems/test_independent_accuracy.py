@@ -1,0 +1,216 @@
+"""What `run --accuracy 1%` promises, against solutions that share no code with the runs: equations written here, closed forms.
+
+A study finds the setting with a reference of its own; here the run at that setting is compared with a solution that the study
+does not know. The study's reference, too, has to be as good as it says.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.harness.studies.accuracy import accuracy
+from cosimo.orchestrator.harness.studies.fronts import choose
+from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import load_scene, read_scene
+from scipy.integrate import solve_ivp
+
+G = 9.81  # m/s2
+ACCURACY = 0.01
+BUDGET = 10.0  # s of measuring, beside the reference
+FINE = 10_000  # instants of an independent solution beside those of the run
+
+
+def solved(rates, start, t, **options):
+    """States (n, len(t)) of x' = rates(t, x)."""
+    options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12} | options
+    solution = solve_ivp(rates, (0.0, float(t[-1])), start, t_eval=t, **options)
+    assert solution.success
+    return solution.y
+
+
+def mass_on_spring(t):
+    """1 kg with 1 m/s on 100 N/m and 4 N.s/m: the damped oscillation in closed form."""
+    decay, omega = 2.0, math.sqrt(100.0 - 4.0)
+    x = np.exp(-decay * t) * np.sin(omega * t) / omega
+    v = np.exp(-decay * t) * np.cos(omega * t) - decay * x
+    return {"mass.base_x": x, "mass.base_velocity_x": v, "spring.second_force_x": -100.0 * x - 4.0 * v}
+
+
+def damped_chain(t):
+    """Two point masses of 1 kg on rods of 1 m, dampers of 0.1 and 0.05 N.m.s/rad: the textbook's equations in absolute angles."""
+
+    def rates(_, x):
+        a, b, u, v = x
+        d, relative = a - b, 0.05 * (u - v)
+        mass = [[2.0, math.cos(d)], [math.cos(d), 1.0]]
+        torque = [-math.sin(d) * v**2 - 2.0 * G * math.sin(a) - 0.1 * u - relative,
+                  math.sin(d) * u**2 - G * math.sin(b) + relative]
+        return [u, v, *np.linalg.solve(mass, torque)]
+
+    a, b, u, v = solved(rates, [0.08, -0.05, 0.0, 0.0], t)
+    return {"chain.first_angle": a, "chain.second_angle": b, "chain.first_rate": u, "chain.second_rate": v,
+            "chain.tip_x": np.sin(a) + np.sin(b), "chain.tip_y": -np.cos(a) - np.cos(b)}
+
+
+def link_split(t):
+    """Two rods of 1 kg and 1 m on a spring of 1e5 N/m and 100 N.s/m: a pinned angle, and a free body by its centre of mass."""
+    inertia = 1.0 / 12.0
+
+    def along(angle):
+        return np.array([math.sin(angle), -math.cos(angle)]), np.array([math.cos(angle), math.sin(angle)])  # and its derivative
+
+    def force(x):
+        """On the first rod's tip."""
+        (first, first_turn), (second, second_turn) = along(x[0]), along(x[3])
+        apart = first - (x[1:3] - 0.5 * second)
+        rate = first_turn * x[4] - (x[5:7] - 0.5 * second_turn * x[7])
+        return -1e5 * apart - 100.0 * rate
+
+    def rates(_, x):
+        f, torque = force(x), 0.02 * (x[7] - x[4])
+        first_turn, second_turn = along(x[0])[1], along(x[3])[1]
+        alpha = (-0.5 * G * math.sin(x[0]) + first_turn @ f + torque) / (inertia + 0.25)
+        beta = (0.5 * second_turn @ f - torque) / inertia  # the base is half a metre behind the centre, and feels -f
+        return [*x[4:8], alpha, -f[0], -f[1] - G, beta]
+
+    base = np.array([0.717356090899523, -0.696706709347165])
+    start = [0.8, *(base + 0.5 * along(1.2)[0]), 1.2, 0.0, 0.0, 0.0, 0.0]
+    x = solved(rates, start, t, rtol=1e-9, atol=1e-11)
+    first_force = np.array([force(state) for state in x.T])
+    return {"first.angle": x[0], "second.angle": x[3], "first.rate": x[4], "second.rate": x[7],
+            "second.tip_x": x[1] + 0.5 * np.sin(x[3]), "second.tip_y": x[2] - 0.5 * np.cos(x[3]),
+            "first.tip_x": np.sin(x[0]), "first.tip_y": -np.cos(x[0]),
+            "joint.first_force_x": first_force[:, 0], "joint.first_force_y": first_force[:, 1]}
+
+
+def rov_added_mass(t):
+    """11.5 kg and 14.57 kg of water sink under 10 N against 5.18 N.s/m: an exponential."""
+    final, rate = 10.0 / 5.18, 5.18 / (11.5 + 14.57)
+    speed, depth = final * -np.expm1(-rate * t), final * (t + np.expm1(-rate * t) / rate)
+    acceleration = final * rate * np.exp(-rate * t)
+    columns = {"depth": depth, "heave": speed, "external.acceleration_z": acceleration}
+    return {f"{unit}.{name}": values for unit in ("hull", "whole") for name, values in columns.items()} | {
+        "water.force_z": -14.57 * acceleration}
+
+
+def rov_tumbling(t):
+    """Kirchhoff's body in a perfect fluid: p' = p x w, h' = h x w + p x v with p = M v, h = I w, added masses included."""
+    masses, inertias = 11.5 + np.array([5.5, 12.7, 14.57]), np.full(3, 0.16 + 0.12)
+
+    def rates(_, x):
+        v, w, (a, b, c, d) = x[:3], x[3:6], x[6:10]
+        p, h = masses * v, inertias * w
+        turn = 0.5 * np.array([-b * w[0] - c * w[1] - d * w[2], a * w[0] + c * w[2] - d * w[1],
+                               a * w[1] + d * w[0] - b * w[2], a * w[2] + b * w[1] - c * w[0]])
+        matrix = np.array([[1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
+                           [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
+                           [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)]])
+        return [*(np.cross(p, w) / masses), *((np.cross(h, w) + np.cross(p, v)) / inertias), *turn, *(matrix @ v)]
+
+    x = solved(rates, [0.7, -0.4, 0.5, 1.0, -0.5, 0.75, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 10.0], t)
+    names = ("surge", "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate")
+    return {f"hull.{n}": x[k] for k, n in enumerate(names)} | {
+        "hull.position_north": x[10], "hull.position_east": x[11], "hull.depth": x[12]}
+
+
+def lumped_catenary(t):
+    """Pantograph of EN 50318:2002 under a mass on a spring whose stiffness varies along the span; a contact that can open."""
+    harmonics = np.array([0.3603, 0.0977, -0.0004, -0.0392, -0.0489, -0.0437, -0.0332, -0.0253, -0.0284, 0.0165])
+    orders = np.arange(1, 11)
+
+    def stiffness(x):
+        return 2807.0 * (1.0 + harmonics @ np.cos(2.0 * np.pi * orders * x / 60.0))
+
+    def rates(s, x):
+        wire, head, frame, wire_rate, head_rate, frame_rate = x
+        contact = max(50e3 * (head - wire), 0.0)
+        between = 4200.0 * (head - frame) + 10.0 * (head_rate - frame_rate)
+        return [wire_rate, head_rate, frame_rate,
+                (contact - 328.6 * wire_rate - stiffness(30.0 + 69.444444 * s) * wire) / 8.775,
+                (-between - contact) / 7.2, (between - 50.0 * frame - 90.0 * frame_rate + 120.0) / 15.0]
+
+    soft = 1.0 / stiffness(30.0) + 1.0 / 50e3 + 1.0 / 4200.0  # at rest: the frame's spring takes a share of the 120 N
+    force = 120.0 / (1.0 + 50.0 * soft)
+    wire, head, frame = force / stiffness(30.0), force * (soft - 1.0 / 4200.0), force * soft
+    x = solved(rates, [wire, head, frame, 0.0, 0.0, 0.0], t, max_step=2e-3)
+    return {"catenary.wire_height": x[0], "pantograph.head_height": x[1], "pantograph.frame_height": x[2],
+            "pantograph.contact_force": np.maximum(50e3 * (x[1] - x[0]), 0.0)}
+
+
+def ball_bearing(t):
+    """Eight Hertzian contacts of exponent 1.5 that run around with the cage; start from the static position under the load."""
+    balls = 2.0 * np.pi / 8.0 * np.arange(8)
+    cage = 104.71975511965978 * 0.5 * (1.0 - 11.9 / 52.0)
+
+    def force(x, y, angle):
+        direction = np.array([np.cos(balls + angle), np.sin(balls + angle)])
+        return direction @ (1.334e10 * np.maximum(direction.T @ [x, y] - BEARING_CLEARANCE, 0.0) ** 1.5)
+
+    def rates(s, state):
+        fx, fy = force(state[0], state[1], cage * s)
+        return [state[2], state[3], (BEARING_LOAD - fx - 200.0 * state[2]) / 20.0, (-fy - 200.0 * state[3]) / 20.0]
+
+    low, high = 0.0, 1e-3
+    for _ in range(100):  # the static position lies on the line of the load: ball 1 stands on it
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if force(middle, 0.0, 0.0)[0] < BEARING_LOAD else (low, middle)
+    x = solved(rates, [low, 0.0, 0.0, 0.0], t, rtol=1e-9, atol=1e-14, max_step=1e-4)
+    return {f"bearing.{n}": x[k] for k, n in enumerate(("displacement_x", "displacement_y", "velocity_x", "velocity_y"))}
+
+
+BEARING_CLEARANCE, BEARING_LOAD = 5e-6, 200.0  # m, N
+
+
+def jeffcott(t):
+    """10 kg on 1e5 N/m and 40 N.s/m, 10 um off centre at 80 rad/s from rest: forced and free oscillation in closed form."""
+    m, c, k, w = 10.0, 40.0, 1e5, 80.0
+    forced = m * 1e-5 * w**2 / (k - m * w**2 + 1j * c * w)
+    s1, s2 = np.roots([m, c, k])
+    b1 = (s2 - 1j * w) * forced / (s1 - s2)  # z(0) = z'(0) = 0
+    z = forced * np.exp(1j * w * t) + b1 * np.exp(s1 * t) - (forced + b1) * np.exp(s2 * t)
+    v = 1j * w * forced * np.exp(1j * w * t) + s1 * b1 * np.exp(s1 * t) - s2 * (forced + b1) * np.exp(s2 * t)
+    columns = {"displacement_x": z.real, "displacement_y": z.imag, "velocity_x": v.real, "velocity_y": v.imag}
+    return {f"rotor.{name}": values for name, values in columns.items()}
+
+
+ROTOR = {"stop_time": 2.0, "master": {"step": 5e-3},
+         "units": {"rotor": {"component": "JeffcottRotor", "effects": ["unbalance"], "parameters": {"start_speed": 80.0}}},
+         "record": {"signals": [f"rotor.{n}_{a}" for n in ("displacement", "velocity") for a in "xy"]}}
+BEARING = {"stop_time": 0.1, "analysis": {}, "sweep": {}, "units.bearing.parameters": {
+    "speed": 104.71975511965978, "clearance.radial_clearance": BEARING_CLEARANCE, "load": BEARING_LOAD}}
+SYSTEMS = {
+    "mass-on-spring": (mass_on_spring, lambda: load_scene("mass-on-spring").with_changes({"stop_time": 3.0})),
+    "damped-chain": (damped_chain, lambda: load_scene("damped-chain").with_changes({"stop_time": 10.0})),
+    "link-split": (link_split, lambda: load_scene("link-split").with_changes({"stop_time": 0.5})),
+    "rov-added-mass": (rov_added_mass, lambda: load_scene("rov-added-mass")),
+    "rov-tumbling": (rov_tumbling, lambda: load_scene("rov-tumbling").with_changes({"stop_time": 10.0})),
+    "lumped-catenary": (lumped_catenary, lambda: load_scene("lumped-catenary").with_changes({"stop_time": 2.0, "analysis": {}})),
+    "ball-bearing-clearance": (ball_bearing, lambda: load_scene("ball-bearing-clearance").with_changes(BEARING)),
+    "jeffcott-rotor": (jeffcott, lambda: read_scene(ROTOR)),
+}
+
+
+def compared(scene, independent):
+    """The scene's quantities that the independent solution has; it is computed at a run's instants."""
+    known = independent(np.linspace(0.0, 1e-3, 3))
+    chosen = [q for q in quantities_of(scene) if q.signal in known]
+    assert len(chosen) >= 2
+    return scene.with_changes({"study.quantities": [f"{q.signal}, {q.kind}" for q in chosen]}), chosen
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_one_percent_holds_against_an_independent_solution(name):
+    independent, make = SYSTEMS[name]
+    scene, quantities = compared(make(), independent)
+    measured = accuracy(scene, budget=BUDGET, repeats=1)
+    point = choose(measured, ACCURACY)
+    result = run(scene.with_changes(point.changes), in_process=True)
+    time = np.union1d(result.time, np.linspace(0.0, scene.stop_time, FINE + 1))  # a coarse run misses peaks, which count
+    exact = TimeHistory(time, independent(time))
+    actual = errors(quantities, TimeHistory(result.time, result.columns), exact)
+    assert max(actual.values()) <= ACCURACY, actual
+    for q in quantities:  # and what the study says of this setting is no less than what it is
+        if q.kind == "time history":  # a maximum is that of the samples
+            assert actual[q.name] <= 1.01 * (point.errors[q.name] + measured.uncertainty[q.name]) + 1e-9
