@@ -36,20 +36,28 @@ PREFIXES = {**NAMESPACES, "osp": "http://opensimulationplatform.com/SSP/OSPAnnot
             "oms": "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"}
 TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
 IN_THE_SYSTEM = ("units", "connections", "stop_time")  # what the standard's own elements say
+PARAMETER_SET = "initialValues"  # the name that Ecos applies by default
 TOLERANCE = "0.0001"  # of OMSimulator's master; it has no effect with a fixed step, but must be there
 
 
-def write(scene: SceneSettings, path: Path) -> Path:
-    """Write the scene to an .ssp file and return its path; the same scene gives the same bytes.
-
-    Raises `BadInput` for what no other tool could run: components that are not in the catalogue, and contacts, whose laws
-    are the master's.
+def check(scene: SceneSettings, path: Path) -> None:
+    """Raises `BadInput` for what no other tool could run: components that are not in the catalogue, and contacts, whose laws
+    are the master's; and for a path that names no package.
     """
     if scene.contacts:
         raise BadInput(f"{scene.name}: contacts", "a contact law that the master integrates", "connections between units",
                        "A package holds FMUs and connections only.")
     if path.suffix != ".ssp":
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
+    for name, unit in scene.units.items():
+        if ":" in unit.component:
+            raise BadInput(f"{scene.name}: units.{name}", f"component {unit.component!r}",
+                           "a component of the catalogue or an FMU", "Others cannot be packed as an FMU.")
+
+
+def write(scene: SceneSettings, path: Path) -> Path:
+    """Write the scene to an .ssp file and return its path; the same scene gives the same bytes. Raises `BadInput` as `check`."""
+    check(scene, path)
     system = _System(scene)
     try:
         text = system.text()
@@ -77,9 +85,6 @@ class _System:
 
     def _packed(self, name: str, unit: UnitSettings) -> str:
         """The place of a unit's FMU in the package; units with the same FMU share it."""
-        if ":" in unit.component:
-            raise BadInput(f"{self.scene.name}: units.{name}", f"component {unit.component!r}",
-                           "a component of the catalogue or an FMU", "Others cannot be packed as an FMU.")
         file = Path(unit.fmu) if unit.fmu else built(unit.component)
         stem = re.sub(r"\W", "_", file.stem, flags=re.ASCII)
         for k in range(1, len(self.files) + 2):
@@ -127,7 +132,7 @@ class _System:
         values = _values(name, self.scene.units[name])
         if values:
             binding = _add(_add(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
-            inline = _add(_add(binding, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name="parameters")
+            inline = _add(_add(binding, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
             group = _add(inline, "ssv:Parameters")
             for variable, value in values.items():
                 self._value(_add(group, "ssv:Parameter", name=variable), name, variable, value)
