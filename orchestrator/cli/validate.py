@@ -24,8 +24,8 @@ def validate(
     Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
     """
     from ..harness.charts.style import number
-    from ..harness.validation import validate as validate_cases
     from ..harness.validation.case import to_json
+    from ..systems import validate as validate_cases
 
     results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json)
     if as_json:
