@@ -1,18 +1,18 @@
 """The systems: the one list of them, and scenes, cases and reports for which all of them count.
 
-Adding a system: a folder here with an object `SYSTEM`, and its line in `SYSTEMS`.
+Adding a system: a folder here with an object `SYSTEM`, and its name in `NAMES`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...components.core.errors import BadInput, nearest
 from ..scene import scene as scenes
-from . import bearings, friction_drive, pipe_robot, railway, rotor, rov, two_axis_joint, wind_pump, wrist
 
 if TYPE_CHECKING:
     from ..harness.system import Systems
@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from ..results import Result
     from ..scene.scene import Scene
 
-SYSTEMS: Systems = {module.SYSTEM.name: module.SYSTEM for module in (
-    railway, bearings, rotor, rov, two_axis_joint, wind_pump, friction_drive, pipe_robot, wrist,
-)}
+NAMES = ("railway", "bearings", "rotor", "rov", "two_axis_joint", "wind_pump", "friction_drive", "pipe_robot", "wrist")
+SYSTEMS: Systems = {name: import_module(f".{name}", __name__).SYSTEM for name in NAMES}
 ANALYSIS = {name: system.keys for name, system in SYSTEMS.items()}
 
 
