@@ -26,7 +26,7 @@ from .constriction import (
 from .contacts import LARGEST_CONTACT, LOAD, BallContacts, ball_contacts, place_balls
 from .geometry import BallGeometry
 from .hertz import effective_modulus
-from .loads import WORK_ROWS, equilibrium
+from .loads import equilibrium, workspace
 from .radiation import radiative_coefficient
 
 FREE = (1.0, 0.0, 1.0, 0.0, 0.0)  # the inner ring moves along the radial load and along the shaft, and does not tilt
@@ -201,7 +201,7 @@ class AngularContactConductance(Component):
         if bulk is not None:
             bulk = Ball(0.5 * p["ball_diameter"], p["ball_conductivity"])
         self.arguments = (constants, bulk, *effects)
-        self._balls, self._work = place_balls(p["balls"]), np.zeros((WORK_ROWS, 5))
+        self._balls, self._work = place_balls(p["balls"]), workspace()
         self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
         return DONE
 
@@ -296,7 +296,7 @@ def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thicknes
 def bearing_conductance(u, y, ring, balls, work, p, bulk, walls, film, oil, gas, convection, radiation):
     """Ball loads for the inputs u, and all outputs.
 
-    ring: (3, 5) force, freedom to move (`FREE`) and displacement of the inner ring; balls: (Z, 4); work: (WORK_ROWS, 5).
+    ring: (3, 5) force, freedom to move (`FREE`) and displacement of the inner ring; balls: (Z, 4); work: of `workspace`.
     """
     forces, free, q = ring[0], ring[1], ring[2]
     forces[0], forces[2] = u[RADIAL_FORCE], max(u[AXIAL_FORCE], 0.0)

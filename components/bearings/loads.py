@@ -31,7 +31,6 @@ OVERSHOOT, LEFT = 0.3, 0.5  # of the unbalanced force along a step, that may be 
 FLOOR = 1e-11  # of the largest stiffness, that Newton's matrix keeps of the identity: above rounding, so that it stays definite
 START = 0.05  # of the distance of the groove centres, the approach of a ball under the load from which a smaller one comes down
 COARSE = 1e-3  # tolerance on the way there
-WORK_ROWS = 16  # of 5: two 5 x 5 matrices and 28 numbers, see `minimum`
 
 
 class StaticLoads(NamedTuple):
@@ -71,7 +70,7 @@ def static_loads(
     balls = place_balls(contacts.balls, first_ball)
     balls[:, GAP] = gap
     q, free = np.zeros(5), np.array([float(name not in held) for name in COORDINATES])
-    status = int(equilibrium(forces, free, contacts, balls, q, np.zeros((WORK_ROWS, 5))))
+    status = int(equilibrium(forces, free, contacts, balls, q, workspace()))
     return StaticLoads(q, balls[:, LOAD].copy(), contact_angles(q, contacts, balls), status)
 
 
@@ -82,12 +81,17 @@ def contact_angles(q: np.ndarray, contacts: BallContacts, balls: np.ndarray) -> 
     return np.arctan2(axial, contacts.radial + q[0] * c + q[1] * s)
 
 
+def workspace() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Room for `equilibrium`: stiffness (5, 5), Newton's matrix (5, 5), and vectors (5, 8)."""
+    return np.zeros((5, 5)), np.zeros((5, 5)), np.zeros((5, 8))
+
+
 @kernel
 def equilibrium(forces, free, contacts, balls, q, work):
     """Move q (5,) from where it is to equilibrium with the external `forces` (5,); status DONE or NOT_CONVERGED.
 
     free: (5,) 1.0 for a coordinate that may move, 0.0 for one that is held.  balls: as for `contact_forces`; at the end with
-    the loads.  work: (WORK_ROWS, 5).  A small load comes down from a large one, by a factor of ten a time.
+    the loads.  work: of `workspace`.  A small load comes down from a large one, by a factor of ten a time.
     """
     load = 0.0
     for i in range(5):
@@ -103,8 +107,8 @@ def equilibrium(forces, free, contacts, balls, q, work):
 @kernel
 def minimum(times, forces, free, contacts, balls, q, tolerance, work):
     """`equilibrium` with `times` the forces, by Newton's method from where q is; tilts count by their way at the lever."""
-    stiffness, matrix, flat = work[:5], work[5:10], work[10:].reshape(-1)
-    sums, unbalanced, step, trial, scale = flat[:8], flat[8:13], flat[13:18], flat[18:23], flat[23:28]
+    stiffness, matrix, rows = work
+    sums, unbalanced, step, trial, scale = rows[0], rows[1, :5], rows[2, :5], rows[3, :5], rows[4, :5]
     longest = 0.25 * contacts.radial  # m, of a step; keeps every ball in its groove
     status = contact_forces(q, contacts, balls, sums, stiffness, None, None, None)
     if status != DONE:

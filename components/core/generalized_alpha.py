@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .kernels import kernel_tuple
+from .kernels import kernel, kernel_tuple
 
 
 @kernel_tuple
@@ -18,8 +18,9 @@ class Method(NamedTuple):
     beta: float
 
 
-def generalized_alpha(step: float, spectral_radius: float) -> Method:
-    """Second-order coefficients with a given damping of the highest frequencies (1: none, the midpoint rule).
+@kernel
+def generalized_alpha(step, spectral_radius):
+    """`Method` for a step in s with a given damping of the highest frequencies (1: none, the midpoint rule), of second order.
 
     Source: Chung & Hulbert, J. Appl. Mech. 60 (1993) 371-375, eqs. (17), (18), (25).
     """

@@ -9,7 +9,6 @@ import numpy as np
 from ..core.banded import add_product, factor_general, solve_general
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
-from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE
 from ..core.variables import input_, output, parameter
 from .elements import Disk, circular_section, solid_disk
@@ -185,7 +184,8 @@ class BeamRotor(Component):
         factor_general(factors)
         solve_general(factors, force)  # the acceleration: a method with a spectral radius below 1 begins with it
         self.x = np.concatenate((q, np.zeros(q.size), force, [angle]))
-        self._substep, self._step_length = p.substep, math.nan
+        self._substep = p.substep
+        self._solver = make_solver(self._load.size, len(self._ports))
         return DONE
 
     def _build(self) -> None:
@@ -259,13 +259,10 @@ class BeamRotor(Component):
 
     def _step(self, t: float, h: float) -> int:
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        if h / n != self._step_length:
-            self._step_length = h / n
-            p, method = self.arguments[0], generalized_alpha(h / n, self.arguments[0].spectral_radius)
-            solver = make_solver(method, self._mass, self._damping, self._stiffness, len(self._ports))
-            self._arguments = (p.start_speed, self._watched, self._load, method, solver, self._ports, self._gyroscopic,
-                               self._circulatory, self._imbalance, self.arguments[6], self._frame)
-        return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, *self._arguments)
+        p = self.arguments[0]
+        return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, p.start_speed, p.spectral_radius, self._watched,
+                             self._load, self._mass, self._damping, self._stiffness, self._solver, self._ports, self._gyroscopic,
+                             self._circulatory, self._imbalance, self.arguments[6], self._frame)
 
     def _outputs(self, t: float) -> None:
         rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.arguments[0].start_speed, self._watched, self._ports,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.banded import factor_general, solve_general
-from ..core.generalized_alpha import Method
+from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel, kernel_tuple
 from .frame import add_frame_load, frame_outputs
 from .model import HALF, WIDTH
@@ -27,6 +27,7 @@ SYSTEM, STIFFNESS, BY_VELOCITY, BY_ACCELERATION = range(4)  # A, K, P and R in `
 class Solver(NamedTuple):
     """Matrices of one step length, and room to work; bands (N, 15)."""
 
+    step: np.ndarray  # (1,) s, to which `fixed` belongs; NaN: to none
     fixed: np.ndarray  # (4, N, 15) at speed 0 and without ports
     now: np.ndarray  # (4, N, 15) of the last step; A as its factors
     room: np.ndarray  # (4, N + 14) right-hand side; displacement, velocity and acceleration between zeros
@@ -34,16 +35,29 @@ class Solver(NamedTuple):
     tangents: np.ndarray  # (k, 2, 4, 4) of the ports, to which `now` belongs
 
 
-def make_solver(method: Method, mass, damping, stiffness, ports: int) -> Solver:
-    """A solver for bands of mass, damping and stiffness, (N, 15) each."""
+def make_solver(size: int, ports: int) -> Solver:
+    """Room for a shaft of `size` degrees of freedom and so many ports; no step length yet."""
+    fixed = np.zeros((4, size, WIDTH))
+    return Solver(np.array([math.nan]), fixed, np.zeros_like(fixed), np.zeros((4, size + 2 * HALF)), np.array([math.nan]),
+                  np.zeros((ports, 2, 4, 4)))
+
+
+@kernel
+def set_step(method, mass, damping, stiffness, solver):
+    """Matrices of another step length, of bands of mass, damping and stiffness, (N, 15) each."""
     d, am, af, gamma, beta = method.step, method.alpha_m, method.alpha_f, method.gamma, method.beta
     m, c, k = (1.0 - am) / (beta * d * d), (1.0 - af) * gamma / (beta * d), 1.0 - af
     v_v, v_a = velocity_shares(method)
     a_v, a_a = -(1.0 - am) / (beta * d), am - (1.0 - am) * (0.5 / beta - 1.0)
-    system = m * mass + c * damping + k * stiffness
-    fixed = np.array([system, stiffness, -a_v * mass - v_v * damping, -a_a * mass - v_a * damping])
-    return Solver(fixed, np.zeros_like(fixed), np.zeros((4, mass.shape[0] + 2 * HALF)), np.array([math.nan]),
-                  np.zeros((ports, 2, 4, 4)))
+    fixed = solver.fixed
+    for i in range(mass.shape[0]):
+        for j in range(mass.shape[1]):
+            fixed[SYSTEM, i, j] = m * mass[i, j] + c * damping[i, j] + k * stiffness[i, j]
+            fixed[STIFFNESS, i, j] = stiffness[i, j]
+            fixed[BY_VELOCITY, i, j] = -a_v * mass[i, j] - v_v * damping[i, j]
+            fixed[BY_ACCELERATION, i, j] = -a_a * mass[i, j] - v_a * damping[i, j]
+    solver.step[0], solver.speed[0] = d, math.nan
+    solver.tangents[:] = 0.0
 
 
 @kernel
@@ -55,15 +69,19 @@ def velocity_shares(method):
 
 
 @kernel
-def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver, ports, gyroscopic, circulatory, imbalance,
-                  run_up, frame):
+def advance_rotor(t, h, n, x, u, y, counts, speed, radius, watched, load, mass, damping, stiffness, solver, ports, gyroscopic,
+                  circulatory, imbalance, run_up, frame):
     """n equal steps from t to t + h, then the outputs.
 
-    x: displacement, velocity, acceleration, (N,) each, angle.  load: (N,) constant forces.  gyroscopic, circulatory: (N, 15)
+    x: displacement, velocity, acceleration, (N,) each, angle.  radius: spectral, of `generalized_alpha`.  load: (N,) constant
+    forces.  mass, damping, stiffness: (N, 15) bands.  gyroscopic, circulatory: (N, 15)
     per rad/s, or None.  imbalance: (k, 3) first degree of freedom, kg.m, rad; or None.  frame: `Frame` or None.
     counts: steps, factorizations.
     """
     N = load.size
+    method = generalized_alpha(h / n, radius)
+    if solver.step[0] != method.step:
+        set_step(method, mass, damping, stiffness, solver)
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
     b = solver.room[0, :N]
     d, af, gamma, beta = method.step, method.alpha_f, method.gamma, method.beta
@@ -74,7 +92,8 @@ def advance_rotor(t, h, n, x, u, y, counts, speed, watched, load, method, solver
         if follow_tangents(s, ports, u, solver.tangents) or solver.speed[0] != now:
             prepare(now, method, solver, ports, gyroscopic, circulatory)
             counts[1] += 1
-        b[:] = load
+        for j in range(N):
+            b[j] = load[j]
         b[watched] += u[0, 0] + s * (u[1, 0] + s * u[2, 0])
         b[watched + 1] += u[0, 1] + s * (u[1, 1] + s * u[2, 1])
         add_loads(s, ports, u, b)
@@ -106,8 +125,11 @@ def prepare(speed, method, solver, ports, gyroscopic, circulatory):
     v_v, v_a = velocity_shares(method)
     k = 1.0 - method.alpha_f
     c = k * method.gamma / (method.beta * method.step)
-    now = solver.now
-    now[:] = solver.fixed
+    now, fixed = solver.now, solver.fixed
+    for i in range(4):
+        for j in range(now.shape[1]):
+            for m in range(now.shape[2]):
+                now[i, j, m] = fixed[i, j, m]
     if gyroscopic is not None:
         add_band(c * speed, gyroscopic, now[SYSTEM])
         add_band(-v_v * speed, gyroscopic, now[BY_VELOCITY])
@@ -136,10 +158,10 @@ def add_history(solver, q, v, a, accelerated):
     """Add -K q + P v + R a to the right-hand side; the zeros around the vectors spare the loops their bounds."""
     N, room = q.size, solver.room
     K, P, R = solver.now[STIFFNESS], solver.now[BY_VELOCITY], solver.now[BY_ACCELERATION]
-    room[1, HALF : HALF + N] = q
-    room[2, HALF : HALF + N] = v
-    if accelerated:
-        room[3, HALF : HALF + N] = a
+    for j in range(N):
+        room[1, HALF + j], room[2, HALF + j] = q[j], v[j]
+        if accelerated:
+            room[3, HALF + j] = a[j]
     for i in range(N):
         value = 0.0
         for k in range(WIDTH):

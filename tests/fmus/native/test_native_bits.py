@@ -5,16 +5,17 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 
-REFUSED = {"BeamRotor"}  # see test_native_refusals.py
+MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",)}  # effects without which nothing changes
 QUICK = ("PlanarLink", "GimbalController", "FourBar")
-ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE if n not in REFUSED]
+ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_thousand_driven_steps_at_three_lengths(name, tmp_path):
-    found = compiled(name)
+    effects = MOVING.get(name, ())
+    found = compiled(name, effects)
     for share in (1.0, 0.37, 1.9):
-        component = maker(name)()
+        component = maker(name, effects)()
         h = share * component.default_step
         expected = in_process(component, h, 1000)
         assert np.isfinite(expected).all()

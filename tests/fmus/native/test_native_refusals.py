@@ -83,8 +83,8 @@ def test_a_component_without_native_form_is_refused_with_what_prevents_it(cls, w
 
 @pytest.mark.full
 def test_refused_of_the_catalogue():
-    with pytest.raises(BadInput, match=r"BeamRotor._step has .*beam.py, line \d+"):
-        compiled_with_image(maker("BeamRotor"))
+    with pytest.raises(BadInput, match=r"Catenary._step has .*catenary.py, line \d+"):
+        compiled_with_image(maker("Catenary", (), {"method": "implicit"}))
 
 
 class Limited(Sum):
