@@ -39,7 +39,7 @@ RATES, CURRENTS = 2, 4  # behind the motors' place in the state: two angles, two
 class ShaftFriction(servo_motor.ShaftFriction):
     """Dry friction of both motors' bearings and gears with exact standstill, as in the motor's unit."""
 
-    stuck = None  # there are two
+    stuck = None  # type: ignore[assignment]  # there are two
     first_stuck = output("1", "1 while the first shaft stands, 0 while it turns")
     second_stuck = output("1", "1 while the second shaft stands, 0 while it turns")
 

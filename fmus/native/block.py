@@ -47,7 +47,7 @@ class Block:
             self._roots.append((root, offset))
         return offset + array.__array_interface__["data"][0] - root.__array_interface__["data"][0]
 
-    def scalar(self, owner: Any, key: Any, value: float) -> int:
+    def scalar(self, owner: Any, key: Any, value: Any) -> int:
         """Cell of the number `key` of `owner`, the same one whichever function reads it."""
         place = (id(owner), key)
         if place not in self._scalars:

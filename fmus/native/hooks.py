@@ -16,7 +16,7 @@ import inspect
 import textwrap
 import types
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -73,7 +73,7 @@ class _Method(ast.NodeTransformer):
         self.component, self.block = hooks.component, hooks.block
         self.file = inspect.getsourcefile(function) or ""
         lines, self.first = inspect.getsourcelines(function)
-        self.tree: Any = ast.parse(textwrap.dedent("".join(lines))).body[0]
+        self.tree = cast(Any, ast.parse(textwrap.dedent("".join(lines))).body[0])
         ast.increment_lineno(self.tree, self.first - 1)
         self.names: dict[str, Any] = {}
         self.locals: dict[str, str] = {}  # attribute -> local variable that holds its view
@@ -97,9 +97,10 @@ class _Method(ast.NodeTransformer):
         head = ast.parse("\n".join(["_F = _view_c(_pointer_float64(_address), _CELLS)",
                                     "_I = _view_c(_pointer_int64(_address), _CELLS)", *self.prologue])).body
         parameters = ", ".join([a.arg for a in arguments.args[1:]] + ["_address"])
-        tree = ast.parse(f"def {name}({parameters}):\n    pass")
-        tree.body[0].body = head + body  # type: ignore[attr-defined]
-        for node in [tree.body[0], *(n for h in head for n in ast.walk(h))]:
+        tree: Any = ast.parse(f"def {name}({parameters}):\n    pass")
+        tree.body[0].body = head + body
+        nodes: list[Any] = [tree.body[0], *(n for h in head for n in ast.walk(h))]
+        for node in nodes:
             if hasattr(node, "lineno"):
                 node.lineno = node.end_lineno = self.first
         ast.fix_missing_locations(tree)
@@ -203,12 +204,12 @@ class _Method(ast.NodeTransformer):
             found.append(ast.Assign([target], ast.Subscript(self.visit(node.value), ast.Constant(place), ast.Load())))
         return [ast.copy_location(statement, node) for statement in found]
 
-    def each_element(self, node: ast.AugAssign) -> list[Any]:
+    def each_element(self, node: Any) -> list[Any]:
         """`array += number`, element by element: an array expression would allocate."""
         array = self.attribute(node.target)
         if array.ndim != 1:
             raise self.refusal(node, "an operation on a whole array")
-        whole = ast.copy_location(ast.Attribute(node.target.value, node.target.attr, ast.Load()), node)  # type: ignore[attr-defined]
+        whole = ast.copy_location(ast.Attribute(node.target.value, node.target.attr, ast.Load()), node)
         name, value = self.visit(whole).id, self.visit(node.value)
         target = ast.Subscript(ast.Name(name, ast.Load()), ast.Name("_j", ast.Load()), ast.Store())
         loop = ast.For(ast.Name("_j", ast.Store()), ast.Call(ast.Name("range", ast.Load()), [ast.Constant(array.size)], []),
@@ -289,7 +290,7 @@ class _Method(ast.NodeTransformer):
     def visit_Subscript(self, node: ast.Subscript) -> Any:
         if (isinstance(node.value, ast.Attribute) and is_self(node.value.value) and node.value.attr == "parameters"
                 and isinstance(node.slice, ast.Constant)):
-            return self.parameter(node, node.slice.value)
+            return self.parameter(node, str(node.slice.value))
         return self.generic_visit(node)
 
     def parameter(self, node: Any, name: str) -> Any:
@@ -310,7 +311,7 @@ class _Method(ast.NodeTransformer):
                 declared = inspect.getattr_static(type(self.component), function.attr, None)
                 first = node.args[0] if node.args else None
                 if function.attr == "get" and isinstance(first, ast.Constant) and first.value in self.component.parameters:
-                    return self.parameter(node, first.value)
+                    return self.parameter(node, str(first.value))
                 if isinstance(declared, types.FunctionType):
                     return self.called(*self.hooks.find(function.attr), node.args, node)
         return self.generic_visit(node)

@@ -53,8 +53,8 @@ class _Compiler:
     def __init__(self, counted: bool):
         from numba import njit
 
-        options = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
-        self.compiled = njit(**options) if counted else njit(_nrt=False, **options)
+        options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
+        self.compiled = njit(**options) if counted else njit(**{"_nrt": False, **options})
         self.kernels: dict[int, tuple[Any, Any]] = {}
 
     def clone(self, kernel: Any) -> Any:

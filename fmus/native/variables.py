@@ -35,7 +35,7 @@ def native_variables(component: Any, code: Code, image: Image) -> tuple[NativeVa
     for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
         places |= {form.format(name): (code.block.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
     places |= {name: (code.block.y + i, 1.0) for i, name in enumerate(component.outputs)}
-    return _with_sizes([_variable(s, component, places, image) for s in interface(type(component))])
+    return _with_sizes([_variable(s, component, places, image) for s in interface(component.__class__)])
 
 
 def _variable(scalar: Scalar, component: Any, places: dict[str, tuple[int, float]], image: Image) -> NativeVariable:

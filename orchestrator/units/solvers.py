@@ -57,7 +57,8 @@ def make_solver(method: str, states: int, indicators: int, f: Equation, g: Equat
 class Cvode:
     """Backward differentiation of order 1 to 5 with a dense Jacobian from differences."""
 
-    multistep, step_size = True, None
+    multistep = True
+    step_size: float | None = None
 
     def __init__(self, states: int, indicators: int, f: Equation, g: Equation, relative: float):
         from fmpy.sundials import libraries

@@ -56,8 +56,8 @@ class BatchStepping(Stepping):
             self.master.step(seconds(tick), h)
             self.tick = tick + length
             return
-        unseen = [1 + o.steps_not_needed(tick, length) for o in observers]
-        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unseen)
+        unwatched = [1 + o.steps_not_needed(tick, length) for o in observers]
+        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unwatched)
         ticks = range(tick, tick + (n + 1) * length, length)
         times = [seconds(k) for k in ticks]
         begun = perf_counter()

@@ -168,11 +168,11 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
             return
         each = {q.name: q.error(solved[0].history, truth.history) for q in quantities}
         worst = max(each, key=lambda name: each[name] + agreement[name])
-        error, work = each[worst] + agreement[worst], solved[0].work
-        useless = not error <= USELESS
+        largest, work = each[worst] + agreement[worst], solved[0].work
+        useless = not largest <= USELESS
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
-        reason = f"error of {worst}: {100.0 * error:.3g} %" if useless else ""
-        points.append(replace(point, outcome="useless" if useless else "done", errors=each, error=error, reason=reason,
+        reason = f"error of {worst}: {100.0 * largest:.3g} %" if useless else ""
+        points.append(replace(point, outcome="useless" if useless else "done", errors=each, error=largest, reason=reason,
                               work=counted).timed(timing))
 
     one.own(), one.own()  # compiled, and its caches warm

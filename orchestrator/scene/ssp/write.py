@@ -23,11 +23,12 @@ from ....fmus.build import built
 from ....fmus.build import write as write_zip
 from ...engine.coupling import Coupling
 from ...engine.coupling.graph import Link
-from ...settings import SceneSettings, UnitSettings
+from ...settings import UnitSettings
 from ...units.component import make
 from ...units.description import Description
 from ...units.description import read as read_description
 from ...units.values import members
+from ..scene import Scene
 from .measures import Measure, of_fmu
 from .package import DEFAULT, NAMESPACES
 from .read import ANNOTATION, NAMESPACE
@@ -40,7 +41,7 @@ PARAMETER_SET = "initialValues"  # the name that Ecos applies by default
 TOLERANCE = "0.0001"  # of OMSimulator's master; it has no effect with a fixed step, but must be there
 
 
-def check(scene: SceneSettings, path: Path) -> None:
+def check(scene: Scene, path: Path) -> None:
     """Raises `BadInput` for what no other tool could run: components that are not in the catalogue, and contacts, whose laws
     are the master's; and for a path that names no package.
     """
@@ -55,7 +56,7 @@ def check(scene: SceneSettings, path: Path) -> None:
                            "a component of the catalogue or an FMU", "Others cannot be packed as an FMU.")
 
 
-def write(scene: SceneSettings, path: Path) -> Path:
+def write(scene: Scene, path: Path) -> Path:
     """Write the scene to an .ssp file and return its path; the same scene gives the same bytes. Raises `BadInput` as `check`."""
     check(scene, path)
     system = _System(scene)
@@ -74,7 +75,7 @@ def write(scene: SceneSettings, path: Path) -> Path:
 class _System:
     """The description of a scene, and the FMUs that it names."""
 
-    def __init__(self, scene: SceneSettings):
+    def __init__(self, scene: Scene):
         self.scene, self.coupling = scene, scene.coupling
         self.files: dict[str, Path] = {}  # place in the package -> FMU
         self.names = _identifiers(scene.units)

@@ -31,7 +31,7 @@ def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
     """Lines to look for: those the scene marks, else of what has a defect, the passing of balls and the shaft."""
     if not record.frequencies:
         return []
-    wanted = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
+    wanted: tuple[str, ...] = keys.marks or tuple(dict.fromkeys([*record.defects, "outer", "shaft"]))
     f, turn = record.frequencies, abs(record.rotation)
     known = {
         "outer": Family(NAMES["outer"], f["outer"], 5),
