@@ -163,11 +163,7 @@ class TwoDofBearing(OdeComponent):
         raise NotImplementedError
 
     def kernel_arguments(self) -> tuple[Any, ...]:
-        p = self.constants()
-        values = dict(zip(type(self).effects, self._declared_arguments()[1:], strict=True))
-
-        def when_on(effect: str, make: Callable[[Any], Any]) -> Any:
-            return None if values[effect] is None else make(values[effect])
+        p, (_, e) = self.constants(), self._declared_arguments()
 
         def waves(v: Any) -> Any:
             return race_waves(v.order, v.amplitude, v.phase, p.balls.shape[1])
@@ -180,20 +176,20 @@ class TwoDofBearing(OdeComponent):
                 raise BadInput(self.name, f"ball_defect.ball = {v.ball}", f"one of the {p.balls.shape[1]} balls")
             return smooth_pit(v.depth, v.width, v.position, v.ball)
 
-        return (
-            p,
-            when_on("clearance", lambda v: Clearance(v.radial_clearance)),
-            when_on("contact_damping", lambda v: HuntCrossley(v.coefficient)),
-            when_on("unbalance", lambda v: Imbalance(p.mass * v.eccentricity, v.phase)),
-            when_on("inner_waviness", waves),
-            when_on("outer_waviness", waves),
-            when_on("inner_defect", pit),
-            when_on("outer_defect", pit),
-            when_on("ball_defect", ball_pit),
-            when_on("load_variation", lambda v: Harmonic(v.amplitude, 2.0 * math.pi * v.frequency, v.phase)),
-            when_on("speed_ramp", lambda v: Ramp(v.acceleration, v.duration)),
-            None,  # given_start: no business of the kernels
-        )
+        forms: dict[str, Callable[[Any], Any]] = {
+            "clearance": lambda v: Clearance(v.radial_clearance),
+            "contact_damping": lambda v: HuntCrossley(v.coefficient),
+            "unbalance": lambda v: Imbalance(p.mass * v.eccentricity, v.phase),
+            "inner_waviness": waves,
+            "outer_waviness": waves,
+            "inner_defect": pit,
+            "outer_defect": pit,
+            "ball_defect": ball_pit,
+            "load_variation": lambda v: Harmonic(v.amplitude, 2.0 * math.pi * v.frequency, v.phase),
+            "speed_ramp": lambda v: Ramp(v.acceleration, v.duration),
+            "given_start": lambda v: None,  # no business of the kernels
+        }
+        return p, e._replace(**{name: forms[name](getattr(e, name)) for name in self.on})
 
     def initial_state(self) -> np.ndarray:
         """x, y, their velocities, inner angle, cage angle and, with `ball_defect`, spin."""
@@ -202,8 +198,7 @@ class TwoDofBearing(OdeComponent):
         if "given_start" in self.on:
             x[:4] = [self.get(f"given_start.{n}") for n in ("x", "y", "velocity_x", "velocity_y")]
             return x
-        p, clearance, _, _, *races = self.arguments[:9]
-        if static_position(x, self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD], p, clearance, *races) != DONE:
+        if static_position(x, self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD], *self.arguments) != DONE:
             x[:2] = 0.0  # nothing carries the load: a fall from the middle
         return x
 
@@ -226,13 +221,14 @@ class TwoDofBearing(OdeComponent):
 
     def _shortest_pass(self) -> tuple[float, str]:
         """Turn of the inner ring, rad, during which a ball passes a quarter of the narrowest pit or half wave, and its name."""
-        p, _, _, _, inner_waves, outer_waves, inner, outer, ball = self.arguments[:9]
+        p, e = self.arguments
         limits = [(math.inf, "nothing")]
-        for name, pit, ratio in (("inner_defect", inner, 1.0 - p.cage_ratio), ("outer_defect", outer, p.cage_ratio),
-                                 ("ball_defect", ball, p.spin_ratio)):
+        for name, pit, ratio in (("inner_defect", e.inner_defect, 1.0 - p.cage_ratio), ("outer_defect", e.outer_defect,
+                                                                                        p.cage_ratio),
+                                 ("ball_defect", e.ball_defect, p.spin_ratio)):
             if pit is not None:
                 limits.append((0.5 * pit.half_width / ratio, name))
-        for name, waves, ratio in (("inner", inner_waves, 1.0 - p.cage_ratio), ("outer", outer_waves, p.cage_ratio)):
+        for name, waves, ratio in (("inner", e.inner_waviness, 1.0 - p.cage_ratio), ("outer", e.outer_waviness, p.cage_ratio)):
             if waves is not None and waves.order.size:
                 order = waves.order.max()
                 limits.append((0.25 * math.pi / (order * ratio), f"half a wave of {name}_waviness of order {order:g}"))
@@ -240,7 +236,7 @@ class TwoDofBearing(OdeComponent):
 
     def _fastest(self, t: float, h: float) -> float:
         """Largest speed within a step; input and ramp together are one parabola before the ramp's end and one after it."""
-        ramp, (now, slope, half) = self.arguments[10], self.u[:, SPEED]
+        ramp, (now, slope, half) = self.arguments[1].speed_ramp, self.u[:, SPEED]
         acceleration, duration = (ramp.acceleration, ramp.duration) if ramp is not None else (0.0, 0.0)
         turning = [-0.5 * a / half for a in (slope, slope + acceleration)] if half != 0.0 else []
         return max(abs(now + s * (slope + s * half) + acceleration * min(max(t + s, 0.0), duration))
@@ -257,7 +253,7 @@ class TwoDofBearing(OdeComponent):
         n = max(1, math.ceil(h / substep * (1.0 - 1e-9)))
         balls = self.arguments[0].balls
         balls[DEEPEST, 0] = 0.0
-        if self.arguments[3] is not None:  # only an unbalance feels the speed's derivative
+        if self.arguments[1].unbalance is not None:  # only an unbalance feels the speed's derivative
             balls[SLOPE, 0], balls[GROWTH, 0], balls[SINCE, 0] = self.u[1, SPEED], 2.0 * self.u[2, SPEED], t
         status = type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
         if balls[DEEPEST, 0] > self._proven and status == DONE:
@@ -266,8 +262,8 @@ class TwoDofBearing(OdeComponent):
 
     def _check_contacts(self, t: float, substep: float, deepest: float) -> None:
         """Stop a run whose contacts became too stiff for its internal steps: it would stay finite, and be wrong."""
-        p, _, damping = self.arguments[:3]
-        if (needed := _resolved_step(p, damping, deepest)) < substep * (1.0 - 1e-9):
+        p, e = self.arguments
+        if (needed := _resolved_step(p, e.contact_damping, deepest)) < substep * (1.0 - 1e-9):
             raise StepFailed(self.name, t, f"a ball is pressed in by {deepest:.3g}, too stiff a contact for internal steps of "
                              f"{substep:.3g}", f"Reduce substep to {needed:.2g} or less")
         if substep >= self._substep * (1.0 - 1e-9):
@@ -275,8 +271,8 @@ class TwoDofBearing(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy plus that of the contacts, J (or in units of the scales); the load is not counted."""
-        p, clearance, _, _, *races = self.arguments[:9]
-        fill_gaps(self.x, 0.0, p, clearance, None, *races)
+        p, e = self.arguments
+        fill_gaps(self.x, 0.0, p, e)
         cosine, sine, gap = p.balls[[COSINE, SINE, GAP]]
         at = self.x[5] + np.arctan2(sine, cosine)
         delta = np.maximum(self.x[0] * np.cos(at) + self.x[1] * np.sin(at) - gap, 0.0)
@@ -287,11 +283,11 @@ class TwoDofBearing(OdeComponent):
 
         With the forces of the start; what comes later, a greater load or resonance, is checked at every step.
         """
-        p, clearance, damping, unbalance, *_, variation, _, _ = self.kernel_arguments()
-        gap = 0.0 if clearance is None else clearance.gap
+        p, e = self.kernel_arguments()
+        gap = 0.0 if e.clearance is None else e.clearance.gap
         force = math.hypot(self.u[0, LOAD], self.u[0, TRANSVERSE_LOAD])
-        force += 0.0 if variation is None else abs(variation.amplitude)
-        force += 0.0 if unbalance is None else unbalance.moment * self.u[0, SPEED] ** 2
+        force += 0.0 if e.load_variation is None else abs(e.load_variation.amplitude)
+        force += 0.0 if e.unbalance is None else e.unbalance.moment * self.u[0, SPEED] ** 2
         energy, fall = 0.0, 2.0 * max(gap, 0.0)
         if "given_start" in self.on:
             x, y, vx, vy = (self.get(f"given_start.{n}") for n in ("x", "y", "velocity_x", "velocity_y"))
@@ -301,7 +297,7 @@ class TwoDofBearing(OdeComponent):
         deepest = (2.5 * force / p.stiffness) ** (2.0 / 3.0)
         for _ in range(20):  # 2/5 K d^2.5 = energy + force (d + fall), a contraction
             deepest = (2.5 / p.stiffness * (energy + force * (deepest + fall))) ** 0.4
-        return _resolved_step(p, damping, deepest + max(-gap, 0.0))
+        return _resolved_step(p, e.contact_damping, deepest + max(-gap, 0.0))
 
 
 def _sharing(p: Constants) -> float:

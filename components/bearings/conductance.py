@@ -175,7 +175,7 @@ class AngularContactConductance(Component):
         return p["pitch_diameter"] - across, p["pitch_diameter"] + across
 
     def _initialize(self, t: float) -> int:
-        _, bulk, *effects = self._declared_arguments()
+        _, e = self._declared_arguments()
         p: Any = self.parameters
         geometry = self.geometry()
         modulus, raceways = self.material(), self.raceways
@@ -198,9 +198,9 @@ class AngularContactConductance(Component):
             math.pi * p["pitch_diameter"] * p["width"],
             p["closest_gap"],
         )
-        if bulk is not None:
-            bulk = Ball(0.5 * p["ball_diameter"], p["ball_conductivity"])
-        self.arguments = (constants, bulk, *effects)
+        if e.ball_bulk is not None:
+            e = e._replace(ball_bulk=Ball(0.5 * p["ball_diameter"], p["ball_conductivity"]))
+        self.arguments = (constants, e)
         self._balls, self._work = place_balls(p["balls"]), workspace()
         self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
         return DONE
@@ -265,35 +265,36 @@ class Constants(NamedTuple):
 
 
 @kernel
-def side_of_ball(load, contact, relief, p, bulk, walls, film, oil, gas, thickness):
+def side_of_ball(load, contact, relief, p, e, thickness):
     """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both."""
     root = load ** (1.0 / 3.0)
     inside, width = math.inf, 0.0  # resistance within the gap `width`, and the constriction from there on
     if load > 0.0:
         inside = 0.0
-        if film is not None:
-            inside = thickness / (film.conductivity * math.pi * contact.along * contact.across * root * root)
-    spread = bridged_resistance(0.0, root, contact, bulk)
+        if e.film is not None:
+            inside = thickness / (e.film.conductivity * math.pi * contact.along * contact.across * root * root)
+    spread = bridged_resistance(0.0, root, contact, e.ball_bulk)
     reach = 0.0
-    if gas is not None and gas.conductivity > 0.0:
-        reach = gas.widest_gap
-    if oil is not None:
-        width = oil.meniscus_height
+    if e.gas_path is not None and e.gas_path.conductivity > 0.0:
+        reach = e.gas_path.widest_gap
+    if e.lubricant_path is not None:
+        width = e.lubricant_path.meniscus_height
         # lubricant that conducts nothing: only the gas that begins beyond it needs to know how far it goes
-        if width > 0.0 and (oil.conductivity > 0.0 or reach > width):
-            inside, spread = through_gap(inside, 0.0, width, p.closest_gap, oil.conductivity, root, contact, bulk)
-    if gas is not None and reach > width:
-        inside, spread = through_gap(inside, width, reach, p.closest_gap, gas.conductivity, root, contact, bulk)
+        if width > 0.0 and (e.lubricant_path.conductivity > 0.0 or reach > width):
+            inside, spread = through_gap(inside, 0.0, width, p.closest_gap, e.lubricant_path.conductivity, root, contact,
+                                         e.ball_bulk)
+    if e.gas_path is not None and reach > width:
+        inside, spread = through_gap(inside, width, reach, p.closest_gap, e.gas_path.conductivity, root, contact, e.ball_bulk)
     if inside == math.inf:
         return 0.0
     resistance = inside + spread
-    if walls is not None:
+    if e.ring_walls is not None:
         resistance -= relief
     return 1.0 / resistance
 
 
 @kernel
-def bearing_conductance(u, y, ring, balls, work, p, bulk, walls, film, oil, gas, convection, radiation):
+def bearing_conductance(u, y, ring, balls, work, p, e):
     """Ball loads for the inputs u, and all outputs.
 
     ring: (3, 5) force, freedom to move (`FREE`) and displacement of the inner ring; balls: (Z, 4); work: of `workspace`.
@@ -305,27 +306,27 @@ def bearing_conductance(u, y, ring, balls, work, p, bulk, walls, film, oil, gas,
     if status != DONE:
         return status
     thickness = 0.0
-    if film is not None:
-        thickness = max(u[film.u], 0.0)
+    if e.film is not None:
+        thickness = max(u[e.film.u], 0.0)
     total, largest, loaded = 0.0, 0.0, 0
     for j in range(balls.shape[0]):
         load = balls[j, LOAD]
         loaded += load > 0.0
         largest = max(largest, load)
-        inner = side_of_ball(load, p.inner, p.inner_relief, p, bulk, walls, film, oil, gas, thickness)
-        outer = side_of_ball(load, p.outer, p.outer_relief, p, bulk, walls, film, oil, gas, thickness)
+        inner = side_of_ball(load, p.inner, p.inner_relief, p, e, thickness)
+        outer = side_of_ball(load, p.outer, p.outer_relief, p, e, thickness)
         total += conductances_in_series(inner, outer)
     if largest ** (1.0 / 3.0) * max(p.inner.across, p.outer.across) > LARGEST_CONTACT * p.ball_radius:
         return OUT_OF_RANGE
     y[BALL_CONDUCTANCE] = total
-    if gas is not None:
-        total += gas.conductivity * p.area / gas.ring_gap
-    if convection is not None:
-        total += 0.5 * convection.coefficient * p.area
-    if radiation is not None:
-        inner, outer = u[radiation.u], u[radiation.u + 1]
-        total += radiation.emissivity * p.area * radiative_coefficient(inner, outer)
-    if walls is not None:
-        total /= 1.0 + total * p.wall * math.log(walls.outside_diameter / walls.bore / p.raceways)
+    if e.gas_path is not None:
+        total += e.gas_path.conductivity * p.area / e.gas_path.ring_gap
+    if e.convection is not None:
+        total += 0.5 * e.convection.coefficient * p.area
+    if e.radiation is not None:
+        inner, outer = u[e.radiation.u], u[e.radiation.u + 1]
+        total += e.radiation.emissivity * p.area * radiative_coefficient(inner, outer)
+    if e.ring_walls is not None:
+        total /= 1.0 + total * p.wall * math.log(e.ring_walls.outside_diameter / e.ring_walls.bore / p.raceways)
     y[CONDUCTANCE], y[LOADED], y[MAX_LOAD], y[AXIAL], y[RADIAL] = total, loaded, largest, q[2], q[0]
     return DONE

@@ -41,7 +41,6 @@ DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", 
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
-LINEARISATION = 9  # in `arguments`
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 
 
@@ -213,7 +212,8 @@ class DeepGrooveBearing(Component):
         if p["diametral_clearance"] < tightest:
             raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m", f"{tightest:.3g} m or more; with "
                            "less the preload alone makes the contacts longer than a ball's radius")
-        values = dict(zip(type(self).effects, self._declared_arguments()[1:], strict=True))
+        _, e = self._declared_arguments()
+        values = e._asdict()
         if (film := values["film"]) is not None:
             oil = Lubricant(film.viscosity, film.pressure_viscosity)
             load, speed = 5.0 * film.nominal_load / p["balls"], entrainment_speed(geometry, 1.0)
@@ -233,28 +233,28 @@ class DeepGrooveBearing(Component):
             # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
             centres = 0.5 * p["pitch_diameter"] - 0.25 * p["diametral_clearance"]
             values["published_levers"] = Levers(centres / contacts.lever)
-        return constants(contacts, geometry.cage_ratio, geometry.spin_ratio, largest_load), *values.values()
+        return constants(contacts, geometry.cage_ratio, geometry.spin_ratio, largest_load), e._replace(**values)
 
     # -- the run -----------------------------------------------------------------------------------------------------
     def initialize(self, t: float) -> None:
         """As of any component; what helps a search for the static position, or lets it overshoot, ends with it."""
-        self.arguments = arguments = self.kernel_arguments()
-        if (linear := arguments[LINEARISATION]) is not None:
-            linear = linear._replace(idle_stiffness=0.0)
+        self.arguments = p, e = self.kernel_arguments()
+        if e.linearisation is not None:
+            e = e._replace(linearisation=e.linearisation._replace(idle_stiffness=0.0))
         try:
             super().initialize(t)
         finally:
-            self.arguments = (*arguments[:LINEARISATION], linear, *arguments[LINEARISATION + 1 :])
+            self.arguments = p, e
 
     def _initialize(self, t: float) -> int:
         self.x = np.zeros(3 if "ball_defect" in self.on else 2)
         self.x[1] = wrapped(self.get("first_ball"))
         self._features = self._passages()
         self._warned = False
-        p = self.arguments[0]
+        p, e = self.arguments
         if self._preload() > p.largest_load:
             return OUT_OF_RANGE
-        self.arguments = (p._replace(largest_load=math.inf), *self.arguments[1:])  # a step of Newton's method may go too far
+        self.arguments = (p._replace(largest_load=math.inf), e)  # a step of Newton's method may go too far
         return DONE
 
     def _step(self, t: float, h: float) -> int:
@@ -268,26 +268,26 @@ class DeepGrooveBearing(Component):
 
     def _preload(self) -> float:
         """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
-        p, film, _, *races = self.arguments[:8]
-        place(self.x, self.u[0, SPEED], p, film, *races)
+        p, e = self.arguments
+        place(self.x, self.u[0, SPEED], p, e)
         contacts = self._present_contacts()
         return contacts.stiffness * max(contacts.radial - contacts.distance - p.balls[:, GAP].min(), 0.0) ** 1.5
 
     def _present_contacts(self) -> BallContacts:
-        p, growth = self.arguments[0], self.arguments[11]
+        p, growth = self.arguments[0], self.arguments[1].thermal_growth
         change = self.u[0, growth.u] if growth is not None else 0.0
         return p.contacts._replace(radial=p.contacts.radial - 0.5 * change)
 
     def _passages(self) -> list[tuple[str, float, float]]:
         """(name, extent in rad, turn of the feature under a ball per turn of the inner ring) of waves and defects."""
-        p, _, _, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit = self.arguments[:8]
+        p, e = self.arguments
         inner, outer = 1.0 - p.cage_ratio, p.cage_ratio
         features = []
-        for name, waves, ratio in (("inner_waviness", inner_waves, inner), ("outer_waviness", outer_waves, outer)):
+        for name, waves, ratio in (("inner_waviness", e.inner_waviness, inner), ("outer_waviness", e.outer_waviness, outer)):
             if waves is not None and waves.order.size:
                 features.append((f"{name} of order {waves.order.max():g}", math.pi / waves.order.max(), ratio))
-        for name, pit, ratio in (("inner_defect", inner_pit, inner), ("outer_defect", outer_pit, outer),
-                                 ("ball_defect", ball_pit, p.spin_ratio)):
+        for name, pit, ratio in (("inner_defect", e.inner_defect, inner), ("outer_defect", e.outer_defect, outer),
+                                 ("ball_defect", e.ball_defect, p.spin_ratio)):
             if pit is not None:
                 features.append((name, 2.0 * pit.half_width, ratio))
         return features
@@ -313,17 +313,16 @@ class DeepGrooveBearing(Component):
 
     def energy(self) -> float:
         """Elastic energy of the contacts, J; with `published_levers` that of the consistent bearing."""
-        p, film, _, *races = self.arguments[:8]
-        return elastic_energy(self.x, self.u[0], p, film, *races, self.arguments[11])
+        return elastic_energy(self.x, self.u[0], *self.arguments)
 
     def equilibrium(self, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
         """Static equilibrium under an external load on the shaft at the present angles and speed; see `loads.static_loads`.
 
         Its status is OUT_OF_RANGE, too, for a ball beyond its largest load.
         """
-        p, film, _, *races = self.arguments[:8]
-        place(self.x, self.u[0, SPEED], p, film, *races)
-        levers = self.arguments[8]
+        p, e = self.arguments
+        place(self.x, self.u[0, SPEED], p, e)
+        levers = e.published_levers
         load = np.array(forces, dtype=float)
         if levers is not None:
             load[3:] /= levers.ratio

@@ -145,19 +145,19 @@ def add_ball_pit(gap, rate, spin, speed, pit):
 
 
 @kernel
-def add_faults(gap, rate, angles, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+def add_faults(gap, rate, angles, speed, p, e):
     """Waves and pits of a bearing added to gap (Z,) and, unless None, to rate (Z,).
 
     angles: of the inner ring, of the cage and, with a pit on a ball, its spin.  p: has cage_ratio and spin_ratio.
     """
     inner, cage, cage_speed = angles[0], angles[1], p.cage_ratio * speed
-    if inner_waves is not None:
-        add_waves(gap, rate, cage - inner, cage_speed - speed, inner_waves)
-    if outer_waves is not None:
-        add_waves(gap, rate, cage, cage_speed, outer_waves)
-    if inner_pit is not None:
-        add_pit(gap, rate, cage - inner, cage_speed - speed, inner_pit)
-    if outer_pit is not None:
-        add_pit(gap, rate, cage, cage_speed, outer_pit)
-    if ball_pit is not None:
-        add_ball_pit(gap, rate, angles[2], p.spin_ratio * speed, ball_pit)
+    if e.inner_waviness is not None:
+        add_waves(gap, rate, cage - inner, cage_speed - speed, e.inner_waviness)
+    if e.outer_waviness is not None:
+        add_waves(gap, rate, cage, cage_speed, e.outer_waviness)
+    if e.inner_defect is not None:
+        add_pit(gap, rate, cage - inner, cage_speed - speed, e.inner_defect)
+    if e.outer_defect is not None:
+        add_pit(gap, rate, cage, cage_speed, e.outer_defect)
+    if e.ball_defect is not None:
+        add_ball_pit(gap, rate, angles[2], p.spin_ratio * speed, e.ball_defect)

@@ -61,18 +61,18 @@ def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float, larg
 
 
 @kernel
-def place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+def place(x, speed, p, e):
     """Directions and gaps of all balls into p.balls."""
     balls = p.balls
     c, s = math.cos(x[1]), math.sin(x[1])
     film_thickness = 0.0
-    if film is not None:
-        film_thickness = (film.inner + film.outer) * abs(speed) ** CENTRAL_EXPONENT
+    if e.film is not None:
+        film_thickness = (e.film.inner + e.film.outer) * abs(speed) ** CENTRAL_EXPONENT
     for j in range(balls.shape[0]):
         balls[j, COS] = c * p.cosine[j] - s * p.sine[j]
         balls[j, SIN] = s * p.cosine[j] + c * p.sine[j]
         balls[j, GAP] = -film_thickness
-    add_faults(balls[:, GAP], None, x, speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    add_faults(balls[:, GAP], None, x, speed, p, e)
 
 
 @kernel
@@ -95,51 +95,50 @@ def roll(h, x, u, p):
 
 
 @kernel
-def advance(h, x, u, y, p, *effects):
+def advance(h, x, u, y, p, e):
     """Roll on by h, hold the inputs at their ends, and compute the outputs there; u: (3, m)."""
     roll(h, x, u, p)
     hold_inputs(u, h)
-    return bearing_outputs(x, u[0], y, p, *effects)
+    return bearing_outputs(x, u[0], y, p, e)
 
 
 @kernel
-def bearing_outputs(x, u, y, p, film, damper, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit, levers, linear, friction,
-                    growth):
+def bearing_outputs(x, u, y, p, e):
     """All outputs from the angles x and the inputs u (m,).
 
     Returns DONE, OUT_OF_RANGE for a ring beyond the grooves or a ball beyond its largest load, or NOT_FINITE.
     """
     speed = u[SPEED]
-    place(x, speed, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
-    contacts = present_contacts(u, p, growth)
-    if linear is not None and damper is not None:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, u[5:10], damper.factor, p.damping)
-    elif linear is not None:
+    place(x, speed, p, e)
+    contacts = present_contacts(u, p, e.thermal_growth)
+    if e.linearisation is not None and e.damping is not None:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, u[5:10], e.damping.factor, p.damping)
+    elif e.linearisation is not None:
         status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, None, None, None)
-    elif damper is not None:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, u[5:10], damper.factor, None)
+    elif e.damping is not None:
+        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, u[5:10], e.damping.factor, None)
     else:
         status = contact_forces(u[:5], contacts, p.balls, p.sums, None, None, None, None)
     if status != DONE:
         return status
     if p.sums[MAX_LOAD] > p.largest_load:
         return OUT_OF_RANGE
-    if levers is not None:
-        p.sums[3] *= levers.ratio
-        p.sums[4] *= levers.ratio
+    if e.published_levers is not None:
+        p.sums[3] *= e.published_levers.ratio
+        p.sums[4] *= e.published_levers.ratio
     for i in range(5):
         y[FORCE + i] = p.sums[i]
     y[LARGEST], y[NUMBER], y[INNER_ANGLE], y[CAGE_ANGLE] = p.sums[MAX_LOAD], p.sums[LOADED], x[0], x[1]
-    if film is not None:
+    if e.film is not None:
         thickness = abs(speed) ** CENTRAL_EXPONENT
-        y[film.y], y[film.y + 1] = film.inner * thickness, film.outer * thickness
-    if linear is not None:
-        linearise(u, y, p, levers, linear)
-    if friction is not None:
+        y[e.film.y], y[e.film.y + 1] = e.film.inner * thickness, e.film.outer * thickness
+    if e.linearisation is not None:
+        linearise(u, y, p, e.published_levers, e.linearisation)
+    if e.friction is not None:
         load = math.sqrt(p.sums[0] ** 2 + p.sums[1] ** 2 + p.sums[2] ** 2)
-        torque = 0.5 * friction.coefficient * friction.bore_diameter * load
-        y[friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
-        y[friction.y + 1] = torque * abs(speed)
+        torque = 0.5 * e.friction.coefficient * e.friction.bore_diameter * load
+        y[e.friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
+        y[e.friction.y + 1] = torque * abs(speed)
     for i in range(y.size):
         if not math.isfinite(y[i]):
             return NOT_FINITE
@@ -167,9 +166,9 @@ def linearise(u, y, p, levers, linear):
 
 
 @kernel
-def elastic_energy(x, u, p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit, growth):
+def elastic_energy(x, u, p, e):
     """Energy of the contacts, J."""
-    place(x, u[SPEED], p, film, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
-    contact_forces(u[:5], present_contacts(u, p, growth), p.balls, p.sums, None, None, None, None)
+    place(x, u[SPEED], p, e)
+    contact_forces(u[:5], present_contacts(u, p, e.thermal_growth), p.balls, p.sums, None, None, None, None)
     return p.sums[ENERGY]
 

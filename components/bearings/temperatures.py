@@ -132,13 +132,13 @@ INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
 
 
 @kernel
-def range_outside(h, x, u, p, housing, oil, radiation, shaft):
+def range_outside(h, x, u, p, e):
     """(lowest, highest) temperature in K of the outermost part, if it radiates, after a step of h s; u: (3, m) with slopes.
 
     It rises above the warmest of parts, ambient and oil only as far as until radiation alone takes all supplied heat away,
     and does not fall below 0 K unless an input extrapolated too far takes it there. A tenth and 1 K are for the method's error.
     """
-    if radiation is None or radiation.emissivity * radiation.area == 0.0:
+    if e.radiation is None or e.radiation.emissivity * e.radiation.area == 0.0:
         return -math.inf, math.inf
     warmest, coldest, power = 0.0, 0.0, 0.0
     for part in x[:-2]:
@@ -147,19 +147,19 @@ def range_outside(h, x, u, p, housing, oil, radiation, shaft):
         ambient = u[0, AMBIENT] + s * (u[1, AMBIENT] + s * u[2, AMBIENT])
         warmest, coldest = max(warmest, ambient), min(coldest, ambient)
         supplied = u[0, FRICTION] + s * (u[1, FRICTION] + s * u[2, FRICTION])
-        if oil is not None:
-            inlet = u[0, oil.u] + s * (u[1, oil.u] + s * u[2, oil.u])
+        if e.oil_flow is not None:
+            inlet = u[0, e.oil_flow.u] + s * (u[1, e.oil_flow.u] + s * u[2, e.oil_flow.u])
             warmest, coldest = max(warmest, inlet), min(coldest, inlet)
-        if shaft is not None:
-            supplied += u[0, shaft.u] + s * (u[1, shaft.u] + s * u[2, shaft.u])
+        if e.shaft_heat is not None:
+            supplied += u[0, e.shaft_heat.u] + s * (u[1, e.shaft_heat.u] + s * u[2, e.shaft_heat.u])
         power, coldest = max(power, supplied), min(coldest, supplied)  # heat taken away counts as cold
-    high = (warmest**4 + power / (radiation.emissivity * radiation.area * STEFAN_BOLTZMANN)) ** 0.25
+    high = (warmest**4 + power / (e.radiation.emissivity * e.radiation.area * STEFAN_BOLTZMANN)) ** 0.25
     low = -math.inf if coldest < 0.0 else -0.1 * high - 1.0
     return low, 1.1 * high + 1.0
 
 
 @kernel
-def network_derivatives(t, x, u, dx, p, housing, oil, radiation, shaft):
+def network_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (Ti, Tb, To[, Th], heat supplied, heat released)."""
     n = x.size - 2
     to_balls = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[INNER] - x[BALL])
@@ -170,22 +170,22 @@ def network_derivatives(t, x, u, dx, p, housing, oil, radiation, shaft):
     inner = p.inner_share * friction - to_balls - from_shaft
     ball = (1.0 - p.inner_share - p.outer_share) * friction + to_balls - to_outer
     outer = p.outer_share * friction + to_outer
-    if shaft is not None:
-        inner += u[shaft.u]
-        supplied += u[shaft.u]
+    if e.shaft_heat is not None:
+        inner += u[e.shaft_heat.u]
+        supplied += u[e.shaft_heat.u]
     outside = x[n - 1]  # of the outermost part
     to_ambient = p.ambient_conductance * (outside - ambient)
-    if radiation is not None:
-        to_ambient += radiation.emissivity * radiation.area * radiative_coefficient(outside, ambient) * (outside - ambient)
+    if e.radiation is not None:
+        to_ambient += e.radiation.emissivity * e.radiation.area * radiative_coefficient(outside, ambient) * (outside - ambient)
     released = from_shaft + to_ambient
-    if oil is not None:
-        with_oil = oil.capacity_rate * (x[BALL] - u[oil.u])
+    if e.oil_flow is not None:
+        with_oil = e.oil_flow.capacity_rate * (x[BALL] - u[e.oil_flow.u])
         ball -= with_oil
         released += with_oil
-    if housing is not None:
-        through_seat = housing.seat_conductance * (x[OUTER] - x[HOUSED])
+    if e.housing is not None:
+        through_seat = e.housing.seat_conductance * (x[OUTER] - x[HOUSED])
         outer -= through_seat
-        dx[HOUSED] = (through_seat - to_ambient) / housing.heat_capacity
+        dx[HOUSED] = (through_seat - to_ambient) / e.housing.heat_capacity
     else:
         outer -= to_ambient
     dx[INNER], dx[BALL], dx[OUTER] = inner / p.inner_capacity, ball / p.ball_capacity, outer / p.outer_capacity
@@ -193,7 +193,7 @@ def network_derivatives(t, x, u, dx, p, housing, oil, radiation, shaft):
 
 
 @kernel
-def network_jacobian(t, x, u, band, p, housing, oil, radiation, shaft):
+def network_jacobian(t, x, u, band, p, e):
     """Derivatives of `network_derivatives` by the temperatures, in the whole band of rodas3."""
     n, w = x.size - 2, x.size - 1
     released = n + 1
@@ -206,26 +206,26 @@ def network_jacobian(t, x, u, band, p, housing, oil, radiation, shaft):
     band[OUTER, w - 1] = across / p.outer_capacity
     band[OUTER, w] = -across / p.outer_capacity
     band[released, w + INNER - released] = p.shaft_conductance
-    if oil is not None:
-        band[BALL, w] -= oil.capacity_rate / p.ball_capacity
-        band[released, w + BALL - released] = oil.capacity_rate
+    if e.oil_flow is not None:
+        band[BALL, w] -= e.oil_flow.capacity_rate / p.ball_capacity
+        band[released, w + BALL - released] = e.oil_flow.capacity_rate
     capacity = p.outer_capacity
-    if housing is not None:
-        capacity = housing.heat_capacity
-        band[OUTER, w] -= housing.seat_conductance / p.outer_capacity
-        band[OUTER, w + 1] = housing.seat_conductance / p.outer_capacity
-        band[HOUSED, w - 1] = housing.seat_conductance / capacity
-        band[HOUSED, w] = -housing.seat_conductance / capacity
+    if e.housing is not None:
+        capacity = e.housing.heat_capacity
+        band[OUTER, w] -= e.housing.seat_conductance / p.outer_capacity
+        band[OUTER, w + 1] = e.housing.seat_conductance / p.outer_capacity
+        band[HOUSED, w - 1] = e.housing.seat_conductance / capacity
+        band[HOUSED, w] = -e.housing.seat_conductance / capacity
     outside = p.ambient_conductance
-    if radiation is not None:
+    if e.radiation is not None:
         # 4 sigma T³ is the coefficient between two surfaces of temperature T
-        outside += radiation.emissivity * radiation.area * radiative_coefficient(x[last], x[last])
+        outside += e.radiation.emissivity * e.radiation.area * radiative_coefficient(x[last], x[last])
     band[last, w] -= outside / capacity
     band[released, w + last - released] += outside
 
 
 @kernel
-def network_outputs(t, x, u, y, p, housing, oil, radiation, shaft):
+def network_outputs(t, x, u, y, p, e):
     """Temperatures, change of clearance, balance of heat."""
     n = x.size - 2
     y[INNER_OUT], y[BALL_OUT], y[OUTER_OUT], y[HOUSING_OUT] = x[INNER], x[BALL], x[OUTER], x[n - 1]
@@ -234,8 +234,8 @@ def network_outputs(t, x, u, y, p, housing, oil, radiation, shaft):
     y[CLEARANCE_OUT] = p.expansion * grown
     start = p.start_temperature
     stored = p.inner_capacity * (x[INNER] - start) + p.ball_capacity * (x[BALL] - start) + p.outer_capacity * (x[OUTER] - start)
-    if housing is not None:
-        stored += housing.heat_capacity * (x[HOUSED] - start)
+    if e.housing is not None:
+        stored += e.housing.heat_capacity * (x[HOUSED] - start)
     y[SUPPLIED_OUT], y[STORED_OUT], y[RELEASED_OUT] = x[n], stored, x[n + 1]
 
 

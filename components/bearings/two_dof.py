@@ -105,30 +105,30 @@ def ring_speed(t, u, ramp):
 
 
 @kernel
-def fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+def fill_gaps(x, speed, p, e):
     """The gaps of all balls and, with contact damping, their rates, in p.balls."""
     radial = 0.0
-    if clearance is not None:
-        radial = clearance.gap
+    if e.clearance is not None:
+        radial = e.clearance.gap
     for j in range(p.balls.shape[1]):
         p.balls[GAP, j] = radial
-    if damping is not None:
+    if e.contact_damping is not None:
         for j in range(p.balls.shape[1]):
             p.balls[RATE, j] = 0.0
-        add_faults(p.balls[GAP], p.balls[RATE], x[4:], speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+        add_faults(p.balls[GAP], p.balls[RATE], x[4:], speed, p, e)
     else:
-        add_faults(p.balls[GAP], None, x[4:], speed, p, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+        add_faults(p.balls[GAP], None, x[4:], speed, p, e)
 
 
 @kernel
-def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+def ball_loads(x, speed, p, e):
     """(sum of Q cos theta, sum of Q sin theta, largest Q, number of loaded balls)."""
-    fill_gaps(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    fill_gaps(x, speed, p, e)
     balls = p.balls
     c, s = math.cos(x[5]), math.sin(x[5])
     along, across = c * x[0] + s * x[1], c * x[1] - s * x[0]  # position in the frame of the cage
     v_along, v_across = 0.0, 0.0
-    if damping is not None:
+    if e.contact_damping is not None:
         turn = p.cage_ratio * speed
         v_along, v_across = c * x[2] + s * x[3] + turn * across, c * x[3] - s * x[2] - turn * along
     sum_along, sum_across, largest, loaded, deepest = 0.0, 0.0, 0.0, 0, balls[DEEPEST, 0]
@@ -137,9 +137,9 @@ def ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_
         if delta > 0.0:
             deepest = max(deepest, delta)
             load = p.stiffness * delta * math.sqrt(delta)
-            if damping is not None:
+            if e.contact_damping is not None:
                 approach = v_along * balls[COSINE, j] + v_across * balls[SINE, j] - balls[RATE, j]
-                load = max(load * (1.0 + 1.5 * damping.coefficient * approach), 0.0)  # a contact cannot pull
+                load = max(load * (1.0 + 1.5 * e.contact_damping.coefficient * approach), 0.0)  # a contact cannot pull
             sum_along += load * balls[COSINE, j]
             sum_across += load * balls[SINE, j]
             largest = max(largest, load)
@@ -165,42 +165,37 @@ def accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp):
 
 
 @kernel
-def bearing_derivatives(t, x, u, dx, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
-                        variation, ramp, start):
+def bearing_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (x, y, x', y', inner angle, cage angle[, spin])."""
-    speed, _ = ring_speed(t, u, ramp)
-    bearing_x, bearing_y, _, _ = ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit, outer_pit,
-                                            ball_pit)
+    speed, _ = ring_speed(t, u, e.speed_ramp)
+    bearing_x, bearing_y, _, _ = ball_loads(x, speed, p, e)
     dx[0], dx[1] = x[2], x[3]
-    dx[2], dx[3] = accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp)
+    dx[2], dx[3] = accelerations(t, x, u, bearing_x, bearing_y, p, e.unbalance, e.load_variation, e.speed_ramp)
     dx[4], dx[5] = speed, p.cage_ratio * speed
-    if ball_pit is not None:
+    if e.ball_defect is not None:
         dx[6] = p.spin_ratio * speed
 
 
 @kernel
-def bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
-                    variation, ramp, start):
+def bearing_outputs(t, x, u, y, p, e):
     """Motion, forces on the shaft, angles."""
-    speed, _ = ring_speed(t, u, ramp)
-    bearing_x, bearing_y, largest, loaded = ball_loads(x, speed, p, clearance, damping, inner_waves, outer_waves, inner_pit,
-                                                       outer_pit, ball_pit)
+    speed, _ = ring_speed(t, u, e.speed_ramp)
+    bearing_x, bearing_y, largest, loaded = ball_loads(x, speed, p, e)
     y[X], y[Y], y[VELOCITY_X], y[VELOCITY_Y] = x[0], x[1], x[2], x[3]
-    y[ACCELERATION_X], y[ACCELERATION_Y] = accelerations(t, x, u, bearing_x, bearing_y, p, unbalance, variation, ramp)
+    y[ACCELERATION_X], y[ACCELERATION_Y] = accelerations(t, x, u, bearing_x, bearing_y, p, e.unbalance, e.load_variation,
+                                                         e.speed_ramp)
     y[FORCE_X], y[FORCE_Y], y[MAX_LOAD], y[LOADED] = -bearing_x, -bearing_y, largest, loaded
     y[INNER], y[CAGE] = x[4], x[5]
 
 
 @kernel
-def end_of_step(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
-                variation, ramp, start):
+def end_of_step(t, x, u, y, p, e):
     """Angles back into [0, 2 pi), so that they keep their digits however long the run; inputs held; then the outputs."""
     for i in range(4, x.size):
         x[i] = wrapped(x[i])
     p.balls[SLOPE, 0] = 0.0
     p.balls[GROWTH, 0] = 0.0
-    bearing_outputs(t, x, u, y, p, clearance, damping, unbalance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit,
-                    variation, ramp, start)
+    bearing_outputs(t, x, u, y, p, e)
 
 
 advance = bind(rk4, __name__, derivatives=bearing_derivatives, outputs=end_of_step)
@@ -225,14 +220,14 @@ def elastic_force(x, p):
 
 
 @kernel
-def static_position(x, load_x, load_y, p, clearance, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit):
+def static_position(x, load_x, load_y, p, e):
     """Put x[0], x[1] where the balls carry the load at rest; NOT_CONVERGED where they cannot.
 
     The potential energy is convex, so Newton's method with steps shortened until they do not overshoot leads to its minimum
     if there is one. There is none where no ball stands on the side to which the load pushes. Across the line of a single
     loaded ball there is no stiffness: a trace of the identity keeps the matrix regular and moves nothing, as nothing pushes.
     """
-    fill_gaps(x, 0.0, p, clearance, None, inner_waves, outer_waves, inner_pit, outer_pit, ball_pit)
+    fill_gaps(x, 0.0, p, e)
     total = math.hypot(load_x, load_y)
     x[0], x[1] = 0.0, 0.0
     if total > 0.0:

@@ -43,10 +43,10 @@ def _declared(cls: type) -> tuple[Variable, ...]:
     return tuple(_inherited(cls, Variable).values())
 
 
-def _values_type(owner: type, fields: Iterable[str]) -> type:
-    """A NamedTuple for kernels, reachable as `owner.Values`, because Numba's disk cache refers to it by module and name."""
-    values = namedtuple("Values", tuple(fields))  # type: ignore[misc]
-    values.__module__, values.__qualname__ = owner.__module__, f"{owner.__qualname__}.Values"
+def _tuple_type(owner: type, name: str, fields: Iterable[str]) -> type:
+    """A NamedTuple for kernels, reachable as `owner.name`, because Numba's disk cache refers to it by module and name."""
+    values = namedtuple(name, tuple(fields))  # type: ignore[misc]
+    values.__module__, values.__qualname__ = owner.__module__, f"{owner.__qualname__}.{name}"
     return kernel_tuple(values)
 
 
@@ -68,8 +68,9 @@ class Effect:
 
     def __init_subclass__(cls) -> None:
         cls.variables = _declared(cls)
-        ports = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
-        cls.Values = _values_type(cls, ports + [v.name for v in cls.variables if v.causality is Causality.PARAMETER] or ["on"])
+        fields = [name for name, kind in (("u", Causality.INPUT), ("y", Causality.OUTPUT)) if _names(cls.variables, kind)]
+        fields += [v.name for v in cls.variables if v.causality is Causality.PARAMETER]
+        cls.Values = _tuple_type(cls, "Values", fields or ["on"])
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,8 @@ class Component:
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}
     variables: ClassVar[Mapping[str, Variable]] = {}  # every scalar, of effects too, by full name
-    Values: ClassVar[Any]
+    Values: ClassVar[Any]  # NamedTuple of the own parameters, for kernels
+    Present: ClassVar[Any]  # NamedTuple of the effects, for kernels: the effect's `Values`, or None where it is off
 
     def __init_subclass__(cls) -> None:
         cls.own_variables = _declared(cls)
@@ -108,7 +110,8 @@ class Component:
         cls.variables = {s.name: s for v in cls.own_variables for s in v.scalars}
         for name, effect in cls.effects.items():
             cls.variables |= {s.name: s for v in effect.variables for s in _prefixed(v, name).scalars}
-        cls.Values = _values_type(cls, [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER])
+        cls.Values = _tuple_type(cls, "Values", [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER])
+        cls.Present = _tuple_type(cls, "Present", cls.effects)
 
     @classmethod
     def input_indices(cls, *names: str) -> tuple[int, ...]:
@@ -210,18 +213,20 @@ class Component:
         return np.array([self._output_index[n] for n in names], dtype=np.intp)
 
     def _declared_arguments(self) -> tuple[Any, ...]:
-        """(parameters, effect, effect, ...) for the kernels: a NamedTuple, then one NamedTuple or None an effect."""
+        """(p, e) for the kernels: the parameters, and of a component with effects all of them, None for one that is off."""
         cls = type(self)
-        values = [cls.Values(*(self._value(v) for v in cls.own_variables if v.causality is Causality.PARAMETER))]
-        for name, effect in cls.effects.items():
-            if name not in self.on:
-                values.append(None)
-                continue
-            fields = [self._value(_prefixed(v, name)) for v in effect.variables if v.causality is Causality.PARAMETER]
-            for names in (self.outputs, self.inputs):
-                fields[:0] = [i for i, n in enumerate(names) if n.startswith(name + ".")][:1]
-            values.append(effect.Values(*(fields or [True])))
-        return tuple(values)
+        p = cls.Values(*(self._value(v) for v in cls.own_variables if v.causality is Causality.PARAMETER))
+        return (p, cls.Present(*map(self._effect_values, cls.effects))) if cls.effects else (p,)
+
+    def _effect_values(self, name: str) -> Any:
+        """What kernels get of an effect: its `Values`, or None where it is off."""
+        if name not in self.on:
+            return None
+        effect = type(self).effects[name]
+        fields = [self._value(_prefixed(v, name)) for v in effect.variables if v.causality is Causality.PARAMETER]
+        for names in (self.outputs, self.inputs):
+            fields[:0] = [i for i, n in enumerate(names) if n.startswith(name + ".")][:1]
+        return effect.Values(*(fields or [True]))
 
     def _value(self, variable: Variable) -> Any:
         if variable.size:

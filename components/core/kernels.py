@@ -1,8 +1,9 @@
 """Compiled kernels: one source that Numba compiles where it is installed and plain Python runs where it is not.
 
-A kernel allocates nothing and raises nothing. It gets state, inputs, outputs, parameters (a NamedTuple), effects
-(a NamedTuple each, or None) and workspace, and returns one of the status integers below. Numba prunes the branch
-`if effect is not None` at compile time, so an effect that is off is not in the machine code.
+A kernel allocates nothing and raises nothing. It gets state, inputs, outputs, workspace, parameters `p` and effects `e`, and
+returns one of the status integers below. `p` is a NamedTuple; so is `e`, with a field for each effect of the component: a
+NamedTuple of its values, or None where it is off. A branch `if e.effect is not None` is decided at compile time (see
+`pruning`), so that an effect that is off is not in the machine code.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import types
 from contextlib import suppress
 from glob import escape
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 from zlib import crc32
 
@@ -21,6 +23,11 @@ except ImportError:  # an FMU's host may lack Numba: slower, the same equations
 
 # NUMBA_DISABLE_JIT=1: plain Python, without waiting for the compiler
 COMPILED = njit is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
+OPTIONS: dict[str, Any] = {"error_model": "numpy"}
+if COMPILED:
+    from .pruning import KernelCompiler
+
+    OPTIONS["pipeline_class"] = KernelCompiler
 
 DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE = range(4)
 REASONS = {
@@ -49,7 +56,7 @@ def kernel(function):
     """
     if not COMPILED:
         return function
-    dispatcher = njit(cache=True, error_model="numpy")(function)
+    dispatcher = njit(cache=True, **OPTIONS)(function)
     cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if cache_file is not None:
         # As part of the version it is looked at before anything else is read, which may name classes that are gone.

@@ -98,32 +98,32 @@ class ServoMotor(MotorParameters, EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Angle and rate of the parameters, the steady current, and the mode of the shaft where it can stick."""
-        p, inductance, saturation, friction = self.arguments
+        p, e = self.arguments
         x = [p.start_angle, p.start_rate]
-        if inductance is not None:
-            x.append(steady_current(p.start_rate, self.u[0], p, saturation))
-        if friction is not None:
+        if e.inductance is not None:
+            x.append(steady_current(p.start_rate, self.u[0], p, e.saturation))
+        if e.shaft_friction is not None:
             x.append(0.0)
         state = np.array(x)
-        if friction is not None:
-            drive = shaft_drive(state, self.u[0], p, inductance, saturation)
-            state[-1] = stick_mode(p.start_rate, drive, static_level(state, self.u[0], p, inductance, saturation, friction))
+        if e.shaft_friction is not None:
+            drive = shaft_drive(state, self.u[0], p, e.inductance, e.saturation)
+            state[-1] = stick_mode(p.start_rate, drive, static_level(state, self.u[0], p, e))
         return state
 
     def energy(self) -> float:
         """Kinetic energy of rotor and wheel and the energy of the inductance, J."""
-        p, inductance, *_ = self.arguments
+        p, e = self.arguments
         kinetic = 0.5 * shaft_inertia(p) * self.x[RATE] ** 2
-        return float(kinetic if inductance is None else kinetic + 0.5 * inductance.inductance * self.x[CURRENT] ** 2)
+        return float(kinetic if e.inductance is None else kinetic + 0.5 * e.inductance.inductance * self.x[CURRENT] ** 2)
 
     def stable_step(self) -> float:
         """RK4's limit for the poles of the motor alone, s."""
-        p, inductance, *_ = self._declared_arguments()
+        p, e = self._declared_arguments()
         inertia, damping, torque = shaft_inertia(p), p.gear_ratio**2 * p.damping, p.gear_ratio * p.constant
-        if inductance is None:
+        if e.inductance is None:
             fastest = (torque**2 / p.resistance + damping) / inertia
         else:
-            L = inductance.inductance
+            L = e.inductance.inductance
             matrix = np.array([[-damping / inertia, torque / inertia], [-torque / L, -p.resistance / L]])
             fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
         return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
@@ -174,55 +174,56 @@ def shaft_drive(x, u, p, inductance, saturation):
 
 
 @kernel
-def gear_friction(x, u, p, inductance, saturation, friction):
+def gear_friction(x, u, p, e):
     """Share of the motor's torque that the gear loses, N.m at the wheel."""
-    return friction.gear_loss * abs(p.gear_ratio * p.constant * winding_current(x, u, p, inductance, saturation))
+    return e.shaft_friction.gear_loss * abs(p.gear_ratio * p.constant * winding_current(x, u, p, e.inductance, e.saturation))
 
 
 @kernel
-def static_level(x, u, p, inductance, saturation, friction):
+def static_level(x, u, p, e):
     """Largest friction of a shaft that stands, N.m."""
-    return friction.static_ratio * friction.level + gear_friction(x, u, p, inductance, saturation, friction)
+    return e.shaft_friction.static_ratio * e.shaft_friction.level + gear_friction(x, u, p, e)
 
 
 @kernel
-def servo_derivatives(t, x, u, dx, p, inductance, saturation, friction):
+def servo_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (angle, rate[, current][, mode])."""
-    torque = shaft_drive(x, u, p, inductance, saturation)
-    if friction is not None:
-        kinetic = friction.level + gear_friction(x, u, p, inductance, saturation, friction)
+    torque = shaft_drive(x, u, p, e.inductance, e.saturation)
+    if e.shaft_friction is not None:
+        kinetic = e.shaft_friction.level + gear_friction(x, u, p, e)
         torque -= stick_friction(x[-1], torque, kinetic)
         dx[-1] = 0.0
     dx[ANGLE] = x[RATE]
     dx[RATE] = torque / shaft_inertia(p)
-    if inductance is not None:
+    if e.inductance is not None:
         induced = p.constant * p.gear_ratio * x[RATE]
-        dx[CURRENT] = (winding_voltage(x[RATE], u, p, saturation) - p.resistance * x[CURRENT] - induced) / inductance.inductance
+        dx[CURRENT] = (winding_voltage(x[RATE], u, p,
+                                       e.saturation) - p.resistance * x[CURRENT] - induced) / e.inductance.inductance
 
 
 @kernel
-def servo_guards(t, x, u, g, p, inductance, saturation, friction):
+def servo_guards(t, x, u, g, p, e):
     """What keeps the mode of the shaft."""
-    level = static_level(x, u, p, inductance, saturation, friction)
-    g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, inductance, saturation), level)
+    level = static_level(x, u, p, e)
+    g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, e.inductance, e.saturation), level)
 
 
 @kernel
-def servo_switch(which, t, x, u, p, inductance, saturation, friction):
+def servo_switch(which, t, x, u, p, e):
     """The shaft has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[RATE] = 0.0
-    level = static_level(x, u, p, inductance, saturation, friction)
-    x[-1] = stick_switch(x[-1], shaft_drive(x, u, p, inductance, saturation), level)
+    level = static_level(x, u, p, e)
+    x[-1] = stick_switch(x[-1], shaft_drive(x, u, p, e.inductance, e.saturation), level)
 
 
 @kernel
-def servo_outputs(t, x, u, y, p, inductance, saturation, friction):
+def servo_outputs(t, x, u, y, p, e):
     """Angle, rate, current, electrical power, and whether the shaft stands."""
     y[0], y[1] = x[ANGLE], x[RATE]
-    y[2] = winding_current(x, u, p, inductance, saturation)
-    y[3] = winding_voltage(x[RATE], u, p, saturation) * y[2]
-    if friction is not None:
-        y[friction.y] = 1.0 if x[-1] == 0.0 else 0.0
+    y[2] = winding_current(x, u, p, e.inductance, e.saturation)
+    y[3] = winding_voltage(x[RATE], u, p, e.saturation) * y[2]
+    if e.shaft_friction is not None:
+        y[e.shaft_friction.y] = 1.0 if x[-1] == 0.0 else 0.0
 
 
 ServoMotor.advance = bind(rk4_events, __name__, derivatives=servo_derivatives, guards=servo_guards, switch=servo_switch,

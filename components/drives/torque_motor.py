@@ -56,20 +56,20 @@ class TorqueMotor(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """The steady current at the present voltage and rate, with `inductance`; no state without."""
-        p, inductance, saturation = self.arguments
-        if inductance is None:
+        p, e = self.arguments
+        if e.inductance is None:
             return np.zeros(0)
-        return np.array([amplifier_voltage(self.u[0], p, saturation) - back_emf(self.u[0], p)]) / p.resistance
+        return np.array([amplifier_voltage(self.u[0], p, e.saturation) - back_emf(self.u[0], p)]) / p.resistance
 
     def energy(self) -> float:
         """Energy of the inductance, J; 0 without it."""
-        inductance = self.arguments[1]
+        inductance = self.arguments[1].inductance
         return 0.0 if inductance is None else float(0.5 * inductance.inductance * self.x[0] ** 2)
 
     def stable_step(self) -> float:
         """RK4's limit for the time constant of the winding, s; infinite without inductance."""
-        p, inductance, _ = self._declared_arguments()
-        return math.inf if inductance is None else RK4_STABILITY_RADIUS * inductance.inductance / p.resistance
+        p, e = self._declared_arguments()
+        return math.inf if e.inductance is None else RK4_STABILITY_RADIUS * e.inductance.inductance / p.resistance
 
     def internal_step(self) -> float:
         """That of `inductance`; without it nothing is integrated."""
@@ -103,17 +103,17 @@ def amplifier_voltage(u, p, saturation):
 
 
 @kernel
-def motor_derivatives(t, x, u, dx, p, inductance, saturation):
+def motor_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (current,), or nothing without inductance."""
-    if inductance is not None:
-        dx[0] = (amplifier_voltage(u, p, saturation) - p.resistance * x[0] - back_emf(u, p)) / inductance.inductance
+    if e.inductance is not None:
+        dx[0] = (amplifier_voltage(u, p, e.saturation) - p.resistance * x[0] - back_emf(u, p)) / e.inductance.inductance
 
 
 @kernel
-def motor_outputs(t, x, u, y, p, inductance, saturation):
+def motor_outputs(t, x, u, y, p, e):
     """Torque, current and electrical power."""
-    voltage = amplifier_voltage(u, p, saturation)
-    if inductance is not None:
+    voltage = amplifier_voltage(u, p, e.saturation)
+    if e.inductance is not None:
         current = x[0]
     else:
         current = (voltage - back_emf(u, p)) / p.resistance

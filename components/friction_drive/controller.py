@@ -101,10 +101,10 @@ class ServoController(SampledComponent):
 
     def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernels get; wheels that cannot give both degrees of freedom, and times that go back, are refused."""
-        p, quantisation, reference = self._declared_arguments()
+        p, e = self._declared_arguments()
         refuse_singular(self.name, p.layout, p.angle)
         refuse_idle_angle(self.name, p.layout, p.angle)
-        return p, quantisation, None if reference is None else self._course(reference)
+        return p, e if e.reference is None else e._replace(reference=self._course(e.reference))
 
     def _course(self, reference: Any) -> Course:
         """The rows of the reference, the last one repeated to the end; an earlier time that is not 0 is refused."""
@@ -114,10 +114,10 @@ class ServoController(SampledComponent):
     def initial_state(self, t: float) -> np.ndarray:
         """All zero, but for what the encoders have counted."""
         x = np.zeros(STATES)
-        p, quantisation, _ = self.arguments
-        if quantisation is not None:  # as if the wheels had turned at their rates before
+        p, e = self.arguments
+        if e.quantisation is not None:  # as if the wheels had turned at their rates before
             for i in range(2):
-                x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], quantisation.wheel_step)
+                x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], e.quantisation.wheel_step)
         return x
 
 
@@ -167,17 +167,18 @@ def wheel_sample(i, wanted_rate, rate, x, p):
 
 
 @kernel
-def control_sample(t, u, x, work, p, quantisation, course):
+def control_sample(t, u, x, work, p, e):
     """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in x."""
     first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
-    if quantisation is not None:
-        first_angle, second_angle = counted(first_angle, quantisation.wheel_step), counted(second_angle, quantisation.wheel_step)
+    if e.quantisation is not None:
+        first_angle, second_angle = counted(first_angle, e.quantisation.wheel_step), counted(second_angle,
+                                                                                             e.quantisation.wheel_step)
         first_rate, second_rate = (first_angle - x[LAST]) / p.period, (second_angle - x[LAST + 1]) / p.period
         x[LAST], x[LAST + 1] = first_angle, second_angle
-        feed, rotation = counted(feed, quantisation.feed_step), counted(rotation, quantisation.rotation_step)
+        feed, rotation = counted(feed, e.quantisation.feed_step), counted(rotation, e.quantisation.rotation_step)
     if p.feedback == WHEELS:
         feed, rotation = sleeve_rates(first_angle, second_angle, p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
-    x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, p, course)
+    x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, p, e.reference)
     x[ERRORS], x[ERRORS + 1] = x[WANTED] - feed, x[WANTED + 1] - rotation
     feed_rate += p.feed_gain * x[ERRORS] + x[MOTION]
     rotation_rate += p.rotation_gain * x[ERRORS + 1] + x[MOTION + 1]

@@ -99,39 +99,40 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, steady currents, shafts that stand where they can."""
-        p, inductance, shaft, smoothed, lugre, exact, trocar, _, loss = self.arguments
-        sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
+        p, e = self.arguments
+        sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), e.lugre_slip,
+                              e.exact_slip, e.trocar_friction)
         at, u = sleeve.size, self.u[0]
-        currents = [] if inductance is None else [u[0] / p.resistance, u[1] / p.resistance]
-        state = np.array([*sleeve, *np.zeros(4), *currents, *([] if shaft is None else [0.0, 0.0])])
-        if shaft is not None:
-            *drives, first, second = shafts(self.t, state, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
+        currents = [] if e.inductance is None else [u[0] / p.resistance, u[1] / p.resistance]
+        state = np.array([*sleeve, *np.zeros(4), *currents, *([] if e.shaft_friction is None else [0.0, 0.0])])
+        if e.shaft_friction is not None:
+            *drives, first, second = shafts(self.t, state, u, p, e)
             for k, static in enumerate((first, second)):
-                state[at + shaft_modes(inductance) + k] = stick_mode(0.0, drives[k], static)
+                state[at + shaft_modes(e.inductance) + k] = stick_mode(0.0, drives[k], static)
         return state
 
     def energy(self) -> float:
         """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
-        p, inductance, _, _, lugre, exact, trocar, gravity, loss = self.arguments
-        at = motor_place(lugre, exact, trocar)
+        p, e = self.arguments
+        at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
         twice = shaft_inertia(p) * (self.x[at + RATES : at + RATES + 2] ** 2).sum()
-        if inductance is not None:
-            twice += inductance.inductance * (self.x[at + CURRENTS : at + CURRENTS + 2] ** 2).sum()
-        return float(sleeve_energy(self.t, self.x, p, lugre, exact, trocar, gravity, loss) + 0.5 * twice)
+        if e.inductance is not None:
+            twice += e.inductance.inductance * (self.x[at + CURRENTS : at + CURRENTS + 2] ** 2).sum()
+        return float(sleeve_energy(self.t, self.x, p, e) + 0.5 * twice)
 
     def stable_step(self) -> float:
         """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
-        p, inductance, _, smoothed, lugre, exact, trocar, *_ = self._declared_arguments()
-        masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
+        p, e = self._declared_arguments()
+        masses, K, D = stiffest(p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.trocar_friction)
         radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
         masses = np.array([*masses, *[shaft_inertia(p) / radius**2] * 2])[:, None]
         D = D + np.diag([0.0, 0.0, *[p.gear_ratio**2 * p.damping / radius**2] * 2])
         wheels = np.eye(4)[:, 2:]
-        if inductance is None:
+        if e.inductance is None:
             D = D + force**2 / p.resistance * wheels @ wheels.T
         A = np.block([[np.zeros((4, 4)), np.eye(4)], [-K / masses, -D / masses]])
-        if inductance is not None:
-            L = inductance.inductance
+        if e.inductance is not None:
+            L = e.inductance.inductance
             A = np.block([[A, np.vstack([np.zeros((4, 2)), force * wheels / masses])],
                           [np.zeros((2, 4)), -force / L * wheels.T, -p.resistance / L * np.eye(2)]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
@@ -183,76 +184,77 @@ def shaft_levels(k, at, x, voltage, p, inductance, shaft):
 
 
 @kernel
-def shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss):
+def shafts(t, x, u, p, e):
     """(drive, drive, static, static): torques that both shafts bear while they stand, and what they can, N.m."""
-    at = motor_place(lugre, exact, trocar)
-    _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, smoothed, lugre, exact, loss)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e.smoothed_slip, e.lugre_slip,
+                                          e.exact_slip, e.preload_loss)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
-    return (shaft_drive(0, at, x, u[VOLTAGES], load_1, p, inductance),
-            shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, inductance),
-            shaft_levels(0, at, x, u[VOLTAGES], p, inductance, shaft)[1],
-            shaft_levels(1, at, x, u[VOLTAGES + 1], p, inductance, shaft)[1])
+    return (shaft_drive(0, at, x, u[VOLTAGES], load_1, p, e.inductance),
+            shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, e.inductance),
+            shaft_levels(0, at, x, u[VOLTAGES], p, e.inductance, e.shaft_friction)[1],
+            shaft_levels(1, at, x, u[VOLTAGES + 1], p, e.inductance, e.shaft_friction)[1])
 
 
 @kernel
-def drive_derivatives(t, x, u, dx, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+def drive_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (sleeve, angles, rates[, currents][, modes])."""
-    at = motor_place(lugre, exact, trocar)
-    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], u[FORCE], u[TORQUE], dx, p, smoothed, lugre,
-                                        exact, trocar, gravity, loss)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], u[FORCE], u[TORQUE], dx, p, e)
     for k in range(2):
         voltage, rate = u[VOLTAGES + k], x[at + RATES + k]
-        torque = shaft_drive(k, at, x, voltage, load_1 if k == 0 else load_2, p, inductance)
-        if shaft is not None:
-            mode = at + shaft_modes(inductance) + k
-            torque -= stick_friction(x[mode], torque, shaft_levels(k, at, x, voltage, p, inductance, shaft)[0])
+        torque = shaft_drive(k, at, x, voltage, load_1 if k == 0 else load_2, p, e.inductance)
+        if e.shaft_friction is not None:
+            mode = at + shaft_modes(e.inductance) + k
+            torque -= stick_friction(x[mode], torque, shaft_levels(k, at, x, voltage, p, e.inductance, e.shaft_friction)[0])
             dx[mode] = 0.0
         dx[at + k], dx[at + RATES + k] = rate, torque / shaft_inertia(p)
-        if inductance is not None:
+        if e.inductance is not None:
             drop = p.resistance * x[at + CURRENTS + k] + p.constant * p.gear_ratio * rate
-            dx[at + CURRENTS + k] = (voltage - drop) / inductance.inductance
+            dx[at + CURRENTS + k] = (voltage - drop) / e.inductance.inductance
 
 
 @kernel
-def drive_guards(t, x, u, g, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+def drive_guards(t, x, u, g, p, e):
     """What keeps the modes of both contacts, the seal and both shafts."""
-    at = motor_place(lugre, exact, trocar)
-    sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, lugre, exact, trocar)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
     g[3] = g[4] = 1.0
-    if shaft is not None:
-        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
-        mode = at + shaft_modes(inductance)
+    if e.shaft_friction is not None:
+        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, e)
+        mode = at + shaft_modes(e.inductance)
         g[3] = stick_guard(x[mode], x[at + RATES], drive_1, static_1)
         g[4] = stick_guard(x[mode + 1], x[at + RATES + 1], drive_2, static_2)
 
 
 @kernel
-def drive_switch(which, t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+def drive_switch(which, t, x, u, p, e):
     """A contact, the seal or a shaft breaks loose, or comes to rest."""
     if which < 3:
-        sleeve_switch(which, x, lugre, exact, trocar)
-    elif shaft is not None:
-        k, at = which - 3, motor_place(lugre, exact, trocar)
+        sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    elif e.shaft_friction is not None:
+        k, at = which - 3, motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
         x[at + RATES + k] = 0.0
-        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, inductance, shaft, smoothed, lugre, exact, trocar, loss)
-        mode = at + shaft_modes(inductance) + k
+        drive_1, drive_2, static_1, static_2 = shafts(t, x, u, p, e)
+        mode = at + shaft_modes(e.inductance) + k
         x[mode] = stick_switch(x[mode], drive_1 if k == 0 else drive_2, static_1 if k == 0 else static_2)
 
 
 @kernel
-def drive_outputs(t, x, u, y, p, inductance, shaft, smoothed, lugre, exact, trocar, gravity, loss):
+def drive_outputs(t, x, u, y, p, e):
     """Motors, sleeve, contacts, energy, and what stands."""
-    at = motor_place(lugre, exact, trocar)
+    at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     y[0], y[1], y[2], y[3] = x[at], x[at + 1], x[at + RATES], x[at + RATES + 1]
-    y[4], y[5] = current(0, at, x, u[VOLTAGES], p, inductance), current(1, at, x, u[VOLTAGES + 1], p, inductance)
+    y[4], y[5] = current(0, at, x, u[VOLTAGES], p, e.inductance), current(1, at, x, u[VOLTAGES + 1], p, e.inductance)
     y[6] = u[VOLTAGES] * y[4] + u[VOLTAGES + 1] * y[5]
     y[SLEEVE], y[SLEEVE + 1], y[SLEEVE + 2], y[SLEEVE + 3] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
-    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, smoothed, lugre, exact, loss)
-    y[ENERGY] = sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss)
-    stuck_outputs(x, y, lugre, exact, trocar)
-    if shaft is not None:
-        mode = at + shaft_modes(inductance)
-        y[shaft.y], y[shaft.y + 1] = 1.0 if x[mode] == 0.0 else 0.0, 1.0 if x[mode + 1] == 0.0 else 0.0
+    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, e.smoothed_slip, e.lugre_slip, e.exact_slip,
+                                             e.preload_loss)
+    y[ENERGY] = sleeve_energy(t, x, p, e)
+    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    if e.shaft_friction is not None:
+        mode = at + shaft_modes(e.inductance)
+        y[e.shaft_friction.y], y[e.shaft_friction.y + 1] = 1.0 if x[mode] == 0.0 else 0.0, 1.0 if x[mode + 1] == 0.0 else 0.0
 
 
 FrictionDrive.advance = bind(rk4_events, __name__, derivatives=drive_derivatives, guards=drive_guards, switch=drive_switch,

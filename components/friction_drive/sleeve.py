@@ -190,25 +190,25 @@ def seal_rate(x, p, lugre, exact, trocar):
 
 
 @kernel
-def sleeve_derivatives(t, x, first, second, force, torque, dx, p, smoothed, lugre, exact, trocar, gravity, loss):
+def sleeve_derivatives(t, x, first, second, force, torque, dx, p, e):
     """dx/dt of the sleeve's part of the state for the wheels' rates; returns the loads of the wheels, N.m."""
     dx[FEED], dx[ROTATION] = x[FEED_RATE], x[ROTATION_RATE]
-    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, smoothed, lugre, exact, loss)
+    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.preload_loss)
     along, around = qx + rx + force, qy + ry + torque / p.sleeve_radius
-    if lugre is not None or exact is not None:
-        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, lugre, exact)
-        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, lugre, exact)
-    if exact is not None:
+    if e.lugre_slip is not None or e.exact_slip is not None:
+        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, e.lugre_slip, e.exact_slip)
+        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, e.lugre_slip, e.exact_slip)
+    if e.exact_slip is not None:
         dx[MODES] = dx[MODES + 1] = 0.0
-    if trocar is not None:
-        z, stiffness = seal_place(lugre, exact), trocar.level / trocar.deflection
-        dx[z], dx[z + 1] = seal_rate(x, p, lugre, exact, trocar)
+    if e.trocar_friction is not None:
+        z, stiffness = seal_place(e.lugre_slip, e.exact_slip), e.trocar_friction.level / e.trocar_friction.deflection
+        dx[z], dx[z + 1] = seal_rate(x, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
         dx[z + 2] = 0.0
-        zx, zy = planar_stick_deflection(x[z + 2], x[z], x[z + 1], trocar.deflection)
-        along -= stiffness * (zx + trocar.damping_time * dx[z])
-        around -= stiffness * (zy + trocar.damping_time * dx[z + 1])
-    if gravity is not None:
-        along -= p.mass * gravity.acceleration * math.sin(gravity.inclination)
+        zx, zy = planar_stick_deflection(x[z + 2], x[z], x[z + 1], e.trocar_friction.deflection)
+        along -= stiffness * (zx + e.trocar_friction.damping_time * dx[z])
+        around -= stiffness * (zy + e.trocar_friction.damping_time * dx[z + 1])
+    if e.gravity is not None:
+        along -= p.mass * e.gravity.acceleration * math.sin(e.gravity.inclination)
     dx[FEED_RATE] = along / p.mass
     dx[ROTATION_RATE] = p.sleeve_radius * around / p.inertia
     return wheel_loads(qx, qy, rx, ry, p)
@@ -243,21 +243,21 @@ def sleeve_switch(which, x, lugre, exact, trocar):
 
 
 @kernel
-def sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss):
+def sleeve_energy(t, x, p, e):
     """Kinetic energy of the sleeve, height above feed zero, and what the deflections hold, J."""
     twice = p.mass * x[FEED_RATE] * x[FEED_RATE] + p.inertia * x[ROTATION_RATE] * x[ROTATION_RATE]
     for k in range(2):
-        z, share = DEFLECTIONS + 2 * k, preload_share(k, t, loss)
-        if lugre is not None:
-            twice += share * lugre.stiffness * (x[z] * x[z] + x[z + 1] * x[z + 1])
-        if exact is not None:
-            twice += share * friction_level(p) / exact.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
-    if trocar is not None:
-        z = seal_place(lugre, exact)
-        twice += trocar.level / trocar.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
+        z, share = DEFLECTIONS + 2 * k, preload_share(k, t, e.preload_loss)
+        if e.lugre_slip is not None:
+            twice += share * e.lugre_slip.stiffness * (x[z] * x[z] + x[z + 1] * x[z + 1])
+        if e.exact_slip is not None:
+            twice += share * friction_level(p) / e.exact_slip.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
+    if e.trocar_friction is not None:
+        z = seal_place(e.lugre_slip, e.exact_slip)
+        twice += e.trocar_friction.level / e.trocar_friction.deflection * (x[z] * x[z] + x[z + 1] * x[z + 1])
     energy = 0.5 * twice
-    if gravity is not None:
-        energy += p.mass * gravity.acceleration * math.sin(gravity.inclination) * x[FEED]
+    if e.gravity is not None:
+        energy += p.mass * e.gravity.acceleration * math.sin(e.gravity.inclination) * x[FEED]
     return energy
 
 

@@ -112,18 +112,18 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Motion of the parameters, contacts relaxed."""
-        p, _, lugre, exact, trocar, *_ = self.arguments
-        return sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), lugre, exact, trocar)
+        p, e = self.arguments
+        return sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), e.lugre_slip,
+                            e.exact_slip, e.trocar_friction)
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, _, *rest = self.arguments
-        return float(sleeve_energy(self.t, self.x, p, *rest))
+        return float(sleeve_energy(self.t, self.x, *self.arguments))
 
     def stable_step(self) -> float:
         """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
-        p, smoothed, lugre, exact, trocar, *_ = self._declared_arguments()
-        masses, K, D = stiffest(p, smoothed, lugre, exact, trocar)
+        p, e = self._declared_arguments()
+        masses, K, D = stiffest(p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.trocar_friction)
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:2, :2] / masses[:, None], -D[:2, :2] / masses[:, None]]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
         return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
@@ -153,30 +153,31 @@ SLIPS, ENERGY = FrictionWheels.output_indices("first_slip_axial", "mechanical_en
 
 
 @kernel
-def wheels_derivatives(t, x, u, dx, p, smoothed, lugre, exact, trocar, gravity, loss):
+def wheels_derivatives(t, x, u, dx, p, e):
     """dx/dt of the sleeve, see sleeve.py."""
-    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], u[FORCE], u[TORQUE], dx, p, smoothed, lugre, exact, trocar, gravity, loss)
+    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], u[FORCE], u[TORQUE], dx, p, e)
 
 
 @kernel
-def wheels_guards(t, x, u, g, p, smoothed, lugre, exact, trocar, gravity, loss):
+def wheels_guards(t, x, u, g, p, e):
     """What keeps the modes of both contacts and the seal."""
-    sleeve_guards(x, u[RATE_1], u[RATE_2], g, p, lugre, exact, trocar)
+    sleeve_guards(x, u[RATE_1], u[RATE_2], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 @kernel
-def wheels_switch(which, t, x, u, p, smoothed, lugre, exact, trocar, gravity, loss):
+def wheels_switch(which, t, x, u, p, e):
     """A contact or the seal breaks loose, or comes to rest."""
-    sleeve_switch(which, x, lugre, exact, trocar)
+    sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 @kernel
-def wheels_outputs(t, x, u, y, p, smoothed, lugre, exact, trocar, gravity, loss):
+def wheels_outputs(t, x, u, y, p, e):
     """Loads of the wheels, motion of the sleeve, contacts, energy."""
-    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, smoothed, lugre, exact, loss)
+    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, e.smoothed_slip, e.lugre_slip, e.exact_slip,
+                                 e.preload_loss)
     y[2], y[3], y[4], y[5] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
-    y[ENERGY] = sleeve_energy(t, x, p, lugre, exact, trocar, gravity, loss)
-    stuck_outputs(x, y, lugre, exact, trocar)
+    y[ENERGY] = sleeve_energy(t, x, p, e)
+    stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 FrictionWheels.advance = bind(rk4_events, __name__, derivatives=wheels_derivatives, guards=wheels_guards, switch=wheels_switch,

@@ -139,45 +139,47 @@ class PipeRobot(ShakenRobot):
 
     def initial_state(self) -> np.ndarray:
         """x: position, velocity, inner position, inner velocity, mode or deflection of LuGre's bristles[, phase[, its rate]]."""
-        p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route = self.arguments
-        sag = hanging_stretch(p.inner_mass * downhill(self.u[0], route), p.stiffness, cubic.stiffness if cubic else 0.0)
+        p, e = self.arguments
+        sag = hanging_stretch(p.inner_mass * downhill(self.u[0], e.route), p.stiffness,
+                              e.cubic_spring.stiffness if e.cubic_spring else 0.0)
         if math.isnan(sag):
             raise BadInput(self.name, "a softening spring that does not hold the inner mass on the slope", "a stiffer one")
         x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
-        if harmonic is not None:
+        if e.harmonic_force is not None:
             x.append(0.0)
-        if unbalance is not None:
-            x += [unbalance.start_angle, unbalance.start_rate]
+        if e.unbalance is not None:
+            x += [e.unbalance.start_angle, e.unbalance.start_rate]
         state = np.array(x)
-        if smoothed is None and lugre is None:
-            drive, _ = drive_of(self.t, state, self.u[0], p, harmonic, prescribed, cubic, tow, route)
-            forward, backward = levels(self.u[0], p, bristles, route)
+        if e.smoothed_friction is None and e.lugre_friction is None:
+            drive, _ = drive_of(self.t, state, self.u[0], p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow,
+                                e.route)
+            forward, backward = levels(self.u[0], p, e.bristles, e.route)
             state[CONTACT] = directed_mode(p.start_velocity, drive, p.static_ratio * forward, p.static_ratio * backward)
         return state
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, _, prescribed, unbalance, _, cubic, _, lugre, *_ = self.arguments
-        return float(robot_energy(self.t, self.x, p, prescribed, unbalance, cubic, lugre))
+        p, e = self.arguments
+        return float(robot_energy(self.t, self.x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction))
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
-        p, _, prescribed, unbalance, bristles, cubic, smoothed, lugre, _, route = self._declared_arguments()
+        p, e = self._declared_arguments()
         k, inner = p.stiffness, p.inner_mass
-        if cubic is not None:
-            k += 3.0 * max(cubic.stiffness, 0.0) * cubic.largest_stretch**2
-        if unbalance is not None:
-            q, inertia = unbalance_of(unbalance)
+        if e.cubic_spring is not None:
+            k += 3.0 * max(e.cubic_spring.stiffness, 0.0) * e.cubic_spring.largest_stretch**2
+        if e.unbalance is not None:
+            q, inertia = unbalance_of(e.unbalance)
             inner -= q * q / inertia
-        factor = route.largest_factor if route is not None else 1.0
-        pair = bristle_levels(bristles, factor) if bristles is not None else (
+        factor = e.route.largest_factor if e.route is not None else 1.0
+        pair = bristle_levels(e.bristles, factor) if e.bristles is not None else (
             p.forward_friction * factor, p.backward_friction * factor)
         contact = (0.0, 0.0)
-        if smoothed is not None:
-            contact = (0.0, max(pair) / smoothed.width)
-        if lugre is not None:
-            contact = (lugre.stiffness, lugre.damping)
-        if prescribed is not None:
+        if e.smoothed_friction is not None:
+            contact = (0.0, max(pair) / e.smoothed_friction.width)
+        if e.lugre_friction is not None:
+            contact = (e.lugre_friction.stiffness, e.lugre_friction.damping)
+        if e.prescribed_motion is not None:
             k_pipe, c_pipe = contact
             mass = p.body_mass + p.inner_mass
             return limit_of(float(np.abs(np.roots([mass, c_pipe, k_pipe])).max()))
@@ -198,87 +200,88 @@ class PipeRobot(ShakenRobot):
 
 
 @kernel
-def in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, smoothed, lugre, route):
+def in_range(t, x, u, p, e):
     """Whether the substep follows the excitation, and stretch and factor of friction are in their range.
 
     A trial that goes past an event, beyond which its mode does not hold, may lead anywhere: it is not judged.
     """
     fine = True
-    if smoothed is None and lugre is None and x[CONTACT] * x[VELOCITY] < 0.0:
+    if e.smoothed_friction is None and e.lugre_friction is None and x[CONTACT] * x[VELOCITY] < 0.0:
         return fine
-    if harmonic is not None:
-        fine = abs(u[harmonic.u + 1]) * p.substep <= FASTEST_PHASE
-    if prescribed is not None:
-        fine = prescribed.frequency * p.substep <= FASTEST_PHASE
-    if unbalance is not None:
+    if e.harmonic_force is not None:
+        fine = abs(u[e.harmonic_force.u + 1]) * p.substep <= FASTEST_PHASE
+    if e.prescribed_motion is not None:
+        fine = e.prescribed_motion.frequency * p.substep <= FASTEST_PHASE
+    if e.unbalance is not None:
         fine = abs(x[PHASE_RATE]) * p.substep <= FASTEST_PHASE
-    if cubic is not None:
-        stretch, _ = stretch_of(t, x, prescribed)
-        fine = fine and abs(stretch) <= cubic.largest_stretch
-    if route is not None:
-        fine = fine and 0.0 <= u[route.u + 1] <= route.largest_factor
+    if e.cubic_spring is not None:
+        stretch, _ = stretch_of(t, x, e.prescribed_motion)
+        fine = fine and abs(stretch) <= e.cubic_spring.largest_stretch
+    if e.route is not None:
+        fine = fine and 0.0 <= u[e.route.u + 1] <= e.route.largest_factor
     return fine
 
 
 @kernel
-def robot_derivatives(t, x, u, dx, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+def robot_derivatives(t, x, u, dx, p, e):
     """dx/dt; not a number outside the range of the model. A prescribed motion needs no state of the inner mass."""
-    drive, mass = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
-    forward, backward = levels(u, p, bristles, route)
-    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, smoothed, lugre)
+    drive, mass = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    forward, backward = levels(u, p, e.bristles, e.route)
+    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, e.smoothed_friction, e.lugre_friction)
     dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / mass
     dx[CONTACT] = 0.0
-    if lugre is not None:
-        dx[CONTACT] = bristle_rate(x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, lugre, p.substep)
-    if prescribed is not None:
+    if e.lugre_friction is not None:
+        dx[CONTACT] = bristle_rate(x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, e.lugre_friction, p.substep)
+    if e.prescribed_motion is not None:
         dx[INNER] = dx[INNER_VELOCITY] = 0.0
     else:
-        inner, angular = inner_accelerations(x, u, p, harmonic, unbalance, cubic, route)
+        inner, angular = inner_accelerations(x, u, p, e.harmonic_force, e.unbalance, e.cubic_spring, e.route)
         dx[INNER], dx[INNER_VELOCITY] = x[INNER_VELOCITY], inner
-        if unbalance is not None:
+        if e.unbalance is not None:
             dx[PHASE], dx[PHASE_RATE] = x[PHASE_RATE], angular
-    if harmonic is not None:
-        dx[PHASE] = u[harmonic.u + 1]
-    if not in_range(t, x, u, p, harmonic, prescribed, unbalance, cubic, smoothed, lugre, route):
+    if e.harmonic_force is not None:
+        dx[PHASE] = u[e.harmonic_force.u + 1]
+    if not in_range(t, x, u, p, e):
         dx[VELOCITY] = math.nan
 
 
 @kernel
-def robot_guards(t, x, u, g, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+def robot_guards(t, x, u, g, p, e):
     """What keeps the body sliding, or at rest."""
-    drive, _ = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
-    forward, backward = levels(u, p, bristles, route)
+    drive, _ = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    forward, backward = levels(u, p, e.bristles, e.route)
     g[0] = contact_guard(x[VELOCITY], x[CONTACT], drive, forward, backward, p.static_ratio)
 
 
 @kernel
-def robot_switch(which, t, x, u, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+def robot_switch(which, t, x, u, p, e):
     """The body stops, turns back, or breaks loose."""
     x[VELOCITY] = 0.0
-    drive, _ = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
-    forward, backward = levels(u, p, bristles, route)
+    drive, _ = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    forward, backward = levels(u, p, e.bristles, e.route)
     x[CONTACT] = contact_switch(x[CONTACT], drive, forward, backward, p.static_ratio)
 
 
 @kernel
-def robot_outputs(t, x, u, y, p, harmonic, prescribed, unbalance, bristles, cubic, smoothed, lugre, tow, route):
+def robot_outputs(t, x, u, y, p, e):
     """Motion, friction, powers, energy, and what the effects add."""
-    drive, mass = drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route)
-    forward, backward = levels(u, p, bristles, route)
-    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, smoothed, lugre)
-    stretch, rate = stretch_of(t, x, prescribed)
+    drive, mass = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    forward, backward = levels(u, p, e.bristles, e.route)
+    friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, e.smoothed_friction, e.lugre_friction)
+    stretch, rate = stretch_of(t, x, e.prescribed_motion)
     y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[POSITION] + stretch, x[VELOCITY] + rate
     y[4] = -friction
     y[5] = x[CONTACT]
-    if smoothed is not None or lugre is not None:
+    if e.smoothed_friction is not None or e.lugre_friction is not None:
         y[5] = direction(x[VELOCITY])
-    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, harmonic, prescribed, unbalance, cubic, route)
-    y[7] = dissipated_power(t, x, friction, forward, backward, p, prescribed, unbalance, lugre)
-    y[8] = robot_energy(t, x, p, prescribed, unbalance, cubic, lugre)
-    if unbalance is not None:
-        y[unbalance.y], y[unbalance.y + 1] = x[PHASE_RATE], x[PHASE]
-    if route is not None:
-        y[route.y] = weight_power(t, x, u, p, prescribed, unbalance, route)
+    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, e.harmonic_force, e.prescribed_motion, e.unbalance,
+                         e.cubic_spring, e.route)
+    y[7] = dissipated_power(t, x, friction, forward, backward, p, e.prescribed_motion, e.unbalance, e.lugre_friction)
+    y[8] = robot_energy(t, x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction)
+    if e.unbalance is not None:
+        y[e.unbalance.y], y[e.unbalance.y + 1] = x[PHASE_RATE], x[PHASE]
+    if e.route is not None:
+        y[e.route.y] = weight_power(t, x, u, p, e.prescribed_motion, e.unbalance, e.route)
 
 
 PipeRobot.advance = bind(rk4_events, __name__, derivatives=robot_derivatives, guards=robot_guards, switch=robot_switch,

@@ -84,12 +84,12 @@ class RollingPipeRobot(ShakenRobot):
 
     def initial_state(self) -> np.ndarray:
         """x: position, velocity, inner position, inner velocity, mode[, phase]."""
-        p, harmonic, tow, route = self.arguments
-        sag = -p.inner_mass * downhill(self.u[0], route) / p.stiffness
+        p, e = self.arguments
+        sag = -p.inner_mass * downhill(self.u[0], e.route) / p.stiffness
         x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
-        state = np.array(x + [0.0] * (harmonic is not None))
-        drive = rolling_drive(self.t, state, self.u[0], p, harmonic, tow, route)
-        state[CONTACT] = directed_mode(p.start_velocity, drive, *rolling_levels(self.u[0], p, route))
+        state = np.array(x + [0.0] * (e.harmonic_force is not None))
+        drive = rolling_drive(self.t, state, self.u[0], p, e)
+        state[CONTACT] = directed_mode(p.start_velocity, drive, *rolling_levels(self.u[0], p, e.route))
         return state
 
     def energy(self) -> float:
@@ -142,9 +142,9 @@ def moved_mass(mode, p):
 
 
 @kernel
-def rolling_drive(t, x, u, p, harmonic, tow, route):
+def rolling_drive(t, x, u, p, e):
     """Force on the body without friction, N."""
-    drive, _ = drive_of(t, x, u, p, harmonic, None, None, tow, route)
+    drive, _ = drive_of(t, x, u, p, e.harmonic_force, None, None, e.tow, e.route)
     return drive + p.rings * pressing(u, p) * u[TAPER]
 
 
@@ -168,51 +168,51 @@ def contact_holds(u, p, harmonic, route):
 
 
 @kernel
-def rolling_derivatives(t, x, u, dx, p, harmonic, tow, route):
+def rolling_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (position, velocity, inner position, inner velocity, mode[, phase]); not a number out of range."""
-    drive = rolling_drive(t, x, u, p, harmonic, tow, route)
-    forward, backward = rolling_levels(u, p, route)
+    drive = rolling_drive(t, x, u, p, e)
+    forward, backward = rolling_levels(u, p, e.route)
     friction = directed_friction(x[CONTACT], drive, forward, backward)
     dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / moved_mass(x[CONTACT], p)
-    inner, _ = inner_accelerations(x, u, p, harmonic, None, None, route)
+    inner, _ = inner_accelerations(x, u, p, e.harmonic_force, None, None, e.route)
     dx[INNER], dx[INNER_VELOCITY], dx[CONTACT] = x[INNER_VELOCITY], inner, 0.0
-    if harmonic is not None:
-        dx[PHASE] = u[harmonic.u + 1]
-    if not contact_holds(u, p, harmonic, route):
+    if e.harmonic_force is not None:
+        dx[PHASE] = u[e.harmonic_force.u + 1]
+    if not contact_holds(u, p, e.harmonic_force, e.route):
         dx[VELOCITY] = math.nan
 
 
 @kernel
-def rolling_guards(t, x, u, g, p, harmonic, tow, route):
+def rolling_guards(t, x, u, g, p, e):
     """What keeps the body rolling, sliding, or at rest."""
-    forward, backward = rolling_levels(u, p, route)
-    g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(t, x, u, p, harmonic, tow, route), forward, backward)
+    forward, backward = rolling_levels(u, p, e.route)
+    g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(t, x, u, p, e), forward, backward)
 
 
 @kernel
-def rolling_switch(which, t, x, u, p, harmonic, tow, route):
+def rolling_switch(which, t, x, u, p, e):
     """The body stops, turns back, or breaks loose."""
     x[VELOCITY] = 0.0
-    forward, backward = rolling_levels(u, p, route)
-    x[CONTACT] = directed_switch(x[CONTACT], rolling_drive(t, x, u, p, harmonic, tow, route), forward, backward)
+    forward, backward = rolling_levels(u, p, e.route)
+    x[CONTACT] = directed_switch(x[CONTACT], rolling_drive(t, x, u, p, e), forward, backward)
 
 
 @kernel
-def rolling_outputs(t, x, u, y, p, harmonic, tow, route):
+def rolling_outputs(t, x, u, y, p, e):
     """Motion, friction, powers, energy, force of a ring, grip of the rollers."""
-    drive = rolling_drive(t, x, u, p, harmonic, tow, route)
-    forward, backward = rolling_levels(u, p, route)
+    drive = rolling_drive(t, x, u, p, e)
+    forward, backward = rolling_levels(u, p, e.route)
     friction = directed_friction(x[CONTACT], drive, forward, backward)
     y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[INNER], x[INNER_VELOCITY]
     y[4], y[5] = -friction, x[CONTACT]
-    y[6] = exciter_power(t, x, u, 0.0, p, harmonic, None, None, None, route)
+    y[6] = exciter_power(t, x, u, 0.0, p, e.harmonic_force, None, None, None, e.route)
     y[7] = dissipated_power(t, x, friction, forward, backward, p, None, None, None)
     y[8] = rolling_energy(t, x, u, p)
     y[9] = pressing(u, p)
     mass = moved_mass(x[CONTACT], p)
     y[10] = abs(drive - friction) / mass * (mass - p.body_mass) / backward if backward > 0.0 else 0.0
-    if route is not None:
-        y[route.y] = weight_power(t, x, u, p, None, None, route)
+    if e.route is not None:
+        y[e.route.y] = weight_power(t, x, u, p, None, None, e.route)
 
 
 RollingPipeRobot.advance = bind(rk4_events, __name__, derivatives=rolling_derivatives, guards=rolling_guards,

@@ -51,19 +51,19 @@ class TowCoupling(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, slack = self.arguments
+        p, e = self.arguments
         stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
-        return 0.5 * p.stiffness * (max(stretch, 0.0) if slack is not None else stretch) ** 2
+        return 0.5 * p.stiffness * (max(stretch, 0.0) if e.slack is not None else stretch) ** 2
 
     def _outputs(self, t: float) -> None:
         tow_forces(self.u[0], self.y, *self.arguments)
 
 
 @kernel
-def tow_forces(u, y, p, slack):
+def tow_forces(u, y, p, e):
     """Forces on both ends, and the stretch."""
     stretch, rate = u[2] - u[0] - p.length, u[3] - u[1]
     force = p.stiffness * stretch + p.damping * rate
-    if slack is not None:
-        force = max(p.stiffness * stretch + p.damping * min(stretch / slack.onset, 1.0) * rate, 0.0) if stretch > 0.0 else 0.0
+    if e.slack is not None:
+        force = max(p.stiffness * stretch + p.damping * min(stretch / e.slack.onset, 1.0) * rate, 0.0) if stretch > 0.0 else 0.0
     y[0], y[1], y[2] = force, -force, stretch

@@ -197,57 +197,59 @@ class Catenary(Component):
 
     def _initialize(self, t: float) -> int:
         self.arguments = self._declared_arguments()
-        p, slack, bending, _, _, damping, _, _, second, window, _ = self.arguments
+        p, e = self.arguments
         implicit = self.parameters["method"] == "implicit"
-        if implicit and window is not None:
+        if implicit and e.moving_window is not None:
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
-        self.mesh = self._mesh_for(self.arguments)
+        self.mesh = self._mesh_for(p, e)
         self._packed = packed(self.mesh)
-        if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, damping)):
+        if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, e.damping)):
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
         N, loads = self.mesh.mass.size, [(self.u[0, POSITION], self.u[0, FORCE])]
-        if second is not None:
-            loads.append((self.u[0, second.u], self.u[0, second.u + 1]))
+        if e.second_pantograph is not None:
+            loads.append((self.u[0, e.second_pantograph.u], self.u[0, e.second_pantograph.u + 1]))
         for position, _ in loads:
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
-        q, taut, residual = loaded_equilibrium(self.mesh, loads, slack is not None)
+        q, taut, residual = loaded_equilibrium(self.mesh, loads, e.dropper_slackening is not None)
         # displacement, velocity, acceleration; then what only one method or effect remembers
-        edges = [1.0, N // 2 - 2.0] if window is not None else []
+        edges = [1.0, N // 2 - 2.0] if e.moving_window is not None else []
         self.x = np.concatenate((q, np.zeros(2 * N), taut if implicit else [], edges))
-        if window is not None:
+        if e.moving_window is not None:
             rear, front = sorted((loads[0][0], loads[-1][0]))
-            _, hi = move_window(front, rear, self.x, self.mesh, window)
+            _, hi = move_window(front, rear, self.x, self.mesh, e.moving_window)
             self.x[2 * hi + 2 : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
         self._work = np.zeros((4, N))
         if implicit:
-            width = 3 if bending is None else 5
+            width = 3 if e.bending_stiffness is None else 5
             self._bands = system_bands(self.mesh, width)
             self._factors, self._factored = np.zeros((N, width)), np.full(taut.size, -1.0)
             self._method = generalized_alpha(math.inf, 1.0)
         return DONE
 
     def _step(self, t: float, h: float) -> int:
-        p, slack, bending, _, _, damping, _, _, second, window, profile = self.arguments
+        p, e = self.arguments
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, slack, bending,
-                                    damping, second, window, profile)
+            return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched,
+                                    e.dropper_slackening, e.bending_stiffness,
+                                    e.damping, e.second_pantograph, e.moving_window, e.wire_profile)
         if h / n != self._method.step:
             self._method = generalized_alpha(h / n, p.spectral_radius)
-            alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
+            alpha, beta = (e.damping.alpha, e.damping.beta) if e.damping is not None else (0.0, 0.0)
             self._band = effective_band(self._method, *self._bands, self.mesh, alpha, beta)
             self._factored[:] = -1.0
         return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, self._method,
-                                self._band, self._factors, self._factored, slack, bending, damping, second, profile)
+                                self._band, self._factors, self._factored, e.dropper_slackening, e.bending_stiffness,
+                                e.damping, e.second_pantograph, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
-        p, *_, second, _, profile = self.arguments
-        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, second, profile)
+        p, e = self.arguments
+        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, e.second_pantograph, e.wire_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -277,20 +279,20 @@ class Catenary(Component):
         """Limit of the explicit method, s; inf if implicit."""
         if self.parameters["method"] == "implicit":
             return math.inf
-        arguments = self._declared_arguments()
-        mesh = self._mesh_for(arguments)
-        return self._explicit_limit(mesh, arguments[5])
+        p, e = self._declared_arguments()
+        return self._explicit_limit(self._mesh_for(p, e), e.damping)
 
-    def _mesh_for(self, arguments):
+    def _mesh_for(self, p, e):
         """Mesh of the present parameters; kept, because initialisation is repeated while the initial inputs converge."""
-        p, slack, bending, sag, pre_sag, _, arm, level, *_ = arguments
         key = tuple(self.parameters.values())
         if getattr(self, "_mesh_key", None) != key:
             # Halfway between lumped and consistent mass cancels the dispersion of space; that of time adds or subtracts.
             courant = p.substep * math.sqrt(p.contact_wire_tension / p.contact_wire_mass) / p.element
             implicit = self.parameters["method"] == "implicit"
             spread = min(0.5 + courant**2, 1.2) if implicit else max(0.5 - 0.5 * courant**2, 0.0)
-            self._mesh, self._mesh_key = build_mesh(p, slack, bending, sag, pre_sag, arm, level, spread), key
+            self._mesh_key = key
+            self._mesh = build_mesh(p, e.dropper_slackening, e.bending_stiffness, e.gravity_sag, e.pre_sag, e.steady_arm,
+                                    e.level_support, spread)
         return self._mesh
 
     @staticmethod

@@ -64,12 +64,12 @@ class LumpedCatenary(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Static equilibrium under the present force (x: height or deviation, its rate)."""
-        p, inerter = self.arguments
+        p, e = self.arguments
         angle = 2.0 * math.pi * np.arange(1, HARMONICS + 1) * np.linspace(0.0, 1.0, 721)[:, None]
         least = 1.0 + float((np.cos(angle) @ p.harmonic).min())
         if least <= 0.0:
             raise BadInput(f"{self.name}.harmonic", f"a stiffness down to {least:.3g} of the mean", "a positive one everywhere")
-        force = self.u[0, FORCE] - (inerter.reference_force if inerter is not None else 0.0)
+        force = self.u[0, FORCE] - (e.inerter.reference_force if e.inerter is not None else 0.0)
         return np.array([force / stiffness_at(self.u[0, POSITION], p), 0.0])
 
     def energy(self) -> float:
@@ -99,22 +99,22 @@ def stiffness_at(position, p):
 
 
 @kernel
-def lumped_derivatives(t, x, u, dx, p, inerter):
+def lumped_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (height or deviation, its rate)."""
     force = u[FORCE]
-    if inerter is not None:
-        force -= inerter.reference_force
+    if e.inerter is not None:
+        force -= e.inerter.reference_force
     dx[0] = x[1]
     dx[1] = (force - p.damping * x[1] - stiffness_at(u[POSITION], p) * x[0]) / p.mass
 
 
 @kernel
-def lumped_outputs(t, x, u, y, p, inerter):
+def lumped_outputs(t, x, u, y, p, e):
     """Height, velocity, stiffness at the contact point; the velocity is that of the mass, without the static line's."""
     y[STIFFNESS] = stiffness_at(u[POSITION], p)
     y[HEIGHT], y[VELOCITY] = x[0], x[1]
-    if inerter is not None:
-        y[HEIGHT] += inerter.reference_force / y[STIFFNESS]
+    if e.inerter is not None:
+        y[HEIGHT] += e.inerter.reference_force / y[STIFFNESS]
 
 
 LumpedCatenary.advance = bind(rk4, __name__, derivatives=lumped_derivatives, outputs=lumped_outputs)

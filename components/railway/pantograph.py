@@ -154,51 +154,52 @@ class Pantograph(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Equilibrium on the wire at its present height (x: z1, z1', z2, z2' and, with `lower_frame`, z3, z3')."""
-        p, _, lower, aero, _, _, base, _ = self.arguments
-        base_stiffness = p.frame_stiffness if lower is None else lower.stiffness
-        base_height = self.u[0, base.u] if base is not None else 0.0
-        lift = p.static_force + (aero.coefficient * p.speed**2 if aero is not None else 0.0)
+        p, e = self.arguments
+        base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
+        base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
+        lift = p.static_force + (e.aerodynamic_uplift.coefficient * p.speed**2 if e.aerodynamic_uplift is not None else 0.0)
         contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
         above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
-        lowest = above_wire if lower is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
+        lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
         wire = self.u[0, WIRE_HEIGHT]
         force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
         head = wire + force * contact
         x = [head, 0.0, wire + force * above_wire, 0.0]
-        return np.array(x if lower is None else [*x, wire + force * lowest, 0.0])
+        return np.array(x if e.lower_frame is None else [*x, wire + force * lowest, 0.0])
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
-        p, loss, lower, _, stops, _, base, outer = self.arguments
+        p, e = self.arguments
         x = self.x
         springs = p.head_stiffness * (x[2] - x[0]) ** 2
-        if outer is None:
-            force = contact_force(x, self.u[0], p, loss, outer)
+        if e.outer_contact is None:
+            force = contact_force(x, self.u[0], p, e.contact_loss, e.outer_contact)
             springs += force**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
-        base_height = self.u[0, base.u] if base is not None else 0.0
+        base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
         motion = p.head_mass * x[1] ** 2 + p.frame_mass * x[3] ** 2
-        if lower is None:
+        if e.lower_frame is None:
             springs += p.frame_stiffness * (x[2] - base_height - p.working_height) ** 2
         else:
-            springs += p.frame_stiffness * (x[4] - x[2]) ** 2 + lower.stiffness * (x[4] - base_height - p.working_height) ** 2
-            motion += lower.mass * x[5] ** 2
-        if stops is not None:
-            springs += stops.stiffness * max(abs(x[0] - x[2]) - stops.travel, 0.0) ** 2
+            lower = e.lower_frame.stiffness * (x[4] - base_height - p.working_height) ** 2
+            springs += p.frame_stiffness * (x[4] - x[2]) ** 2 + lower
+            motion += e.lower_frame.mass * x[5] ** 2
+        if e.bump_stops is not None:
+            springs += e.bump_stops.stiffness * max(abs(x[0] - x[2]) - e.bump_stops.travel, 0.0) ** 2
         return 0.5 * (motion + springs)
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| with every spring engaged, s."""
-        p, _, lower, _, stops, friction, *_ = self._declared_arguments()
-        head = p.head_stiffness + (stops.stiffness if stops is not None else 0.0)
+        p, e = self._declared_arguments()
+        head = p.head_stiffness + (e.bump_stops.stiffness if e.bump_stops is not None else 0.0)
         k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
         m = [p.head_mass, p.frame_mass]
-        if lower is not None:
-            k, c, m = [*k, lower.stiffness], [*c, lower.damping], [*m, lower.mass]
+        if e.lower_frame is not None:
+            k, c, m = [*k, e.lower_frame.stiffness], [*c, e.lower_frame.damping], [*m, e.lower_frame.mass]
         n = len(m)
         K = np.diag(np.add(k[:n], k[1:])) - np.diag(k[1:n], 1) - np.diag(k[1:n], -1)
         C = np.diag(np.add(c[:n], c[1:])) - np.diag(c[1:n], 1) - np.diag(c[1:n], -1)
-        if friction is not None:
-            C[1, 1] += friction.level / friction.width
+        if e.frame_friction is not None:
+            C[1, 1] += e.frame_friction.level / e.frame_friction.width
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / np.c_[m], -C / np.c_[m]]])
         return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
 
@@ -221,37 +222,38 @@ def contact_force(x, u, p, loss, outer):
 
 
 @kernel
-def pantograph_derivatives(t, x, u, dx, p, loss, lower, aero, stops, friction, base, outer):
+def pantograph_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (z1, z1', z2, z2'[, z3, z3'])."""
     head = p.head_stiffness * (x[2] - x[0]) + p.head_damping * (x[3] - x[1])
-    if stops is not None:
+    if e.bump_stops is not None:
         travel = x[2] - x[0]
-        head += stops.stiffness * (max(travel - stops.travel, 0.0) + min(travel + stops.travel, 0.0))
+        head += e.bump_stops.stiffness * (max(travel - e.bump_stops.travel, 0.0) + min(travel + e.bump_stops.travel, 0.0))
     lift = p.static_force
-    if aero is not None:
-        lift += aero.coefficient * p.speed * p.speed
+    if e.aerodynamic_uplift is not None:
+        lift += e.aerodynamic_uplift.coefficient * p.speed * p.speed
     base_height, base_velocity = p.working_height, 0.0
-    if base is not None:
-        base_height += u[base.u]
-        base_velocity += u[base.u + 1]
+    if e.base_excitation is not None:
+        base_height += u[e.base_excitation.u]
+        base_velocity += u[e.base_excitation.u + 1]
 
     dx[0], dx[2] = x[1], x[3]
-    dx[1] = (head - contact_force(x, u, p, loss, outer)) / p.head_mass
-    if lower is not None:
+    dx[1] = (head - contact_force(x, u, p, e.contact_loss, e.outer_contact)) / p.head_mass
+    if e.lower_frame is not None:
         frame = p.frame_stiffness * (x[4] - x[2]) + p.frame_damping * (x[5] - x[3])
         dx[4] = x[5]
+        lower = e.lower_frame
         dx[5] = (lift - frame - lower.stiffness * (x[4] - base_height) - lower.damping * (x[5] - base_velocity)) / lower.mass
     else:
         frame = lift - p.frame_stiffness * (x[2] - base_height) - p.frame_damping * (x[3] - base_velocity)
-    if friction is not None:
-        frame -= friction.level * np.tanh((x[3] - base_velocity) / friction.width)
+    if e.frame_friction is not None:
+        frame -= e.frame_friction.level * np.tanh((x[3] - base_velocity) / e.frame_friction.width)
     dx[3] = (frame - head) / p.frame_mass
 
 
 @kernel
-def pantograph_outputs(t, x, u, y, p, loss, lower, aero, stops, friction, base, outer):
+def pantograph_outputs(t, x, u, y, p, e):
     """Contact force, position of the contact point, heights and velocity."""
-    y[FORCE] = contact_force(x, u, p, loss, outer)
+    y[FORCE] = contact_force(x, u, p, e.contact_loss, e.outer_contact)
     y[POSITION] = p.start_position + p.speed * t
     y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
 

@@ -167,7 +167,7 @@ class BeamRotor(Component):
 
     def _initialize(self, t: float) -> int:
         self.arguments = self._declared_arguments()
-        p, run_up = self.arguments[0], self.arguments[6]
+        p, run_up = self.arguments[0], self.arguments[1].run_up
         self._build()
         stiffness = self._stiffness
         if self._circulatory is not None:
@@ -190,7 +190,8 @@ class BeamRotor(Component):
 
     def _build(self) -> None:
         """Bands, constant load, ports and unbalance of the parameters."""
-        p, gyroscopic, disks, unbalance, internal, gravity, _, supports, *bearings, frame = self.arguments
+        p, e = self.arguments
+        disks, unbalance, supports = e.disks, e.unbalance, e.linear_supports
         if p.inner_diameter >= p.outer_diameter:
             actual = f"inner_diameter = {p.inner_diameter:g} m"
             raise BadInput(self.name, actual, f"less than the outer diameter of {p.outer_diameter:g} m")
@@ -199,7 +200,7 @@ class BeamRotor(Component):
             actual = f"youngs_modulus = {p.youngs_modulus:g} Pa with shear_modulus = {p.shear_modulus:g} Pa"
             raise BadInput(self.name, f"{actual}: Poisson's ratio {poisson:.3g}", "more than -1 and at most 0.5",
                            "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.")
-        bearings = [b for b in bearings if b is not None]
+        bearings = [b for b in (e.bearing_a, e.bearing_b) if b is not None]
         present: list[int] = []
         if disks is not None:
             present = np.flatnonzero(disks.mass + disks.polar_inertia + disks.diametral_inertia).tolist()
@@ -221,11 +222,11 @@ class BeamRotor(Component):
 
         mass, stiffness = shaft.deflection + shaft.rotary, shaft.stiffness.copy()
         damping = np.zeros_like(mass)
-        self._gyroscopic = 2.0 * turned(shaft.rotary) if gyroscopic is not None else None
+        self._gyroscopic = 2.0 * turned(shaft.rotary) if e.gyroscopic is not None else None
         self._circulatory = None
-        if internal is not None:
-            damping += internal.time_constant * shaft.stiffness
-            self._circulatory = internal.time_constant * turned(shaft.stiffness)
+        if e.internal_damping is not None:
+            damping += e.internal_damping.time_constant * shaft.stiffness
+            self._circulatory = e.internal_damping.time_constant * turned(shaft.stiffness)
         at = {k: nearest_node(nodes, disks.position[k]) for k in present}
         for k, node in at.items():
             add_disk(mass, node, Disk(disks.mass[k], disks.polar_inertia[k], disks.diametral_inertia[k]))
@@ -242,9 +243,9 @@ class BeamRotor(Component):
                 damping[[j, j + 1], HALF] += c_x, c_y
         self._mass, self._damping, self._stiffness, self.nodes = mass, damping, stiffness, nodes
         self._load = np.zeros(mass.shape[0])
-        if gravity is not None:
+        if e.gravity is not None:
             falling = np.zeros_like(self._load)
-            falling[1::DOFS] = -gravity.acceleration
+            falling[1::DOFS] = -e.gravity.acceleration
             add_product(mass, falling, self._load)
         self._imbalance = None
         if unbalance is not None:
@@ -254,19 +255,19 @@ class BeamRotor(Component):
         self._ports = np.array(ports, dtype=np.int64).reshape(-1, 3)
         self._watched = DOFS * nearest_node(nodes, p.watched_position)
         self._frame = None
-        if frame is not None and self._gyroscopic is not None:  # it requires that effect
-            self._frame = turning_frame(frame, self._gyroscopic, nodes, held, self._ports)
+        if e.frame_rotation is not None and self._gyroscopic is not None:  # it requires that effect
+            self._frame = turning_frame(e.frame_rotation, self._gyroscopic, nodes, held, self._ports)
 
     def _step(self, t: float, h: float) -> int:
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        p = self.arguments[0]
+        p, e = self.arguments
         return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, p.start_speed, p.spectral_radius, self._watched,
                              self._load, self._mass, self._damping, self._stiffness, self._solver, self._ports, self._gyroscopic,
-                             self._circulatory, self._imbalance, self.arguments[6], self._frame)
+                             self._circulatory, self._imbalance, e.run_up, self._frame)
 
     def _outputs(self, t: float) -> None:
         rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.arguments[0].start_speed, self._watched, self._ports,
-                      self.arguments[6], self._frame)
+                      self.arguments[1].run_up, self._frame)
 
     def matrices(self) -> Matrices:
         """Dense matrices of the equation of motion, without what attaches to ports; of an initialized rotor.

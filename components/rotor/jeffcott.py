@@ -79,31 +79,32 @@ class JeffcottRotor(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Equilibrium under the forces, or the straight shaft where nothing holds it (x: x, y, x', y', angle)."""
-        p, _, internal, gravity, orthotropy, run_up = self.arguments
-        cross = internal.coefficient * speed_at(self.t, p.start_speed, run_up) if internal is not None else 0.0
-        kx, ky = p.stiffness, p.stiffness * (orthotropy.ratio if orthotropy is not None else 1.0)
+        p, e = self.arguments
+        cross = e.internal_damping.coefficient * speed_at(self.t, p.start_speed,
+                                                          e.run_up) if e.internal_damping is not None else 0.0
+        kx, ky = p.stiffness, p.stiffness * (e.orthotropy.ratio if e.orthotropy is not None else 1.0)
         fx, fy = self.u[0]
-        fy -= p.mass * gravity.acceleration if gravity is not None else 0.0
+        fy -= p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
         determinant = kx * ky + cross**2
         x, y = ((ky * fx - cross * fy) / determinant, (kx * fy + cross * fx) / determinant) if determinant > 0.0 else (0.0, 0.0)
         return np.array([x, y, 0.0, 0.0, p.start_angle % TURN])
 
     def energy(self) -> float:
         """Energy of motion and of the shaft's bending, and of the height where there is gravity, J."""
-        p, _, _, gravity, orthotropy, _ = self.arguments
+        p, e = self.arguments
         x, y, vx, vy, _ = self.x
-        ratio = orthotropy.ratio if orthotropy is not None else 1.0
-        weight = p.mass * gravity.acceleration if gravity is not None else 0.0
+        ratio = e.orthotropy.ratio if e.orthotropy is not None else 1.0
+        weight = p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
         return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue|, s."""
-        p, _, internal, _, orthotropy, run_up = self._declared_arguments()
-        ratio = orthotropy.ratio if orthotropy is not None else 1.0
+        p, e = self._declared_arguments()
+        ratio = e.orthotropy.ratio if e.orthotropy is not None else 1.0
         c, cross = p.damping, 0.0
-        if internal is not None:
-            fastest = max(abs(p.start_speed), abs(run_up.end_speed) if run_up is not None else 0.0)
-            c, cross = c + internal.coefficient, internal.coefficient * fastest
+        if e.internal_damping is not None:
+            fastest = max(abs(p.start_speed), abs(e.run_up.end_speed) if e.run_up is not None else 0.0)
+            c, cross = c + e.internal_damping.coefficient, e.internal_damping.coefficient * fastest
         K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
@@ -111,22 +112,22 @@ class JeffcottRotor(OdeComponent):
 
 
 @kernel
-def jeffcott_derivatives(t, x, u, dx, p, unbalance, internal, gravity, orthotropy, run_up):
+def jeffcott_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (x, y, x', y', angle)."""
-    speed = speed_at(t, p.start_speed, run_up)
+    speed = speed_at(t, p.start_speed, e.run_up)
     fx = u[0] - p.stiffness * x[0] - p.damping * x[2]
-    if orthotropy is not None:
-        fy = u[1] - orthotropy.ratio * p.stiffness * x[1] - p.damping * x[3]
+    if e.orthotropy is not None:
+        fy = u[1] - e.orthotropy.ratio * p.stiffness * x[1] - p.damping * x[3]
     else:
         fy = u[1] - p.stiffness * x[1] - p.damping * x[3]
-    if internal is not None:
-        fx -= internal.coefficient * (x[2] + speed * x[1])
-        fy -= internal.coefficient * (x[3] - speed * x[0])
-    if gravity is not None:
-        fy -= p.mass * gravity.acceleration
-    if unbalance is not None:
-        moment, acceleration = p.mass * unbalance.eccentricity, acceleration_at(t, p.start_speed, run_up)
-        cosine, sine = math.cos(x[4] + unbalance.phase), math.sin(x[4] + unbalance.phase)
+    if e.internal_damping is not None:
+        fx -= e.internal_damping.coefficient * (x[2] + speed * x[1])
+        fy -= e.internal_damping.coefficient * (x[3] - speed * x[0])
+    if e.gravity is not None:
+        fy -= p.mass * e.gravity.acceleration
+    if e.unbalance is not None:
+        moment, acceleration = p.mass * e.unbalance.eccentricity, acceleration_at(t, p.start_speed, e.run_up)
+        cosine, sine = math.cos(x[4] + e.unbalance.phase), math.sin(x[4] + e.unbalance.phase)
         fx += moment * (speed * speed * cosine + acceleration * sine)
         fy += moment * (speed * speed * sine - acceleration * cosine)
     dx[0], dx[1] = x[2], x[3]
@@ -135,10 +136,10 @@ def jeffcott_derivatives(t, x, u, dx, p, unbalance, internal, gravity, orthotrop
 
 
 @kernel
-def jeffcott_outputs(t, x, u, y, p, unbalance, internal, gravity, orthotropy, run_up):
+def jeffcott_outputs(t, x, u, y, p, e):
     """Motion of the disk, speed and angle."""
     y[0], y[1], y[2], y[3] = x[0], x[1], x[2], x[3]
-    y[4] = speed_at(t, p.start_speed, run_up)
+    y[4] = speed_at(t, p.start_speed, e.run_up)
     y[5] = x[4]
 
 
@@ -146,10 +147,10 @@ _advance = bind(rk4, __name__, derivatives=jeffcott_derivatives, outputs=jeffcot
 
 
 @kernel
-def jeffcott_advance(t, h, n, x, u, y, work, counts, p, unbalance, internal, gravity, orthotropy, run_up):
+def jeffcott_advance(t, h, n, x, u, y, work, counts, p, e):
     """RK4 for the motion; the angle, whose rate is given, is exact at the end of every macro step, and wrapped."""
-    angle = angle_after(x[4], t, h, p.start_speed, run_up)
-    status = _advance(t, h, n, x, u, y, work, counts, p, unbalance, internal, gravity, orthotropy, run_up)
+    angle = angle_after(x[4], t, h, p.start_speed, e.run_up)
+    status = _advance(t, h, n, x, u, y, work, counts, p, e)
     x[4] = angle
     y[5] = angle
     return status

@@ -133,10 +133,11 @@ class RovController(SampledComponent):
 
     def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernel gets: the control law, then the effects; curve and table of poses are checked."""
-        p, inverse, manoeuvre = self._declared_arguments()
-        if inverse is not None:
-            check_curve(inverse.command, inverse.thrust, f"{self.name}: inverse_curve")
-        course = None if manoeuvre is None else self._course(manoeuvre)
+        p, e = self._declared_arguments()
+        if e.inverse_curve is not None:
+            check_curve(e.inverse_curve.command, e.inverse_curve.thrust, f"{self.name}: inverse_curve")
+        if e.manoeuvre is not None:
+            e = e._replace(manoeuvre=self._course(e.manoeuvre))
         positions = np.stack((p.thruster_x, p.thruster_y, p.thruster_z), axis=1)
         directions = np.stack((p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z), axis=1)
         matrix = wrench_matrix(positions, directions, self.name)
@@ -145,7 +146,7 @@ class RovController(SampledComponent):
             np.concatenate((p.position_gain, p.attitude_gain)), np.concatenate((p.velocity_gain, p.rate_gain)),
             np.concatenate((p.position_integral_gain, p.attitude_integral_gain)), p.reach, p.unwinding_time,
             np.ascontiguousarray(matrix), allocations(matrix, p.priority), p.forward_limit, p.reverse_limit)
-        return law, inverse, course
+        return law, e
 
     def _course(self, manoeuvre: Any) -> Course:
         """Times and poses of the manoeuvre, its last row repeated to the end; an earlier time that is not 0 is refused."""
@@ -227,10 +228,10 @@ def turn_between(w, x, y, z, a, b, c, d):
 
 
 @kernel
-def control_sample(t, u, x, work, law, inverse, course):
+def control_sample(t, u, x, work, law, e):
     """One sample at time t with the inputs u, (m,): commands, integrals and errors in x."""
     pose, rate, wrench, thrust, given = work[1], work[2], work[3], work[4], work[5]
-    wanted(t, law.set_point, course, pose, rate)
+    wanted(t, law.set_point, e.manoeuvre, pose, rate)
     qw, qx, qy, qz = u[QUATERNION], u[QUATERNION + 1], u[QUATERNION + 2], u[QUATERNION + 3]
     x[ERRORS], x[ERRORS + 1], x[ERRORS + 2] = pose[0] - u[NORTH], pose[1] - u[NORTH + 1], pose[2] - u[NORTH + 2]
     a, b, c, d = quaternion_of_angles(pose[3], pose[4], pose[5])
@@ -238,7 +239,7 @@ def control_sample(t, u, x, work, law, inverse, course):
 
     far = math.sqrt(x[ERRORS] ** 2 + x[ERRORS + 1] ** 2 + x[ERRORS + 2] ** 2)
     share, near = (law.reach / far, 0.0) if far > law.reach else (1.0, 1.0)
-    e = to_body(qw, qx, qy, qz, share * x[ERRORS], share * x[ERRORS + 1], share * x[ERRORS + 2])
+    error = to_body(qw, qx, qy, qz, share * x[ERRORS], share * x[ERRORS + 1], share * x[ERRORS + 2])
     v = to_body(qw, qx, qy, qz, rate[0], rate[1], rate[2])
     f = to_body(qw, qx, qy, qz, x[INTEGRALS], x[INTEGRALS + 1], x[INTEGRALS + 2])
     # angular velocity of the wanted attitude in its own axes, then in the world's, then in the body's
@@ -246,22 +247,22 @@ def control_sample(t, u, x, work, law, inverse, course):
     turn = to_world(a, b, c, d, rate[3] - rate[5] * sp, rate[4] * cr + rate[5] * cp * sr, rate[5] * cp * cr - rate[4] * sr)
     turn = to_body(qw, qx, qy, qz, turn[0], turn[1], turn[2])
     for j in range(3):
-        wrench[j] = f[j] + law.gain[j] * e[j] + law.rate_gain[j] * (v[j] - u[SURGE + j])
+        wrench[j] = f[j] + law.gain[j] * error[j] + law.rate_gain[j] * (v[j] - u[SURGE + j])
         k = j + 3
         wrench[k] = x[INTEGRALS + k] + law.gain[k] * x[ERRORS + k] + law.rate_gain[k] * (turn[j] - u[ROLL_RATE + j])
 
     table = law.allocations[chosen(u, AVAILABLE)]
     x[SCALE] = allocate(wrench, table, law.matrix, law.forward_limit, law.reverse_limit, thrust, given)
     for i in range(THRUSTERS):
-        if inverse is not None:
-            x[COMMANDS + i] = curve_command(thrust[i], inverse.command, inverse.thrust)
+        if e.inverse_curve is not None:
+            x[COMMANDS + i] = curve_command(thrust[i], e.inverse_curve.command, e.inverse_curve.thrust)
         else:
             x[COMMANDS + i] = thrust[i] / (law.forward_limit if thrust[i] > 0.0 else law.reverse_limit)
 
     for j in range(6):
         given[j] = (given[j] - wrench[j]) / law.unwinding_time
-    gained = to_world(qw, qx, qy, qz, near * law.integral_gain[0] * e[0] + given[0],
-                      near * law.integral_gain[1] * e[1] + given[1], near * law.integral_gain[2] * e[2] + given[2])
+    gained = to_world(qw, qx, qy, qz, near * law.integral_gain[0] * error[0] + given[0],
+                      near * law.integral_gain[1] * error[1] + given[1], near * law.integral_gain[2] * error[2] + given[2])
     for j in range(3):
         x[INTEGRALS + j] += law.period * gained[j]
         x[INTEGRALS + 3 + j] += law.period * (law.integral_gain[3 + j] * x[ERRORS + 3 + j] + given[3 + j])

@@ -74,22 +74,24 @@ class WaterCurrent(StatelessComponent):
 
 
 @kernel
-def water(t, y, p, tide, ramp, gust):
+def water(t, y, p, e):
     """Velocity and acceleration at time t; y: (6,)."""
     share, rate = 1.0, 0.0
-    if ramp is not None:
-        s = min(max((t - ramp.start_time) / ramp.duration, 0.0), 1.0)
-        share, rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / ramp.duration
+    if e.ramp is not None:
+        s = min(max((t - e.ramp.start_time) / e.ramp.duration, 0.0), 1.0)
+        share, rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / e.ramp.duration
     north, east = p.speed * math.cos(p.direction), p.speed * math.sin(p.direction)
     y[0], y[1], y[2] = share * north, share * east, share * p.downwelling
     y[3], y[4], y[5] = rate * north, rate * east, rate * p.downwelling
-    if tide is not None:
-        w = TURN / tide.period
-        add(y, tide.direction, tide.amplitude * math.sin(w * t + tide.phase), w * tide.amplitude * math.cos(w * t + tide.phase))
-    if gust is not None:
-        s = min(max((t - gust.start_time) / gust.duration, 0.0), 1.0)
-        w = TURN / gust.duration
-        add(y, gust.direction, 0.5 * gust.amplitude * (1.0 - math.cos(TURN * s)), 0.5 * w * gust.amplitude * math.sin(TURN * s))
+    if e.tide is not None:
+        w = TURN / e.tide.period
+        add(y, e.tide.direction, e.tide.amplitude * math.sin(w * t + e.tide.phase),
+            w * e.tide.amplitude * math.cos(w * t + e.tide.phase))
+    if e.gust is not None:
+        s = min(max((t - e.gust.start_time) / e.gust.duration, 0.0), 1.0)
+        w = TURN / e.gust.duration
+        add(y, e.gust.direction, 0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * s)),
+            0.5 * w * e.gust.amplitude * math.sin(TURN * s))
 
 
 @kernel

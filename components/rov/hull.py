@@ -245,7 +245,7 @@ class RovHull(OdeComponent):
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
         """Rigid body's and added mass matrix about the origin, (6, 6) each; `BadInput` where no body has such numbers."""
-        p, added = self._declared_arguments()[:2]
+        p, e = self._declared_arguments()
         centre, inertia = _centre(p), np.diag([p.inertia_x, p.inertia_y, p.inertia_z])
         S = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
         about_centre = inertia + p.mass * S @ S
@@ -254,22 +254,21 @@ class RovHull(OdeComponent):
                            "positive ones", "The inertia is about the origin: that about the centre of gravity plus mass "
                            "times the square of the distance.")
         rigid = np.block([[p.mass * np.eye(3), -p.mass * S], [p.mass * S, inertia]])
-        return rigid, np.diag(_six(added) if added is not None else np.zeros(6))
+        return rigid, np.diag(_six(e.added_mass) if e.added_mass is not None else np.zeros(6))
 
     def kernel_arguments(self) -> tuple[Any, ...]:
         """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
-        p, added, coriolis, linear, quadratic, restoring, *ports = self._declared_arguments()
+        p, e = self._declared_arguments()
         self.rigid_mass, self.water_mass = self.masses()
         positions = np.c_[p.thruster_x, p.thruster_y, p.thruster_z]
         directions = np.c_[p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z]
         inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
         hull = Hull(p.mass, _centre(p), np.diag(self.rigid_mass)[3:].copy(), inverse,
                     np.ascontiguousarray(wrench_matrix(positions, directions, self.name)))
-        water = [_six(effect) if effect is not None else None for effect in (added, linear, quadratic)]
-        weights = None
-        if restoring is not None:
-            weights = np.array([restoring.weight - restoring.buoyancy, *_righting(p, restoring)])
-        return hull, water[0], coriolis, water[1], water[2], weights, *ports
+        arrays = {n: _six(getattr(e, n)) for n in ("added_mass", "linear_drag", "quadratic_drag") if n in self.on}
+        if (restoring := e.restoring) is not None:
+            arrays["restoring"] = np.array([restoring.weight - restoring.buoyancy, *_righting(p, restoring)])
+        return hull, e._replace(**arrays)
 
     def initial_state(self) -> np.ndarray:
         """The pose and the velocities given (x: position, quaternion, velocities, roll)."""
@@ -280,7 +279,7 @@ class RovHull(OdeComponent):
 
     def energy(self) -> float:
         """Energy of the hull's motion, of the water's relative to the current, and of weight and buoyancy, J."""
-        x, restoring, current = self.x, self._declared_arguments()[5], self.arguments[6]
+        x, restoring, current = self.x, self._declared_arguments()[1].restoring, self.arguments[1].current
         velocity, q = x[7:13], tuple(x[3:7])
         relative = velocity.copy()
         if current is not None:
@@ -293,14 +292,14 @@ class RovHull(OdeComponent):
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
-        p, _, _, linear, quadratic, restoring, *_ = self._declared_arguments()
+        p, e = self._declared_arguments()
         inverse = np.linalg.inv(sum(self.masses()))
         fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
-        drag = _six(linear) if linear is not None else np.zeros(6)
-        drag = drag + 2.0 * fastest * _six(quadratic) if quadratic is not None else drag
+        drag = _six(e.linear_drag) if e.linear_drag is not None else np.zeros(6)
+        drag = drag + 2.0 * fastest * _six(e.quadratic_drag) if e.quadratic_drag is not None else drag
         stiffness = np.zeros(6)
-        if restoring is not None:
-            stiffness[3:] = math.hypot(*_righting(p, restoring))
+        if e.restoring is not None:
+            stiffness[3:] = math.hypot(*_righting(p, e.restoring))
         A = np.block([[np.zeros((6, 6)), np.eye(6)], [-inverse * stiffness, -inverse * drag]])
         return float(RK4_STABILITY_RADIUS / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
 

@@ -38,7 +38,7 @@ def tether_velocity(x, tether):
 
 
 @kernel
-def wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, tether, external):
+def wrench(x, u, h, e):
     """Everything that accelerates the hull, (X, Y, Z, K, M, N): thrust, loads, Coriolis, drag and restoring forces."""
     w, i, j, k = x[3], x[4], x[5], x[6]
     p, q, r = x[10], x[11], x[12]
@@ -49,10 +49,10 @@ def wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, teth
         F = u[n]
         X, Y, Z = X + T[0, n] * F, Y + T[1, n] * F, Z + T[2, n] * F
         K, M, N = K + T[3, n] * F, M + T[4, n] * F, N + T[5, n] * F
-    cx, cy, cz = water_velocity(x, u, current)
+    cx, cy, cz = water_velocity(x, u, e.current)
     rx, ry, rz = vx - cx, vy - cy, vz - cz  # velocity through the water
 
-    if coriolis is not None:
+    if e.coriolis is not None:
         gx, gy, gz = h.centre[0], h.centre[1], h.centre[2]
         Px, Py, Pz = h.mass * (vx + q * gz - r * gy), h.mass * (vy + r * gx - p * gz), h.mass * (vz + p * gy - q * gx)
         Hx = h.inertia[0] * p + h.mass * (gy * vz - gz * vy)
@@ -62,51 +62,52 @@ def wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, teth
         K -= q * Hz - r * Hy + vy * Pz - vz * Py
         M -= r * Hx - p * Hz + vz * Px - vx * Pz
         N -= p * Hy - q * Hx + vx * Py - vy * Px
-        if added is not None:
-            Px, Py, Pz = added[0] * rx, added[1] * ry, added[2] * rz
-            Hx, Hy, Hz = added[3] * p, added[4] * q, added[5] * r
+        if e.added_mass is not None:
+            Px, Py, Pz = e.added_mass[0] * rx, e.added_mass[1] * ry, e.added_mass[2] * rz
+            Hx, Hy, Hz = e.added_mass[3] * p, e.added_mass[4] * q, e.added_mass[5] * r
             X, Y, Z = X - (q * Pz - r * Py), Y - (r * Px - p * Pz), Z - (p * Py - q * Px)
             K -= q * Hz - r * Hy + ry * Pz - rz * Py
             M -= r * Hx - p * Hz + rz * Px - rx * Pz
             N -= p * Hy - q * Hx + rx * Py - ry * Px
-    if linear is not None:
-        X, Y, Z = X - linear[0] * rx, Y - linear[1] * ry, Z - linear[2] * rz
-        K, M, N = K - linear[3] * p, M - linear[4] * q, N - linear[5] * r
-    if quadratic is not None:
-        X, Y, Z = X - quadratic[0] * abs(rx) * rx, Y - quadratic[1] * abs(ry) * ry, Z - quadratic[2] * abs(rz) * rz
-        K, M, N = K - quadratic[3] * abs(p) * p, M - quadratic[4] * abs(q) * q, N - quadratic[5] * abs(r) * r
-    if restoring is not None:
+    if e.linear_drag is not None:
+        X, Y, Z = X - e.linear_drag[0] * rx, Y - e.linear_drag[1] * ry, Z - e.linear_drag[2] * rz
+        K, M, N = K - e.linear_drag[3] * p, M - e.linear_drag[4] * q, N - e.linear_drag[5] * r
+    if e.quadratic_drag is not None:
+        drag = e.quadratic_drag
+        X, Y, Z = X - drag[0] * abs(rx) * rx, Y - drag[1] * abs(ry) * ry, Z - drag[2] * abs(rz) * rz
+        K, M, N = K - drag[3] * abs(p) * p, M - drag[4] * abs(q) * q, N - drag[5] * abs(r) * r
+    if e.restoring is not None:
         dx, dy, dz = to_body(w, i, j, k, 0.0, 0.0, 1.0)  # downwards
-        X, Y, Z = X + restoring[0] * dx, Y + restoring[0] * dy, Z + restoring[0] * dz
-        K += restoring[2] * dz - restoring[3] * dy
-        M += restoring[3] * dx - restoring[1] * dz
-        N += restoring[1] * dy - restoring[2] * dx
-    if current is not None and added is not None:
-        n = current.u + 3
+        X, Y, Z = X + e.restoring[0] * dx, Y + e.restoring[0] * dy, Z + e.restoring[0] * dz
+        K += e.restoring[2] * dz - e.restoring[3] * dy
+        M += e.restoring[3] * dx - e.restoring[1] * dz
+        N += e.restoring[1] * dy - e.restoring[2] * dx
+    if e.current is not None and e.added_mass is not None:
+        n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
-        if coriolis is not None:
+        if e.coriolis is not None:
             ax, ay, az = ax - (q * cz - r * cy), ay - (r * cx - p * cz), az - (p * cy - q * cx)
-        X, Y, Z = X + added[0] * ax, Y + added[1] * ay, Z + added[2] * az
-    if tether is not None:
-        n = tether.u
+        X, Y, Z = X + e.added_mass[0] * ax, Y + e.added_mass[1] * ay, Z + e.added_mass[2] * az
+    if e.tether is not None:
+        n = e.tether.u
         fx, fy, fz = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
-        a, b, c = tether.attachment_x, tether.attachment_y, tether.attachment_z
+        a, b, c = e.tether.attachment_x, e.tether.attachment_y, e.tether.attachment_z
         X, Y, Z = X + fx, Y + fy, Z + fz
         K, M, N = K + b * fz - c * fy, M + c * fx - a * fz, N + a * fy - b * fx
-    if external is not None:
-        n = external.u
+    if e.external is not None:
+        n = e.external.u
         X, Y, Z = X + u[n], Y + u[n + 1], Z + u[n + 2]
         K, M, N = K + u[n + 3], M + u[n + 4], N + u[n + 5]
     return X, Y, Z, K, M, N
 
 
 @kernel
-def hull_derivatives(t, x, u, dx, h, added, coriolis, linear, quadratic, restoring, current, tether, external):
+def hull_derivatives(t, x, u, dx, h, e):
     """dx/dt of x = (position in world axes, quaternion, velocities in body axes, roll kept)."""
     w, i, j, k = x[3], x[4], x[5], x[6]
     dx[0], dx[1], dx[2] = to_world(w, i, j, k, x[7], x[8], x[9])
     dx[3], dx[4], dx[5], dx[6] = quaternion_rate(w, i, j, k, x[10], x[11], x[12])
-    X, Y, Z, K, M, N = wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, tether, external)
+    X, Y, Z, K, M, N = wrench(x, u, h, e)
     m = h.inverse
     for n in range(6):
         dx[7 + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
@@ -114,35 +115,35 @@ def hull_derivatives(t, x, u, dx, h, added, coriolis, linear, quadratic, restori
 
 
 @kernel
-def hull_outputs(t, x, u, y, h, added, coriolis, linear, quadratic, restoring, current, tether, external):
+def hull_outputs(t, x, u, y, h, e):
     """Pose, velocities, angles, speed of each thruster through the water; the attachment's motion; the accelerations."""
     for n in range(13):
         y[n] = x[n]
     y[13], y[14], y[15], y[16] = angles(x[3], x[4], x[5], x[6], x[13])
-    cx, cy, cz = water_velocity(x, u, current)
+    cx, cy, cz = water_velocity(x, u, e.current)
     T = h.thrusters
     for n in range(6):
         y[17 + n] = (T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
                      + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
-    if tether is not None:
+    if e.tether is not None:
         w, i, j, k = x[3], x[4], x[5], x[6]
-        n = tether.y
-        dx, dy, dz = to_world(w, i, j, k, tether.attachment_x, tether.attachment_y, tether.attachment_z)
+        n = e.tether.y
+        dx, dy, dz = to_world(w, i, j, k, e.tether.attachment_x, e.tether.attachment_y, e.tether.attachment_z)
         y[n], y[n + 1], y[n + 2] = x[0] + dx, x[1] + dy, x[2] + dz
-        vx, vy, vz = tether_velocity(x, tether)
+        vx, vy, vz = tether_velocity(x, e.tether)
         y[n + 3], y[n + 4], y[n + 5] = to_world(w, i, j, k, vx, vy, vz)
-    if external is not None:
-        X, Y, Z, K, M, N = wrench(x, u, h, added, coriolis, linear, quadratic, restoring, current, tether, external)
+    if e.external is not None:
+        X, Y, Z, K, M, N = wrench(x, u, h, e)
         m = h.inverse
         for n in range(6):
-            y[external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
+            y[e.external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
 
 
 @kernel
-def steady_outputs(t, x, u, y, h, added, coriolis, linear, quadratic, restoring, current, tether, external):
+def steady_outputs(t, x, u, y, h, e):
     """End of a step: the quaternion back to norm 1, the roll that could be told is kept; then the outputs."""
     norm = np.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
     for n in range(3, 7):
         x[n] /= norm
     x[13] = angles(x[3], x[4], x[5], x[6], x[13])[0]
-    hull_outputs(t, x, u, y, h, added, coriolis, linear, quadratic, restoring, current, tether, external)
+    hull_outputs(t, x, u, y, h, e)

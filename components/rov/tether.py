@@ -130,10 +130,10 @@ class Tether(OdeComponent):
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
         length, stiffness, mass, _ = self._constants
-        p, damping, drag, _ = self._declared_arguments()
-        c = 4.0 * damping.coefficient if damping is not None else 0.0
-        if drag is not None:
-            largest = max(drag.normal_coefficient, drag.tangential_coefficient)
+        p, e = self._declared_arguments()
+        c = 4.0 * e.internal_damping.coefficient if e.internal_damping is not None else 0.0
+        if e.drag is not None:
+            largest = max(e.drag.normal_coefficient, e.drag.tangential_coefficient)
             c += p.water_density * p.diameter * length * largest * FASTEST
         return float(RK4_STABILITY_RADIUS / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
 
@@ -161,7 +161,7 @@ def motion(k, n, x, u):
 
 
 @kernel
-def segment_forces(k, x, u, p, damping, drag, current):
+def segment_forces(k, x, u, p, e):
     """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N."""
     n = p.segments
     rest = p.length / n
@@ -174,23 +174,23 @@ def segment_forces(k, x, u, p, damping, drag, current):
     tension = 0.0
     if long > rest:
         tension = p.youngs_modulus * 0.25 * math.pi * p.diameter**2 * (long / rest - 1.0)
-        if damping is not None:
-            a, b, c = motion(k, n, x, u)
-            d, e, f = motion(k + 1, n, x, u)
-            tension += damping.coefficient * ((d - a) * rx + (e - b) * ry + (f - c) * rz)
+        if e.internal_damping is not None:
+            ax, ay, az = motion(k, n, x, u)
+            bx, by, bz = motion(k + 1, n, x, u)
+            tension += e.internal_damping.coefficient * ((bx - ax) * rx + (by - ay) * ry + (bz - az) * rz)
             tension = max(tension, 0.0)
     dx, dy, dz = 0.0, 0.0, 0.0
-    if drag is not None:
-        a, b, c = motion(k, n, x, u)
-        d, e, f = motion(k + 1, n, x, u)
-        wx, wy, wz = -0.5 * (a + d), -0.5 * (b + e), -0.5 * (c + f)  # the water past the middle of the segment
-        if current is not None:
-            wx, wy, wz = wx + u[current.u], wy + u[current.u + 1], wz + u[current.u + 2]
+    if e.drag is not None:
+        ax, ay, az = motion(k, n, x, u)
+        bx, by, bz = motion(k + 1, n, x, u)
+        wx, wy, wz = -0.5 * (ax + bx), -0.5 * (ay + by), -0.5 * (az + bz)  # the water past the middle of the segment
+        if e.current is not None:
+            wx, wy, wz = wx + u[e.current.u], wy + u[e.current.u + 1], wz + u[e.current.u + 2]
         slip = wx * rx + wy * ry + wz * rz
         wx, wy, wz = wx - slip * rx, wy - slip * ry, wz - slip * rz
         half = 0.25 * p.water_density * p.diameter * rest
-        across = half * drag.normal_coefficient * math.sqrt(wx * wx + wy * wy + wz * wz)
-        along = half * drag.tangential_coefficient * abs(slip) * slip
+        across = half * e.drag.normal_coefficient * math.sqrt(wx * wx + wy * wy + wz * wz)
+        along = half * e.drag.tangential_coefficient * abs(slip) * slip
         dx, dy, dz = across * wx + along * rx, across * wy + along * ry, across * wz + along * rz
     return tension * rx, tension * ry, tension * rz, dx, dy, dz, tension
 
@@ -202,7 +202,7 @@ def node_weight(p):
 
 
 @kernel
-def tether_derivatives(t, x, u, dx, p, damping, drag, current):
+def tether_derivatives(t, x, u, dx, p, e):
     """dx/dt of the positions and velocities of the inner nodes."""
     n = p.segments
     size = 3 * (n - 1)
@@ -213,7 +213,7 @@ def tether_derivatives(t, x, u, dx, p, damping, drag, current):
             dx[size + 3 * i + j] = 0.0
         dx[size + 3 * i + 2] = weight
     for k in range(n):
-        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, p, damping, drag, current)
+        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, p, e)
         if k > 0:
             i = size + 3 * (k - 1)
             dx[i] += tx + ex
@@ -229,11 +229,11 @@ def tether_derivatives(t, x, u, dx, p, damping, drag, current):
 
 
 @kernel
-def tether_outputs(t, x, u, y, p, damping, drag, current):
+def tether_outputs(t, x, u, y, p, e):
     """Force on the vehicle, tensions at both ends, depth of the lowest node."""
     n = p.segments
-    y[4] = segment_forces(0, x, u, p, damping, drag, current)[6]
-    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, p, damping, drag, current)
+    y[4] = segment_forces(0, x, u, p, e)[6]
+    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, p, e)
     y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * node_weight(p), tension
     y[5] = p.anchor_down
     for i in range(n - 1):

@@ -152,13 +152,12 @@ class Thruster(OdeComponent):
 
     def kernel_arguments(self):
         """Parameters, checked: a curve that rises, a propeller that takes more power than it gives."""
-        arguments = self._declared_arguments()
-        _, curve, _, _, _, propeller, *_ = arguments
-        if curve is not None:
-            check_curve(curve.command, curve.thrust, f"{self.name}: static_curve")
-        if propeller is not None:
-            self._check_passive(propeller)
-        return arguments
+        p, e = self._declared_arguments()
+        if e.static_curve is not None:
+            check_curve(e.static_curve.command, e.static_curve.thrust, f"{self.name}: static_curve")
+        if e.propeller is not None:
+            self._check_passive(e.propeller)
+        return p, e
 
     def _check_passive(self, propeller) -> None:
         """Power of the shaft less that of the thrust, over rho D⁵ |n|³: a + b J + c J² in the advance ratio J, never negative."""
@@ -172,44 +171,44 @@ class Thruster(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Steady state at the present command: (), thrust, the three states of the lag, or speed (and current)."""
-        p, curve, polynomial, lag, motor_lag, propeller, inductance, _ = self.arguments
-        static = static_thrust(self.u[0, COMMAND], p, curve, polynomial)
-        if lag is not None:
+        p, e = self.arguments
+        static = static_thrust(self.u[0, COMMAND], p, e.static_curve, e.polynomial_curve)
+        if e.lag is not None:
             return np.array([static])
-        if motor_lag is not None:
-            return np.array([static / motor_lag.b0, 0.0, 0.0])
-        if propeller is None:
+        if e.motor_lag is not None:
+            return np.array([static / e.motor_lag.b0, 0.0, 0.0])
+        if e.propeller is None:
             return np.zeros(0)
         command = limited(self.u[0, COMMAND])
-        speed = steady_speed(command, self.u[0, propeller.u], propeller)
-        current = (command * propeller.supply_voltage - propeller.motor_constant * speed) / propeller.resistance
-        return np.array([speed] if inductance is None else [speed, current])
+        speed = steady_speed(command, self.u[0, e.propeller.u], e.propeller)
+        current = (command * e.propeller.supply_voltage - e.propeller.motor_constant * speed) / e.propeller.resistance
+        return np.array([speed] if e.inductance is None else [speed, current])
 
     def energy(self) -> float:
         """Energy of the turning propeller and of the inductance, J; 0 where a thruster has neither."""
-        *_, propeller, inductance, _ = self.arguments
-        if propeller is None:
+        _, e = self.arguments
+        if e.propeller is None:
             return 0.0
-        energy = 0.5 * propeller.inertia * self.x[0] ** 2
-        return energy if inductance is None else energy + 0.5 * inductance.inductance * self.x[1] ** 2
+        energy = 0.5 * e.propeller.inertia * self.x[0] ** 2
+        return energy if e.inductance is None else energy + 0.5 * e.inductance.inductance * self.x[1] ** 2
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
-        _, _, _, lag, motor_lag, propeller, inductance, _ = self._declared_arguments()
-        if lag is not None:
-            return RK4_STABILITY_RADIUS * lag.time_constant
-        if motor_lag is not None:
-            return float(RK4_STABILITY_RADIUS / np.abs(np.roots([1.0, motor_lag.a2, motor_lag.a1, motor_lag.b0])).max())
-        if propeller is None:
+        _, e = self._declared_arguments()
+        if e.lag is not None:
+            return RK4_STABILITY_RADIUS * e.lag.time_constant
+        if e.motor_lag is not None:
+            return float(RK4_STABILITY_RADIUS / np.abs(np.roots([1.0, e.motor_lag.a2, e.motor_lag.a1, e.motor_lag.b0])).max())
+        if e.propeller is None:
             return math.inf
-        fastest = propeller.supply_voltage / propeller.motor_constant
-        square, cross = torque_constants(propeller)
-        water = propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
-        k, r = propeller.motor_constant, propeller.resistance
-        if inductance is None:
-            return RK4_STABILITY_RADIUS * propeller.inertia / (water + k * k / r)
-        A = np.array([[-water / propeller.inertia, k / propeller.inertia],
-                      [-k / inductance.inductance, -r / inductance.inductance]])
+        fastest = e.propeller.supply_voltage / e.propeller.motor_constant
+        square, cross = torque_constants(e.propeller)
+        water = e.propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
+        k, r = e.propeller.motor_constant, e.propeller.resistance
+        if e.inductance is None:
+            return RK4_STABILITY_RADIUS * e.propeller.inertia / (water + k * k / r)
+        A = np.array([[-water / e.propeller.inertia, k / e.propeller.inertia],
+                      [-k / e.inductance.inductance, -r / e.inductance.inductance]])
         return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
 
 
@@ -279,40 +278,41 @@ def motor_current(x, u, propeller, inductance):
 
 
 @kernel
-def thruster_derivatives(t, x, u, dx, p, curve, polynomial, lag, motor_lag, propeller, inductance, status):
+def thruster_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (), (thrust), the states of the third-order lag in controllable form, or (speed[, current])."""
-    if lag is not None:
-        dx[0] = (static_thrust(u[COMMAND], p, curve, polynomial) - x[0]) / lag.time_constant
-    if motor_lag is not None:
+    if e.lag is not None:
+        dx[0] = (static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) - x[0]) / e.lag.time_constant
+    if e.motor_lag is not None:
         dx[0], dx[1] = x[1], x[2]
-        dx[2] = static_thrust(u[COMMAND], p, curve, polynomial) - motor_lag.b0 * x[0] - motor_lag.a1 * x[1] - motor_lag.a2 * x[2]
-    if propeller is not None:
-        current = motor_current(x, u, propeller, inductance)
-        torque = propeller_torque(x[0], u[propeller.u], propeller)
-        dx[0] = (propeller.motor_constant * current - propeller.friction * x[0] - torque) / propeller.inertia
-        if inductance is not None:
-            voltage = limited(u[COMMAND]) * propeller.supply_voltage
-            dx[1] = (voltage - propeller.resistance * x[1] - propeller.motor_constant * x[0]) / inductance.inductance
+        dx[2] = static_thrust(u[COMMAND], p, e.static_curve,
+                              e.polynomial_curve) - e.motor_lag.b0 * x[0] - e.motor_lag.a1 * x[1] - e.motor_lag.a2 * x[2]
+    if e.propeller is not None:
+        current = motor_current(x, u, e.propeller, e.inductance)
+        torque = propeller_torque(x[0], u[e.propeller.u], e.propeller)
+        dx[0] = (e.propeller.motor_constant * current - e.propeller.friction * x[0] - torque) / e.propeller.inertia
+        if e.inductance is not None:
+            voltage = limited(u[COMMAND]) * e.propeller.supply_voltage
+            dx[1] = (voltage - e.propeller.resistance * x[1] - e.propeller.motor_constant * x[0]) / e.inductance.inductance
 
 
 @kernel
-def thruster_outputs(t, x, u, y, p, curve, polynomial, lag, motor_lag, propeller, inductance, status):
+def thruster_outputs(t, x, u, y, p, e):
     """Thrust, and what motor and propeller do."""
-    if lag is not None:
+    if e.lag is not None:
         y[THRUST] = x[0]
-    elif motor_lag is not None:
-        y[THRUST] = motor_lag.b0 * x[0] + motor_lag.b1 * x[1]
-    elif propeller is not None:
-        current = motor_current(x, u, propeller, inductance)
-        y[THRUST] = propeller_thrust(x[0], u[propeller.u], propeller)
-        y[propeller.y] = x[0]
-        y[propeller.y + 1] = propeller_torque(x[0], u[propeller.u], propeller)
-        y[propeller.y + 2] = current
-        y[propeller.y + 3] = current * limited(u[COMMAND]) * propeller.supply_voltage
+    elif e.motor_lag is not None:
+        y[THRUST] = e.motor_lag.b0 * x[0] + e.motor_lag.b1 * x[1]
+    elif e.propeller is not None:
+        current = motor_current(x, u, e.propeller, e.inductance)
+        y[THRUST] = propeller_thrust(x[0], u[e.propeller.u], e.propeller)
+        y[e.propeller.y] = x[0]
+        y[e.propeller.y + 1] = propeller_torque(x[0], u[e.propeller.u], e.propeller)
+        y[e.propeller.y + 2] = current
+        y[e.propeller.y + 3] = current * limited(u[COMMAND]) * e.propeller.supply_voltage
     else:
-        y[THRUST] = static_thrust(u[COMMAND], p, curve, polynomial)
-    if status is not None:
-        y[status.y] = 1.0
+        y[THRUST] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+    if e.status is not None:
+        y[e.status.y] = 1.0
 
 
 Thruster.advance = bind(rk4, __name__, derivatives=thruster_derivatives, outputs=thruster_outputs)

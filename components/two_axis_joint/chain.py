@@ -175,23 +175,24 @@ class TwoLinkChain(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
-        p, *_, lugre, stick, stops, _ = self.arguments
+        p, e = self.arguments
         self._check_inertia()
         first, second = p.start_first_angle, p.start_second_angle - p.start_first_angle
         x = [first, second, p.start_first_rate, p.start_second_rate - p.start_first_rate]
-        if lugre is not None or stick is not None:
+        if e.lugre_friction is not None or e.stick_friction is not None:
             x += [0.0, 0.0]
-        if stops is not None:
-            if not stops.lower < stops.upper:
-                raise BadInput(self.name, f"stops.lower = {stops.lower:g}, stops.upper = {stops.upper:g} rad",
+        if e.stops is not None:
+            if not e.stops.lower < e.stops.upper:
+                raise BadInput(self.name, f"stops.lower = {e.stops.lower:g}, stops.upper = {e.stops.upper:g} rad",
                                "a lower stop below the upper one")
-            if not stops.lower <= second <= stops.upper:
+            if not e.stops.lower <= second <= e.stops.upper:
                 raise BadInput(self.name, f"the second link at {second:g} rad against the first at the start",
-                               f"an angle between its stops, {stops.lower:g} and {stops.upper:g} rad")
-            x.append(float(second == stops.upper) - float(second == stops.lower))
+                               f"an angle between its stops, {e.stops.lower:g} and {e.stops.upper:g} rad")
+            x.append(float(second == e.stops.upper) - float(second == e.stops.lower))
         state = np.array(x)
-        if stick is not None:
-            levels = static_level(stick.first_level, stick), static_level(stick.second_level, stick)
+        if e.stick_friction is not None:
+            levels = static_level(e.stick_friction.first_level, e.stick_friction), static_level(e.stick_friction.second_level,
+                                                                                                e.stick_friction)
             state[4:6] = [stick_mode(rate, 0.0, level) for rate, level in zip(state[2:4], levels, strict=True)]
             g = np.empty(self.guards_count)
             for _ in range(4):  # of two joints at rest none, one or both break loose at once
@@ -211,8 +212,8 @@ class TwoLinkChain(EventComponent):
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, gravity, _, _, lugre, _, stops, _ = self.arguments
-        return float(chain_energy(self.x, p, gravity, lugre, stops))
+        p, e = self.arguments
+        return float(chain_energy(self.x, p, e.gravity, e.lugre_friction, e.stops))
 
     def _step(self, t: float, h: float) -> int:
         if "stick_friction" in self.on or "stops" in self.on:
@@ -225,23 +226,23 @@ class TwoLinkChain(EventComponent):
 
         Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
         """
-        p, gravity, viscous, smoothed, lugre, _, stops, _ = self._declared_arguments()
+        p, e = self._declared_arguments()
         m11, m12, m22, determinant = mass_matrix(0.0, p)
-        g = abs(gravity.acceleration) if gravity is not None else 0.0
+        g = abs(e.gravity.acceleration) if e.gravity is not None else 0.0
         second = p.second_mass * p.second_centre
         turning = max(p.start_first_rate**2, p.start_second_rate**2) + 4.0 * g / (p.first_length + p.second_length)
         k = g * np.array([[p.first_mass * p.first_centre + p.second_mass * p.first_length + second, second], [second, second]])
         k[1, 1] += second * p.first_length * turning
         c = np.zeros(2)
-        if viscous is not None:
-            c += viscous.first, viscous.second
-        if smoothed is not None:
-            c += np.array([smoothed.first_level, smoothed.second_level]) / smoothed.width
-        if lugre is not None:
-            k += lugre.stiffness * np.eye(2)
-            c += lugre.damping
-        if stops is not None:
-            k[1, 1] += stops.stiffness
+        if e.viscous is not None:
+            c += e.viscous.first, e.viscous.second
+        if e.smoothed_friction is not None:
+            c += np.array([e.smoothed_friction.first_level, e.smoothed_friction.second_level]) / e.smoothed_friction.width
+        if e.lugre_friction is not None:
+            k += e.lugre_friction.stiffness * np.eye(2)
+            c += e.lugre_friction.damping
+        if e.stops is not None:
+            k[1, 1] += e.stops.stiffness
         if determinant <= 0.0:
             return math.inf  # refused by `initial_state`
         inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant

@@ -85,76 +85,76 @@ def static_level(level, stick):
 
 
 @kernel
-def motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops):
+def motion(x, u, p, e):
     """(q1'', q2'', c1, c2); c: rates of the bristles, or the torques that set joints at rest in motion, friction apart."""
     m11, m12, m22, determinant = mass_matrix(x[1], p)
-    b1, b2 = loads(x, u, p, gravity, viscous, smoothed, stops)
+    b1, b2 = loads(x, u, p, e.gravity, e.viscous, e.smoothed_friction, e.stops)
     c1 = c2 = 0.0
-    if lugre is not None:
-        c1 = bristle_rate(x[2], x[4], lugre.first_level, p.substep, lugre)
-        c2 = bristle_rate(x[3], x[5], lugre.second_level, p.substep, lugre)
-        b1 -= bristle_torque(x[2], x[4], c1, lugre.first_level, lugre)
-        b2 -= bristle_torque(x[3], x[5], c2, lugre.second_level, lugre)
-    if stick is not None:
+    if e.lugre_friction is not None:
+        c1 = bristle_rate(x[2], x[4], e.lugre_friction.first_level, p.substep, e.lugre_friction)
+        c2 = bristle_rate(x[3], x[5], e.lugre_friction.second_level, p.substep, e.lugre_friction)
+        b1 -= bristle_torque(x[2], x[4], c1, e.lugre_friction.first_level, e.lugre_friction)
+        b2 -= bristle_torque(x[3], x[5], c2, e.lugre_friction.second_level, e.lugre_friction)
+    if e.stick_friction is not None:
         if x[4] == 0.0 and x[5] == 0.0:
             return 0.0, 0.0, b1, b2
         if x[4] == 0.0:
-            a2 = (b2 - stick_friction(x[5], 0.0, stick.second_level)) / m22
+            a2 = (b2 - stick_friction(x[5], 0.0, e.stick_friction.second_level)) / m22
             return 0.0, a2, b1 - m12 * a2, 0.0
-        b1 -= stick_friction(x[4], 0.0, stick.first_level)
+        b1 -= stick_friction(x[4], 0.0, e.stick_friction.first_level)
         if x[5] == 0.0:
             a1 = b1 / m11
             return a1, 0.0, 0.0, b2 - m12 * a1
-        b2 -= stick_friction(x[5], 0.0, stick.second_level)
+        b2 -= stick_friction(x[5], 0.0, e.stick_friction.second_level)
     return (m22 * b1 - m12 * b2) / determinant, (m11 * b2 - m12 * b1) / determinant, c1, c2
 
 
 @kernel
-def chain_derivatives(t, x, u, dx, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+def chain_derivatives(t, x, u, dx, p, e):
     """dx/dt; modes do not change between events."""
-    a1, a2, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+    a1, a2, c1, c2 = motion(x, u, p, e)
     dx[0], dx[1], dx[2], dx[3] = x[2], x[3], a1, a2
-    if lugre is not None:
+    if e.lugre_friction is not None:
         dx[4], dx[5] = c1, c2
-    if stick is not None:
+    if e.stick_friction is not None:
         dx[4], dx[5] = 0.0, 0.0
-    if stops is not None:
+    if e.stops is not None:
         dx[-1] = 0.0
 
 
 @kernel
-def chain_guards(t, x, u, g, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+def chain_guards(t, x, u, g, p, e):
     """Of each joint its rate in the direction it slides, or at rest what is missing to break loose; of the stops way or depth."""
     g[0], g[1], g[2] = 1.0, 1.0, 1.0
-    if stick is not None:
-        _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
-        g[0] = stick_guard(x[4], x[2], c1, static_level(stick.first_level, stick))
-        g[1] = stick_guard(x[5], x[3], c2, static_level(stick.second_level, stick))
-    if stops is not None:
+    if e.stick_friction is not None:
+        _, _, c1, c2 = motion(x, u, p, e)
+        g[0] = stick_guard(x[4], x[2], c1, static_level(e.stick_friction.first_level, e.stick_friction))
+        g[1] = stick_guard(x[5], x[3], c2, static_level(e.stick_friction.second_level, e.stick_friction))
+    if e.stops is not None:
         if x[-1] == 0.0:
-            g[2] = min(stops.upper - x[1], x[1] - stops.lower)
+            g[2] = min(e.stops.upper - x[1], x[1] - e.stops.lower)
         else:
-            g[2] = x[1] - stops.upper if x[-1] > 0.0 else stops.lower - x[1]
+            g[2] = x[1] - e.stops.upper if x[-1] > 0.0 else e.stops.lower - x[1]
 
 
 @kernel
-def chain_switch(which, t, x, u, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+def chain_switch(which, t, x, u, p, e):
     """A joint comes to rest, turns back or breaks loose, or a stop is touched or left.
 
     Other modes stay: where the change makes one impossible, its own guard sees it.
     """
     if which == 2:
-        if stops is not None:
-            nearest = 1.0 if stops.upper - x[1] < x[1] - stops.lower else -1.0
+        if e.stops is not None:
+            nearest = 1.0 if e.stops.upper - x[1] < x[1] - e.stops.lower else -1.0
             x[-1] = nearest if x[-1] == 0.0 else 0.0
-    elif stick is not None:
+    elif e.stick_friction is not None:
         mode = x[4 + which]
         x[2 + which] = 0.0
         x[4 + which] = 0.0
-        _, _, c1, c2 = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+        _, _, c1, c2 = motion(x, u, p, e)
         drive = c1 if which == 0 else c2
-        level = stick.first_level if which == 0 else stick.second_level
-        x[4 + which] = stick_switch(mode, drive, static_level(level, stick))
+        level = e.stick_friction.first_level if which == 0 else e.stick_friction.second_level
+        x[4 + which] = stick_switch(mode, drive, static_level(level, e.stick_friction))
 
 
 @kernel
@@ -175,7 +175,7 @@ def chain_energy(x, p, gravity, lugre, stops):
 
 
 @kernel
-def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops, reactions):
+def chain_outputs(t, x, u, y, p, e):
     """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
     second, rate = x[0] + x[1], x[2] + x[3]
     s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
@@ -187,14 +187,14 @@ def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops
     y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
     m11, m12, _, _ = mass_matrix(x[1], p)
     y[10] = m11 * x[2] + m12 * x[3]
-    y[11] = chain_energy(x, p, gravity, lugre, stops)
-    if stick is not None:
-        y[stick.y] = 1.0 if x[4] == 0.0 else 0.0
-        y[stick.y + 1] = 1.0 if x[5] == 0.0 else 0.0
-    if reactions is not None:
-        a1, a2, _, _ = motion(x, u, p, gravity, viscous, smoothed, lugre, stick, stops)
+    y[11] = chain_energy(x, p, e.gravity, e.lugre_friction, e.stops)
+    if e.stick_friction is not None:
+        y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
+        y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0
+    if e.reactions is not None:
+        a1, a2, _, _ = motion(x, u, p, e)
         a2 += a1
-        weight = gravity.acceleration if gravity is not None else 0.0
+        weight = e.gravity.acceleration if e.gravity is not None else 0.0
         along1, up1 = a1 * c1 - x[2] * x[2] * s1, a1 * s1 + x[2] * x[2] * c1  # of a point at unit distance from the joint
         along2, up2 = a2 * c2 - rate * rate * s2, a2 * s2 + rate * rate * c2
         second_x = p.second_mass * (p.first_length * along1 + p.second_centre * along2)
@@ -202,9 +202,9 @@ def chain_outputs(t, x, u, y, p, gravity, viscous, smoothed, lugre, stick, stops
         first_x = second_x + p.first_mass * p.first_centre * along1
         first_y = second_y + p.first_mass * (p.first_centre * up1 + weight)
         moment = p.second_inertia * a2 + p.second_centre * (second_x * c2 + second_y * s2)
-        y[reactions.y], y[reactions.y + 1] = first_x, first_y
-        y[reactions.y + 2] = (
+        y[e.reactions.y], y[e.reactions.y + 1] = first_x, first_y
+        y[e.reactions.y + 2] = (
             moment + p.first_inertia * a1 + p.first_centre * (first_x * c1 + first_y * s1)
             + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
         )
-        y[reactions.y + 3], y[reactions.y + 4], y[reactions.y + 5] = second_x, second_y, moment
+        y[e.reactions.y + 3], y[e.reactions.y + 4], y[e.reactions.y + 5] = second_x, second_y, moment

@@ -67,9 +67,9 @@ class CompliantJoint(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, _, clearance = self.arguments
+        p, e = self.arguments
         x1, y1, _, _, x2, y2, *_ = self.u[0]
-        play = clearance.radius if clearance is not None else 0.0
+        play = e.clearance.radius if e.clearance is not None else 0.0
         return 0.5 * p.stiffness * max(float(np.hypot(x2 - x1, y2 - y1)) - play, 0.0) ** 2
 
     def _outputs(self, t: float) -> None:
@@ -77,17 +77,17 @@ class CompliantJoint(StatelessComponent):
 
 
 @kernel
-def joint_forces(u, y, p, rotation, clearance):
+def joint_forces(u, y, p, e):
     """Forces and the ends' distance; with `rotation` the torques."""
     x, z = u[4] - u[0], u[5] - u[1]
     y[0] = p.stiffness * x + p.damping * (u[6] - u[2])
     y[1] = p.stiffness * z + p.damping * (u[7] - u[3])
     y[4] = np.hypot(x, z)
-    if clearance is not None:
-        share = 1.0 - clearance.radius / y[4] if y[4] > clearance.radius else 0.0
+    if e.clearance is not None:
+        share = 1.0 - e.clearance.radius / y[4] if y[4] > e.clearance.radius else 0.0
         y[0] *= share
         y[1] *= share
     y[2], y[3] = -y[0], -y[1]
-    if rotation is not None:
-        y[rotation.y] = rotation.damping * (u[rotation.u + 1] - u[rotation.u]) - u[rotation.u + 2]
-        y[rotation.y + 1] = -y[rotation.y]
+    if e.rotation is not None:
+        y[e.rotation.y] = e.rotation.damping * (u[e.rotation.u + 1] - u[e.rotation.u]) - u[e.rotation.u + 2]
+        y[e.rotation.y + 1] = -y[e.rotation.y]

@@ -84,15 +84,15 @@ def axis_sample(i, set_point, set_rate, u, x, gain, rate_gain, integral_gain, p)
 
 
 @kernel
-def control_sample(t, u, x, work, p, scan):
+def control_sample(t, u, x, work, p, e):
     """One sample of both axes at time t with the inputs u."""
     outer, inner, outer_rate, inner_rate = p.set_outer_angle, p.set_inner_angle, 0.0, 0.0
-    if scan is not None:
-        w, v = TURN * scan.outer_frequency, TURN * scan.inner_frequency
-        outer += scan.outer_amplitude * math.sin(w * t + scan.outer_phase)
-        inner += scan.inner_amplitude * math.sin(v * t + scan.inner_phase)
-        outer_rate = scan.outer_amplitude * w * math.cos(w * t + scan.outer_phase)
-        inner_rate = scan.inner_amplitude * v * math.cos(v * t + scan.inner_phase)
+    if e.scan is not None:
+        w, v = TURN * e.scan.outer_frequency, TURN * e.scan.inner_frequency
+        outer += e.scan.outer_amplitude * math.sin(w * t + e.scan.outer_phase)
+        inner += e.scan.inner_amplitude * math.sin(v * t + e.scan.inner_phase)
+        outer_rate = e.scan.outer_amplitude * w * math.cos(w * t + e.scan.outer_phase)
+        inner_rate = e.scan.inner_amplitude * v * math.cos(v * t + e.scan.inner_phase)
     axis_sample(0, outer, outer_rate, u, x, p.outer_gain, p.outer_rate_gain, p.outer_integral_gain, p)
     axis_sample(1, inner, inner_rate, u, x, p.inner_gain, p.inner_rate_gain, p.inner_integral_gain, p)
 

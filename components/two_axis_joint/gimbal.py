@@ -212,13 +212,13 @@ class GimbalBody(EventComponent):
     }
 
     def _initialize(self, t: float) -> int:
-        p, _, _, _, _, _, _, stops, *_ = self._declared_arguments()
+        p, e = self._declared_arguments()
         smallest = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
         if smallest < VANISHING * p.inner_inertia:
             raise BadInput(self.name, f"an inertia about the outer axis that falls to {smallest:g} kg.m2",
                            f"at least {VANISHING * p.inner_inertia:.3g} kg.m2 at every inner angle",
                            "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock).")
-        if stops is not None:
+        if e.stops is not None:
             for axis in ("outer", "inner"):
                 lower, upper = self.get(f"stops.{axis}_lower"), self.get(f"stops.{axis}_upper")
                 if not lower < upper:
@@ -227,41 +227,42 @@ class GimbalBody(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Angles and rates of the parameters, bristles relaxed (x: alpha, beta, alpha', beta'[, two bristles or two modes])."""
-        p, gravity, rotor, viscous, _, lugre, stick, stops, base, payload, _ = self.arguments
+        p, e = self.arguments
         x = [p.start_outer_angle, p.start_inner_angle, p.start_outer_rate, p.start_inner_rate]
-        if lugre is not None or stick is not None:
+        if e.lugre_friction is not None or e.stick_friction is not None:
             x += [0.0, 0.0]
         state = np.array(x)
-        if stick is not None:
-            _, outer, inner = drives(state, self.u[0], p, gravity, rotor, viscous, stops, base, payload)
+        if e.stick_friction is not None:
+            _, outer, inner = drives(state, self.u[0], p, e)
             for axis, drive in enumerate((outer, inner)):
-                state[CONTACT + axis] = stick_mode(state[OUTER + axis], drive, level_of_axis(axis, stick))
+                state[CONTACT + axis] = stick_mode(state[OUTER + axis], drive, level_of_axis(axis, e.stick_friction))
         return state
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, gravity, _, _, _, lugre, _, stops, base, *_ = self.arguments
-        return gimbal_energy(self.x, self.u[0], p, gravity, lugre, stops, base)
+        p, e = self.arguments
+        return gimbal_energy(self.x, self.u[0], p, e.gravity, e.lugre_friction, e.stops, e.base_motion)
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
-        p, gravity, rotor, viscous, smoothed, lugre, _, stops, *_ = self._declared_arguments()
+        p, e = self._declared_arguments()
         fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
         stiffness, damping = np.zeros(2), np.zeros(2)
         stiffness[1] = abs(p.cross_inertia - p.axial_inertia) * fastest**2
-        if gravity is not None:
-            stiffness += gravity.mass * gravity.acceleration * gravity.distance
-        if viscous is not None:
-            damping += viscous.outer_coefficient, viscous.inner_coefficient
-        if smoothed is not None:
+        if e.gravity is not None:
+            stiffness += e.gravity.mass * e.gravity.acceleration * e.gravity.distance
+        if e.viscous is not None:
+            damping += e.viscous.outer_coefficient, e.viscous.inner_coefficient
+        if e.smoothed_friction is not None:
+            smoothed = e.smoothed_friction
             damping += smoothed.outer_level / smoothed.width, smoothed.inner_level / smoothed.width
-        if lugre is not None:
-            stiffness, damping = stiffness + lugre.stiffness, damping + lugre.damping
-        if stops is not None:
-            stiffness += stops.stiffness
+        if e.lugre_friction is not None:
+            stiffness, damping = stiffness + e.lugre_friction.stiffness, damping + e.lugre_friction.damping
+        if e.stops is not None:
+            stiffness += e.stops.stiffness
         D = np.diag(damping)
-        if rotor is not None:
-            D += np.array([[0.0, 1.0], [-1.0, 0.0]]) * rotor.spin_momentum
+        if e.rotor is not None:
+            D += np.array([[0.0, 1.0], [-1.0, 0.0]]) * e.rotor.spin_momentum
         inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
         largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
@@ -281,49 +282,49 @@ class GimbalBody(EventComponent):
 
 
 @kernel
-def gimbal_derivatives(t, x, u, dx, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+def gimbal_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (alpha, beta, alpha', beta'[, bristles or modes]); not a number where the substep cannot follow."""
     dx[ALPHA], dx[BETA] = x[OUTER], x[INNER]
-    dx[OUTER], dx[INNER] = accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload)
+    dx[OUTER], dx[INNER] = accelerations(x, u, p, e)
     if max(abs(x[OUTER]), abs(x[INNER])) * p.substep > 1.0:
         dx[OUTER] = math.nan
-    if lugre is not None:
-        dx[CONTACT], dx[CONTACT + 1] = bristle_rates(x, p, lugre)
-    if stick is not None:
+    if e.lugre_friction is not None:
+        dx[CONTACT], dx[CONTACT + 1] = bristle_rates(x, p, e.lugre_friction)
+    if e.stick_friction is not None:
         dx[CONTACT] = dx[CONTACT + 1] = 0.0
 
 
 @kernel
-def gimbal_guards(t, x, u, g, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+def gimbal_guards(t, x, u, g, p, e):
     """What keeps the modes of the two axes."""
-    _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
-    g[0], g[1] = axis_guard(0, outer, x, stick), axis_guard(1, inner, x, stick)
+    _, outer, inner = drives(x, u, p, e)
+    g[0], g[1] = axis_guard(0, outer, x, e.stick_friction), axis_guard(1, inner, x, e.stick_friction)
 
 
 @kernel
-def gimbal_switch(which, t, x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+def gimbal_switch(which, t, x, u, p, e):
     """An axis has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[OUTER + which] = 0.0
-    _, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
-    x[CONTACT + which] = stick_switch(x[CONTACT + which], outer if which == 0 else inner, level_of_axis(which, stick))
+    _, outer, inner = drives(x, u, p, e)
+    x[CONTACT + which] = stick_switch(x[CONTACT + which], outer if which == 0 else inner, level_of_axis(which, e.stick_friction))
 
 
 @kernel
-def gimbal_outputs(t, x, u, y, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload, reactions):
+def gimbal_outputs(t, x, u, y, p, e):
     """Angles, rates, momentum, and what the effects add."""
     y[0], y[1], y[2], y[3] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
-    y[4] = outer_momentum(x, u, p, rotor, base)
-    y[5] = gimbal_energy(x, u, p, gravity, lugre, stops, base)
-    if stick is not None:
-        y[stick.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
-        y[stick.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0
-    if payload is not None:
-        y[payload.y], y[payload.y + 1], y[payload.y + 2] = body_rates(x, u, p, base)
-    if reactions is not None:
-        first, second = accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload)
-        k = reactions.y
+    y[4] = outer_momentum(x, u, p, e.rotor, e.base_motion)
+    y[5] = gimbal_energy(x, u, p, e.gravity, e.lugre_friction, e.stops, e.base_motion)
+    if e.stick_friction is not None:
+        y[e.stick_friction.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
+        y[e.stick_friction.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0
+    if e.payload is not None:
+        y[e.payload.y], y[e.payload.y + 1], y[e.payload.y + 2] = body_rates(x, u, p, e.base_motion)
+    if e.reactions is not None:
+        first, second = accelerations(x, u, p, e)
+        k = e.reactions.y
         y[k], y[k + 1], y[k + 2], y[k + 3], y[k + 4], y[k + 5] = reactions_of_base(
-            x, u, first, second, p, gravity, rotor, base, payload)
+            x, u, first, second, p, e.gravity, e.rotor, e.base_motion, e.payload)
 
 
 GimbalBody.advance = bind(rk4_events, __name__, derivatives=gimbal_derivatives, guards=gimbal_guards, switch=gimbal_switch,

@@ -78,22 +78,22 @@ def specific_force(u, gravity, base):
 
 
 @kernel
-def drives(x, u, p, gravity, rotor, viscous, stops, base, payload):
+def drives(x, u, p, e):
     """(inertia about the outer axis, torques that set the outer and the inner axis in motion, dry friction apart).
 
     inertia * alpha'' = first torque - friction, inner_inertia * beta'' = second torque - friction.
     """
     c, s = axis_in_body(x[BETA], p.axis_orientation)
-    outer_1 = frame_rates(x, u, p, base)[3]
-    mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, rotor, base)
+    outer_1 = frame_rates(x, u, p, e.base_motion)[3]
+    mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, e.rotor, e.base_motion)
     inertia = p.frame_inertia + p.cross_inertia * c * c + p.axial_inertia * s * s
     outer, inner = u[0] - c * mx - s * mz - p.frame_inertia * outer_1, u[1] - my
-    if gravity is not None:
-        fx, fy, fz = specific_force(u, gravity, base)
-        moment = gravity.mass * gravity.distance
+    if e.gravity is not None:
+        fx, fy, fz = specific_force(u, e.gravity, e.base_motion)
+        moment = e.gravity.mass * e.gravity.distance
         if p.axis_orientation == VERTICAL:
             along, across = fx, fy  # of the frame's plane, which stays as it is without a base in motion
-            if base is not None:
+            if e.base_motion is not None:
                 sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
                 along, across = fx * cosine + fy * sine, fy * cosine - fx * sine
             outer -= moment * across * c
@@ -102,15 +102,15 @@ def drives(x, u, p, gravity, rotor, viscous, stops, base, payload):
             sine, cosine = math.sin(x[ALPHA]), math.cos(x[ALPHA])
             outer -= moment * (fy * cosine + fz * sine) * c
             inner += moment * (fx * c + (fy * sine - fz * cosine) * s)
-    if viscous is not None:
-        outer -= viscous.outer_coefficient * x[OUTER]
-        inner -= viscous.inner_coefficient * x[INNER]
-    if stops is not None:
-        outer += stop_torque(x[ALPHA], x[OUTER], stops.outer_lower, stops.outer_upper, stops.stiffness, stops.dissipation)
-        inner += stop_torque(x[BETA], x[INNER], stops.inner_lower, stops.inner_upper, stops.stiffness, stops.dissipation)
-    if payload is not None:
-        outer += c * u[payload.u] + s * u[payload.u + 2]
-        inner += u[payload.u + 1]
+    if e.viscous is not None:
+        outer -= e.viscous.outer_coefficient * x[OUTER]
+        inner -= e.viscous.inner_coefficient * x[INNER]
+    if e.stops is not None:
+        outer += stop_torque(x[ALPHA], x[OUTER], e.stops.outer_lower, e.stops.outer_upper, e.stops.stiffness, e.stops.dissipation)
+        inner += stop_torque(x[BETA], x[INNER], e.stops.inner_lower, e.stops.inner_upper, e.stops.stiffness, e.stops.dissipation)
+    if e.payload is not None:
+        outer += c * u[e.payload.u] + s * u[e.payload.u + 2]
+        inner += u[e.payload.u + 1]
     return inertia, outer, inner
 
 
@@ -124,19 +124,19 @@ def bristle_rates(x, p, lugre):
 
 
 @kernel
-def accelerations(x, u, p, gravity, rotor, viscous, smoothed, lugre, stick, stops, base, payload):
+def accelerations(x, u, p, e):
     """(alpha'', beta''), dry friction included."""
-    inertia, outer, inner = drives(x, u, p, gravity, rotor, viscous, stops, base, payload)
-    if smoothed is not None:
-        outer -= smoothed_friction(x[OUTER], smoothed.outer_level, smoothed.width)
-        inner -= smoothed_friction(x[INNER], smoothed.inner_level, smoothed.width)
-    if lugre is not None:
-        first, second = bristle_rates(x, p, lugre)
-        outer -= lugre_force(x[OUTER], x[CONTACT], first, lugre.stiffness, lugre.damping, 0.0)
-        inner -= lugre_force(x[INNER], x[CONTACT + 1], second, lugre.stiffness, lugre.damping, 0.0)
-    if stick is not None:
-        outer -= stick_friction(x[CONTACT], outer, stick.outer_level)
-        inner -= stick_friction(x[CONTACT + 1], inner, stick.inner_level)
+    inertia, outer, inner = drives(x, u, p, e)
+    if e.smoothed_friction is not None:
+        outer -= smoothed_friction(x[OUTER], e.smoothed_friction.outer_level, e.smoothed_friction.width)
+        inner -= smoothed_friction(x[INNER], e.smoothed_friction.inner_level, e.smoothed_friction.width)
+    if e.lugre_friction is not None:
+        first, second = bristle_rates(x, p, e.lugre_friction)
+        outer -= lugre_force(x[OUTER], x[CONTACT], first, e.lugre_friction.stiffness, e.lugre_friction.damping, 0.0)
+        inner -= lugre_force(x[INNER], x[CONTACT + 1], second, e.lugre_friction.stiffness, e.lugre_friction.damping, 0.0)
+    if e.stick_friction is not None:
+        outer -= stick_friction(x[CONTACT], outer, e.stick_friction.outer_level)
+        inner -= stick_friction(x[CONTACT + 1], inner, e.stick_friction.inner_level)
     return outer / inertia, inner / p.inner_inertia
 
 

@@ -81,12 +81,13 @@ class PlanarLink(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """The pose and rates given (x: angle, rate and, of a free link, place and velocity of the centre of mass)."""
-        p, pinned, _ = self.arguments
-        inertia = p.inertia + (p.mass * p.centre**2 if pinned is not None else 0.0)
+        p, e = self.arguments
+        inertia = p.inertia + (p.mass * p.centre**2 if e.pinned is not None else 0.0)
         if inertia == 0.0:
-            raise BadInput(self.name, "a link without inertia about its " + ("joint" if pinned is not None else "centre of mass"),
+            raise BadInput(self.name,
+                           "a link without inertia about its " + ("joint" if e.pinned is not None else "centre of mass"),
                            "a positive one", "Give inertia.")
-        if pinned is not None:
+        if e.pinned is not None:
             if p.start_velocity_x != 0.0 or p.start_velocity_y != 0.0:
                 actual = f"a start velocity of ({p.start_velocity_x:g}, {p.start_velocity_y:g}) m/s at a pinned base"
                 raise BadInput(self.name, actual, "none", "Leave it out, or the effect 'pinned'.")
@@ -99,58 +100,58 @@ class PlanarLink(OdeComponent):
 
     def energy(self) -> float:
         """Kinetic energy, J, and with gravity that of the height above the origin."""
-        p, pinned, gravity = self.arguments
-        return float(link_energy(self.x, p, pinned, gravity))
+        p, e = self.arguments
+        return float(link_energy(self.x, p, e))
 
     def stable_step(self) -> float:
         """RK4's limit, radius / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
-        p, pinned, gravity = self._declared_arguments()
-        if pinned is None or gravity is None:
+        p, e = self._declared_arguments()
+        if e.pinned is None or e.gravity is None:
             return math.inf
         inertia = p.inertia + p.mass * p.centre**2
-        moment = abs(p.mass * gravity.acceleration * p.centre)
+        moment = abs(p.mass * e.gravity.acceleration * p.centre)
         return RK4_STABILITY_RADIUS * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
 
 
 @kernel
-def link_derivatives(t, x, u, dx, p, pinned, gravity):
+def link_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (angle, rate[, x, y, x', y' of the centre of mass])."""
     sine, cosine = math.sin(x[0]), math.cos(x[0])
     torque = u[2] + u[5]
     dx[0] = x[1]
-    if pinned is not None:
+    if e.pinned is not None:
         torque += p.length * (cosine * u[3] + sine * u[4])
-        if gravity is not None:
-            torque -= p.mass * gravity.acceleration * p.centre * sine
+        if e.gravity is not None:
+            torque -= p.mass * e.gravity.acceleration * p.centre * sine
         dx[1] = torque / (p.inertia + p.mass * p.centre * p.centre)
     else:
         torque += (p.length - p.centre) * (cosine * u[3] + sine * u[4]) - p.centre * (cosine * u[0] + sine * u[1])
         dx[1] = torque / p.inertia
         dx[2], dx[3] = x[4], x[5]
         dx[4], dx[5] = (u[0] + u[3]) / p.mass, (u[1] + u[4]) / p.mass
-        if gravity is not None:
-            dx[5] -= gravity.acceleration
+        if e.gravity is not None:
+            dx[5] -= e.gravity.acceleration
 
 
 @kernel
-def link_energy(x, p, pinned, gravity):
+def link_energy(x, p, e):
     """Kinetic energy, and with gravity that of the height above the origin, J."""
-    if pinned is not None:
+    if e.pinned is not None:
         energy = 0.5 * (p.inertia + p.mass * p.centre * p.centre) * x[1] * x[1]
         height = p.start_y - p.centre * math.cos(x[0])
     else:
         energy = 0.5 * (p.inertia * x[1] * x[1] + p.mass * (x[4] * x[4] + x[5] * x[5]))
         height = x[3]
-    if gravity is not None:
-        energy += p.mass * gravity.acceleration * height
+    if e.gravity is not None:
+        energy += p.mass * e.gravity.acceleration * height
     return energy
 
 
 @kernel
-def link_outputs(t, x, u, y, p, pinned, gravity):
+def link_outputs(t, x, u, y, p, e):
     """Motion of both ends, angle, rate and energy; pinned: the joint's force."""
     sine, cosine = math.sin(x[0]), math.cos(x[0])
-    if pinned is not None:
+    if e.pinned is not None:
         y[0], y[1], y[2], y[3] = p.start_x, p.start_y, 0.0, 0.0
     else:
         y[0], y[1] = x[2] - p.centre * sine, x[3] + p.centre * cosine
@@ -158,14 +159,14 @@ def link_outputs(t, x, u, y, p, pinned, gravity):
     y[4], y[5] = y[0] + p.length * sine, y[1] - p.length * cosine
     y[6], y[7] = y[2] + p.length * cosine * x[1], y[3] + p.length * sine * x[1]
     y[8], y[9] = x[0], x[1]
-    y[10] = link_energy(x, p, pinned, gravity)
-    if pinned is not None:
+    y[10] = link_energy(x, p, e)
+    if e.pinned is not None:
         torque = u[2] + u[5] + p.length * (cosine * u[3] + sine * u[4])
-        weight = p.mass * gravity.acceleration if gravity is not None else 0.0
+        weight = p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
         acceleration = (torque - weight * p.centre * sine) / (p.inertia + p.mass * p.centre * p.centre)
         turning = x[1] * x[1]
-        y[pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[0] - u[3]
-        y[pinned.y + 1] = p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[1] - u[4]
+        y[e.pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[0] - u[3]
+        y[e.pinned.y + 1] = p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[1] - u[4]
 
 
 PlanarLink.advance = bind(rk4, __name__, derivatives=link_derivatives, outputs=link_outputs)

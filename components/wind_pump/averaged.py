@@ -101,7 +101,7 @@ def mean_torques(speed, u, p):
 
 
 @kernel
-def averaged_derivatives(t, x, u, dx, p, mesh):
+def averaged_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (speed of the driven shaft, mode)."""
     driving, _ = mean_torques(x[SPEED], u, p)
     dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
@@ -109,14 +109,14 @@ def averaged_derivatives(t, x, u, dx, p, mesh):
 
 
 @kernel
-def averaged_guards(t, x, u, g, p, mesh):
+def averaged_guards(t, x, u, g, p, e):
     """That of the driven shaft."""
     driving, _ = mean_torques(x[SPEED], u, p)
     g[0] = shaft_guard(x[MODE], x[SPEED], driving, u[LOAD])
 
 
 @kernel
-def averaged_switch(which, t, x, u, p, mesh):
+def averaged_switch(which, t, x, u, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     driving, _ = mean_torques(0.0, u, p)
@@ -124,10 +124,10 @@ def averaged_switch(which, t, x, u, p, mesh):
 
 
 @kernel
-def averaged_outputs(t, x, u, y, p, mesh):
+def averaged_outputs(t, x, u, y, p, e):
     """Torques, speed, ratio, power lost."""
     driving, on_turbine = mean_torques(x[SPEED], u, p)
-    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], mesh)
+    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
@@ -138,9 +138,9 @@ _advance = bind(rk4_events, __name__, derivatives=averaged_derivatives, guards=a
 
 
 @kernel
-def averaged_advance(t, h, n, k, x, u, y, work, counts, p, mesh):
+def averaged_advance(t, h, n, k, x, u, y, work, counts, p, e):
     """`rk4_events`, refused for a turbine that is faster than the stable step allows for."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh)
+    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
     if status == DONE and not abs(u[0, TURBINE_SPEED]) <= p.largest_turbine_speed:  # also where it is no number
         return OUT_OF_RANGE
     return status

@@ -90,7 +90,7 @@ def flow_at(n, surplus, linear, curve):
 
 
 @kernel
-def pump_outputs(u, y, p, seals):
+def pump_outputs(u, y, p, e):
     """Torque, flow and power."""
     n, head = max(u[SPEED], 0.0) / p.rated_speed, max(u[HEAD], 0.0)
     shutoff = n * n * p.shutoff_head
@@ -99,6 +99,6 @@ def pump_outputs(u, y, p, seals):
         share = flow / (n * p.best_flow)
     own_head = shutoff - flow * (n * p.linear_drop + p.curve_drop * flow)
     y[TORQUE_OUT] = weight * own_head * p.best_flow / (p.best_efficiency * (2.0 - share) * p.rated_speed)
-    if seals is not None:
-        y[TORQUE_OUT] += seals.torque
+    if e.seal_friction is not None:
+        y[TORQUE_OUT] += e.seal_friction.torque
     y[FLOW_OUT], y[POWER_OUT] = flow, weight * own_head * flow

@@ -140,13 +140,13 @@ class InertialConverter(Transmission):
         p = self.arguments[0]
         rate = p.gear_ratio * self.u[0, TURBINE_SPEED]
         mode = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
-        if p.start_speed > 0.0 and self.arguments[2] is not None:
+        if p.start_speed > 0.0 and self.arguments[1].compliant_clutches is not None:
             mode = TURNING
         return np.array([0.0, p.start_angle, rate, 0.0, 0.0, p.start_speed, mode])
 
     def internal_step(self) -> float:
         """The shorter one of `substep` and, where the clutches slip, theirs, s."""
-        clutches = self._declared_arguments()[2]
+        clutches = self._declared_arguments()[1].compliant_clutches
         return super().internal_step() if clutches is None else min(super().internal_step(), clutches.substep)
 
     def energy(self) -> float:
@@ -159,15 +159,15 @@ class InertialConverter(Transmission):
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
-        p, _, clutches, _ = self._declared_arguments()
+        p, e = self._declared_arguments()
         k, c = p.shaft_stiffness / p.crank_inertia, p.shaft_damping / p.crank_inertia
         fastest = float(np.abs(np.roots([1.0, c, k])).max())
-        if clutches is not None:
+        if e.compliant_clutches is not None:
             slider = p.lever_mass * p.lever_ratio**2 + p.slider_mass
             carried = p.lever_mass * (1.0 + p.lever_ratio) * p.crank_radius
             lightest = slider - (p.lever_ratio * carried) ** 2 / (
                 p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
-            slip = clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
+            slip = e.compliant_clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
             fastest += slip  # no less than the largest eigenvalue of both together
         return RK4_STABILITY_RADIUS / fastest
 
@@ -207,18 +207,18 @@ def accelerations(x, u, p, clutches):
 
 
 @kernel
-def converter_derivatives(t, x, u, dx, p, mesh, clutches, stresses):
+def converter_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (theta, phi, phi', y, y', w, mode)."""
     dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
     dx[ANGLE], dx[SLIDER], dx[MODE] = x[RATE], x[VELOCITY], 0.0
-    dx[RATE], dx[VELOCITY], dx[SPEED], _ = accelerations(x, u, p, clutches)
+    dx[RATE], dx[VELOCITY], dx[SPEED], _ = accelerations(x, u, p, e.compliant_clutches)
 
 
 @kernel
-def converter_guards(t, x, u, g, p, mesh, clutches, stresses):
+def converter_guards(t, x, u, g, p, e):
     """Free: distance from either clutch. Engaged: force and speed. Standing: what is left of the load."""
-    _, _, _, force = accelerations(x, u, p, clutches)
-    if clutches is not None or x[MODE] == STANDING:
+    _, _, _, force = accelerations(x, u, p, e.compliant_clutches)
+    if e.compliant_clutches is not None or x[MODE] == STANDING:
         g[0] = g[1] = shaft_guard(x[MODE], x[SPEED], p.clutch_arm * abs(force), u[LOAD])
     elif x[MODE] == FREE:
         g[0], g[1] = p.clutch_arm * x[SPEED] - x[VELOCITY], p.clutch_arm * x[SPEED] + x[VELOCITY]
@@ -227,10 +227,10 @@ def converter_guards(t, x, u, g, p, mesh, clutches, stresses):
 
 
 @kernel
-def converter_switch(which, t, x, u, p, mesh, clutches, stresses):
+def converter_switch(which, t, x, u, p, e):
     """The next mode; speeds that are equal in it are made so."""
-    if clutches is not None:
-        driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, clutches))
+    if e.compliant_clutches is not None:
+        driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, e.compliant_clutches))
         x[SPEED] = 0.0
         x[MODE] = switched_shaft(x[MODE], driving, u[LOAD])
     elif x[MODE] == STANDING:
@@ -254,29 +254,29 @@ def converter_switch(which, t, x, u, p, mesh, clutches, stresses):
 
 
 @kernel
-def converter_outputs(t, x, u, y, p, mesh, clutches, stresses):
+def converter_outputs(t, x, u, y, p, e):
     """Torques, speeds and losses; joint forces and stresses where they are on."""
     torque = shaft_torque(x, u, p)
-    crank, slider, _, force = accelerations(x, u, p, clutches)
+    crank, slider, _, force = accelerations(x, u, p, e.compliant_clutches)
     driving = p.clutch_arm * abs(force)
-    loss = mesh_loss(p.gear_ratio * torque, u[TURBINE_SPEED], mesh)
+    loss = mesh_loss(p.gear_ratio * torque, u[TURBINE_SPEED], e.mesh_friction)
     y[0], y[1], y[2] = p.gear_ratio * torque + loss, x[SPEED], driving
     y[3] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     slip = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
     y[4] = p.shaft_damping * slip * slip + loss * u[TURBINE_SPEED]
-    if clutches is not None:
+    if e.compliant_clutches is not None:
         y[4] += driving * (abs(x[VELOCITY]) / p.clutch_arm - x[SPEED])
     y[5], y[6], y[7], y[8] = x[RATE], x[ANGLE], x[VELOCITY], float(np.sign(force))
-    if stresses is not None:
-        k = stresses.y
+    if e.stresses is not None:
+        k = e.stresses.y
         on_lever, on_mass, on_slider = joint_forces(x[ANGLE], x[RATE], crank, slider, p)
         y[k], y[k + 1], y[k + 2] = on_lever, on_mass, on_slider
-        y[k + 3] = 16.0 * torque / (math.pi * stresses.shaft_diameter**3)
-        y[k + 4] = 16.0 * driving / (math.pi * stresses.driven_shaft_diameter**3)
-        bending = on_mass * p.lever_ratio * stresses.lever_arm
-        y[k + 5] = 6.0 * bending / (stresses.lever_width * stresses.lever_height**2)
-        y[k + 6] = 4.0 * on_lever / (math.pi * stresses.pin_diameter**2)
-        y[k + 7] = (p.crank_radius * math.sin(x[ANGLE]) - x[SLIDER]) / stresses.lever_arm
+        y[k + 3] = 16.0 * torque / (math.pi * e.stresses.shaft_diameter**3)
+        y[k + 4] = 16.0 * driving / (math.pi * e.stresses.driven_shaft_diameter**3)
+        bending = on_mass * p.lever_ratio * e.stresses.lever_arm
+        y[k + 5] = 6.0 * bending / (e.stresses.lever_width * e.stresses.lever_height**2)
+        y[k + 6] = 4.0 * on_lever / (math.pi * e.stresses.pin_diameter**2)
+        y[k + 7] = (p.crank_radius * math.sin(x[ANGLE]) - x[SLIDER]) / e.stresses.lever_arm
 
 
 _advance = bind(rk4_events, __name__, derivatives=converter_derivatives, guards=converter_guards, switch=converter_switch,
@@ -284,9 +284,9 @@ _advance = bind(rk4_events, __name__, derivatives=converter_derivatives, guards=
 
 
 @kernel
-def converter_advance(t, h, n, k, x, u, y, work, counts, p, mesh, clutches, stresses):
+def converter_advance(t, h, n, k, x, u, y, work, counts, p, e):
     """`rk4_events`, refused where its substeps do not resolve the crank's revolution."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh, clutches, stresses)
+    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
     if status == DONE and abs(x[RATE]) * h > MOST_TURN * n:
         return OUT_OF_RANGE
     return status

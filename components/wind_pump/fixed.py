@@ -73,7 +73,7 @@ def shaft_torque(twist, speed, u, p):
 
 
 @kernel
-def fixed_derivatives(t, x, u, dx, p, mesh):
+def fixed_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (twist, speed of the driven shaft, mode)."""
     driving = shaft_torque(x[TWIST], x[SPEED], u, p)
     dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
@@ -82,24 +82,24 @@ def fixed_derivatives(t, x, u, dx, p, mesh):
 
 
 @kernel
-def fixed_guards(t, x, u, g, p, mesh):
+def fixed_guards(t, x, u, g, p, e):
     """That of the driven shaft."""
     g[0] = shaft_guard(x[MODE], x[SPEED], shaft_torque(x[TWIST], x[SPEED], u, p), u[LOAD])
 
 
 @kernel
-def fixed_switch(which, t, x, u, p, mesh):
+def fixed_switch(which, t, x, u, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     x[MODE] = switched_shaft(x[MODE], shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
 
 
 @kernel
-def fixed_outputs(t, x, u, y, p, mesh):
+def fixed_outputs(t, x, u, y, p, e):
     """Torques, speed, ratio, power lost."""
     driving, rate = shaft_torque(x[TWIST], x[SPEED], u, p), p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
     on_turbine = p.gear_ratio * driving
-    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], mesh)
+    loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = p.shaft_damping * rate**2 + p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]

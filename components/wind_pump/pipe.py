@@ -83,12 +83,12 @@ class WaterPipe(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Delivered volume; air volume and flow of the column; level, mode, supplied and overflowed volume."""
-        _, _, vessel, tank = self.arguments
+        _, e = self.arguments
         x = [0.0]
-        if vessel is not None:
-            x += [vessel.gas_volume, 0.0]
-        if tank is not None:
-            x += [tank.start_level, FULL if tank.start_level == tank.height else PARTLY, 0.0, 0.0]
+        if e.air_vessel is not None:
+            x += [e.air_vessel.gas_volume, 0.0]
+        if e.tank is not None:
+            x += [e.tank.start_level, FULL if e.tank.start_level == e.tank.height else PARTLY, 0.0, 0.0]
         return np.array(x)
 
     def _initialize(self, t: float) -> int:
@@ -100,12 +100,12 @@ class WaterPipe(EventComponent):
 
     def stable_step(self) -> float:
         """RK4's limit, radius / w of the column on the air of the start, s; infinite without an air vessel."""
-        p, _, vessel, tank = self._declared_arguments()
-        if vessel is None:
+        p, e = self._declared_arguments()
+        if e.air_vessel is None:
             return math.inf
-        pressure = ATMOSPHERE + p.density * GRAVITY * (p.static_head + (tank.start_level if tank is not None else 0.0))
-        area = 0.25 * math.pi * vessel.pipe_diameter**2
-        square = vessel.exponent * pressure * area / (p.density * vessel.pipe_length * vessel.gas_volume)
+        pressure = ATMOSPHERE + p.density * GRAVITY * (p.static_head + (e.tank.start_level if e.tank is not None else 0.0))
+        area = 0.25 * math.pi * e.air_vessel.pipe_diameter**2
+        square = e.air_vessel.exponent * pressure * area / (p.density * e.air_vessel.pipe_length * e.air_vessel.gas_volume)
         return RK4_STABILITY_RADIUS / math.sqrt(square)
 
 
@@ -132,77 +132,77 @@ def outflow(x, u, vessel):
 
 
 @kernel
-def pump_head(x, u, p, friction, vessel, tank):
+def pump_head(x, u, p, e):
     """Head at the pump, m."""
-    if vessel is not None:
+    if e.air_vessel is not None:
         start = p.static_head
-        if tank is not None:
-            start += tank.start_level
-        pressure = (ATMOSPHERE + p.density * GRAVITY * start) * (vessel.gas_volume / x[GAS]) ** vessel.exponent
+        if e.tank is not None:
+            start += e.tank.start_level
+        pressure = (ATMOSPHERE + p.density * GRAVITY * start) * (e.air_vessel.gas_volume / x[GAS]) ** e.air_vessel.exponent
         return (pressure - ATMOSPHERE) / (p.density * GRAVITY)
-    head = end_head(x, p, tank)
-    if friction is not None:
-        head += friction.coefficient * u[FLOW] * abs(u[FLOW])
+    head = end_head(x, p, e.tank)
+    if e.friction is not None:
+        head += e.friction.coefficient * u[FLOW] * abs(u[FLOW])
     return head
 
 
 @kernel
-def pipe_derivatives(t, x, u, dx, p, friction, vessel, tank):
+def pipe_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (delivered[, air volume, flow of the column][, level, mode, supplied, overflowed])."""
-    leaving = outflow(x, u, vessel)
+    leaving = outflow(x, u, e.air_vessel)
     dx[DELIVERED] = leaving
-    if vessel is not None:
+    if e.air_vessel is not None:
         dx[GAS] = leaving - u[FLOW]
-        surplus = pump_head(x, u, p, friction, vessel, tank) - end_head(x, p, tank)
-        if friction is not None:
-            surplus -= friction.coefficient * leaving * abs(leaving)
-        dx[COLUMN] = GRAVITY * 0.25 * math.pi * vessel.pipe_diameter**2 / vessel.pipe_length * surplus
-    if tank is not None:
+        surplus = pump_head(x, u, p, e) - end_head(x, p, e.tank)
+        if e.friction is not None:
+            surplus -= e.friction.coefficient * leaving * abs(leaving)
+        dx[COLUMN] = GRAVITY * 0.25 * math.pi * e.air_vessel.pipe_diameter**2 / e.air_vessel.pipe_length * surplus
+    if e.tank is not None:
         k = x.size - TANKED
-        demand = u[tank.u]
+        demand = u[e.tank.u]
         dx[k], dx[k + 1], dx[k + 2], dx[k + 3] = 0.0, 0.0, demand, 0.0
         if x[k + 1] == FULL:
             dx[k + 3] = leaving - demand
         elif x[k + 1] == EMPTY:
             dx[k + 2] = leaving
         else:
-            dx[k] = (leaving - demand) / tank.area
+            dx[k] = (leaving - demand) / e.tank.area
 
 
 @kernel
-def pipe_guards(t, x, u, g, p, friction, vessel, tank):
+def pipe_guards(t, x, u, g, p, e):
     """Room and water in the tank, or what keeps it full or empty."""
     g[0] = 1.0
-    if tank is not None:
+    if e.tank is not None:
         k = x.size - TANKED
-        rise = outflow(x, u, vessel) - u[tank.u]
+        rise = outflow(x, u, e.air_vessel) - u[e.tank.u]
         if x[k + 1] == PARTLY:
-            g[0] = min(x[k], tank.height - x[k])
+            g[0] = min(x[k], e.tank.height - x[k])
         else:
             g[0] = x[k + 1] * rise
 
 
 @kernel
-def pipe_switch(which, t, x, u, p, friction, vessel, tank):
+def pipe_switch(which, t, x, u, p, e):
     """The tank becomes full or empty, or ceases to be."""
-    if tank is not None:
+    if e.tank is not None:
         k = x.size - TANKED
         if x[k + 1] != PARTLY:
             x[k + 1] = PARTLY
-        elif x[k] > 0.5 * tank.height:
-            x[k], x[k + 1] = tank.height, FULL
+        elif x[k] > 0.5 * e.tank.height:
+            x[k], x[k + 1] = e.tank.height, FULL
         else:
             x[k], x[k + 1] = 0.0, EMPTY
 
 
 @kernel
-def pipe_outputs(t, x, u, y, p, friction, vessel, tank):
+def pipe_outputs(t, x, u, y, p, e):
     """Head, flow and volumes."""
-    y[HEAD_OUT] = pump_head(x, u, p, friction, vessel, tank)
-    y[OUTFLOW_OUT], y[DELIVERED_OUT] = outflow(x, u, vessel), x[DELIVERED]
-    if tank is not None:
+    y[HEAD_OUT] = pump_head(x, u, p, e)
+    y[OUTFLOW_OUT], y[DELIVERED_OUT] = outflow(x, u, e.air_vessel), x[DELIVERED]
+    if e.tank is not None:
         k = x.size - TANKED
-        y[tank.y], y[tank.y + 1], y[tank.y + 2] = x[k], x[k + 2], x[k + 3]
+        y[e.tank.y], y[e.tank.y + 1], y[e.tank.y + 2] = x[k], x[k + 2], x[k + 3]
 
 
 WaterPipe.advance = bind(rk4_events, __name__, derivatives=pipe_derivatives, guards=pipe_guards, switch=pipe_switch,

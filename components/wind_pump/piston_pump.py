@@ -117,21 +117,21 @@ def piston_rate(angle, averaged):
 
 
 @kernel
-def pump_derivatives(t, x, u, dx, p, leakage, seals, averaged):
+def pump_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (angle)."""
     dx[0] = max(u[SPEED], 0.0)
 
 
 @kernel
-def pump_outputs(t, x, u, y, p, leakage, seals, averaged):
+def pump_outputs(t, x, u, y, p, e):
     """Torque, flow, angle and power."""
-    moved, weight = volume_rate(x[0], p, averaged), p.density * p.gravity
+    moved, weight = volume_rate(x[0], p, e.averaged), p.density * p.gravity
     torque = weight * u[HEAD] * moved
-    if seals is not None:
-        torque += seals.force * 0.5 * p.stroke * piston_rate(x[0], averaged)
+    if e.seal_friction is not None:
+        torque += e.seal_friction.force * 0.5 * p.stroke * piston_rate(x[0], e.averaged)
     flow = moved * max(u[SPEED], 0.0)
-    if leakage is not None:
-        flow *= 1.0 - leakage.share
+    if e.leakage is not None:
+        flow *= 1.0 - e.leakage.share
     y[TORQUE_OUT], y[FLOW_OUT], y[POWER_OUT] = torque, flow, weight * u[HEAD] * flow
     wrapped = x[0] % TURN
     y[ANGLE_OUT] = wrapped if wrapped < TURN else 0.0  # rounding of a small negative angle

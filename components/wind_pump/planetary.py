@@ -91,23 +91,23 @@ class PlanetaryTransmission(Transmission):
 
     def kernel_arguments(self) -> tuple[Any, ...]:
         """The parameters with the gear's coefficients in the place of its arrangement."""
-        p, *effects = self._declared_arguments()
+        p, e = self._declared_arguments()
         coefficients = [1.0, p.teeth_ratio, -(1.0 + p.teeth_ratio)]
         into, out = coefficients[p.turbine_on], coefficients[p.pump_on]
         third = coefficients[3 - p.turbine_on - p.pump_on]
         values = {f: getattr(p, f) for f in Gear._fields if f in p._fields}
-        return Gear(torque_ratio=abs(out / into), third_ratio=-third / into, **values), *effects
+        return Gear(torque_ratio=abs(out / into), third_ratio=-third / into, **values), e
 
     def initial_state(self) -> np.ndarray:
         """Twist, speeds of driven and third shaft, mode of the driven one and, with `dry_brake`, direction of its slipping.
 
         The shaft is relaxed and turns with the turbine, from which the third shaft's speed follows.
         """
-        p, _, dry, _ = self.arguments
+        p, e = self.arguments
         start = self.parameters["start_speed"]
         third = (self.u[0, TURBINE_SPEED] - p.torque_ratio * start) / p.third_ratio
         mode = shaft_mode(start, 0.0, self.u[0, LOAD])
-        return np.array([0.0, start, third, mode] + ([] if dry is None else [stick_mode(third, 0.0, dry.static)]))
+        return np.array([0.0, start, third, mode] + ([] if e.dry_brake is None else [stick_mode(third, 0.0, e.dry_brake.static)]))
 
     def _initialize(self, t: float) -> int:
         values: Any = self.parameters
@@ -126,8 +126,9 @@ class PlanetaryTransmission(Transmission):
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
-        p, _, _, brake = self.kernel_arguments()
-        b3 = p.third_damping + (2.0 * brake.coefficient * brake.largest_speed if brake is not None else 0.0)
+        p, e = self.kernel_arguments()
+        b3, brake = p.third_damping, e.centrifugal_brake
+        b3 += 2.0 * brake.coefficient * brake.largest_speed if brake is not None else 0.0
         ratios = np.array([p.torque_ratio, p.third_ratio])
         inertias = np.array([p.driven_inertia, p.third_inertia])
         speeds = -(p.shaft_damping * np.outer(ratios, ratios) + np.diag([p.driven_damping, b3])) / inertias[:, None]
@@ -175,11 +176,11 @@ def third_drive(x, u, p, centrifugal):
 
 
 @kernel
-def gear_derivatives(t, x, u, dx, p, mesh, dry, centrifugal):
+def gear_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (twist, speed of driven and of third shaft, mode[, direction of slipping])."""
-    third = third_drive(x, u, p, centrifugal)
-    if dry is not None:
-        third -= stick_friction(x[SLIP], third, dry.kinetic)
+    third = third_drive(x, u, p, e.centrifugal_brake)
+    if e.dry_brake is not None:
+        third -= stick_friction(x[SLIP], third, e.dry_brake.kinetic)
         dx[SLIP] = 0.0
     driving = p.torque_ratio * shaft_torque(x, u, p)
     dx[TWIST] = twist_rate(x, u, p)
@@ -189,34 +190,34 @@ def gear_derivatives(t, x, u, dx, p, mesh, dry, centrifugal):
 
 
 @kernel
-def gear_guards(t, x, u, g, p, mesh, dry, centrifugal):
+def gear_guards(t, x, u, g, p, e):
     """Those of the driven shaft and of the dry brake."""
     g[0] = shaft_guard(x[MODE], x[SPEED], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
     g[1] = 1.0
-    if dry is not None:
-        g[1] = stick_guard(x[SLIP], x[THIRD], third_drive(x, u, p, centrifugal), dry.static)
+    if e.dry_brake is not None:
+        g[1] = stick_guard(x[SLIP], x[THIRD], third_drive(x, u, p, e.centrifugal_brake), e.dry_brake.static)
 
 
 @kernel
-def gear_switch(which, t, x, u, p, mesh, dry, centrifugal):
+def gear_switch(which, t, x, u, p, e):
     """The driven shaft stops or starts, or the third one does."""
     if which == 0:
         x[SPEED] = 0.0
         x[MODE] = switched_shaft(x[MODE], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
-    elif dry is not None:
+    elif e.dry_brake is not None:
         x[THIRD] = 0.0
-        x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, p, centrifugal), dry.static)
+        x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, p, e.centrifugal_brake), e.dry_brake.static)
 
 
 @kernel
-def gear_outputs(t, x, u, y, p, mesh, dry, centrifugal):
+def gear_outputs(t, x, u, y, p, e):
     """Torques, speeds, ratio, power lost."""
     torque, rate = shaft_torque(x, u, p), twist_rate(x, u, p)
-    loss = mesh_loss(torque, u[TURBINE_SPEED], mesh)
-    drive = third_drive(x, u, p, centrifugal)
+    loss = mesh_loss(torque, u[TURBINE_SPEED], e.mesh_friction)
+    drive = third_drive(x, u, p, e.centrifugal_brake)
     brake = p.third_ratio * torque - drive
-    if dry is not None:
-        brake += stick_friction(x[SLIP], drive, dry.kinetic)
+    if e.dry_brake is not None:
+        brake += stick_friction(x[SLIP], drive, e.dry_brake.kinetic)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = torque + loss, x[SPEED], p.torque_ratio * torque
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = (p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD]
@@ -228,10 +229,10 @@ _advance = bind(rk4_events, __name__, derivatives=gear_derivatives, guards=gear_
 
 
 @kernel
-def gear_advance(t, h, n, k, x, u, y, work, counts, p, mesh, dry, centrifugal):
+def gear_advance(t, h, n, k, x, u, y, work, counts, p, e):
     """`rk4_events`, refused for a third shaft that is faster than the stable step allows for."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, mesh, dry, centrifugal)
-    if centrifugal is not None and status == DONE and abs(x[THIRD]) > centrifugal.largest_speed:
+    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
+    if e.centrifugal_brake is not None and status == DONE and abs(x[THIRD]) > e.centrifugal_brake.largest_speed:
         return OUT_OF_RANGE
     return status
 

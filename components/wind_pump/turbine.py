@@ -93,11 +93,11 @@ class WindTurbine(EventComponent):
 
     def initial_state(self) -> np.ndarray:
         """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
-        p, _, _, friction = self.arguments
-        if friction is None:
+        p, e = self.arguments
+        if e.bearing_friction is None:
             return np.array([p.start_speed, p.start_angle])
         return np.array([p.start_speed, p.start_angle,
-                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.arguments), friction.static)])
+                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.arguments), e.bearing_friction.static)])
 
     def _initialize(self, t: float) -> int:
         values: Any = self.parameters
@@ -150,42 +150,42 @@ def wind_torque(speed, u, p, pitch, furling):
 
 
 @kernel
-def drive(speed, u, p, pitch, furling, friction):
+def drive(speed, u, p, e):
     """Torque on the rotor, dry friction apart, N.m."""
-    return wind_torque(speed, u, p, pitch, furling) - u[TORQUE] - p.damping * speed
+    return wind_torque(speed, u, p, e.pitch, e.furling) - u[TORQUE] - p.damping * speed
 
 
 @kernel
-def turbine_derivatives(t, x, u, dx, p, pitch, furling, friction):
+def turbine_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = (speed, angle[, direction of sliding])."""
-    torque = drive(x[0], u, p, pitch, furling, friction)
-    if friction is not None:
-        torque -= stick_friction(x[2], torque, friction.kinetic)
+    torque = drive(x[0], u, p, e)
+    if e.bearing_friction is not None:
+        torque -= stick_friction(x[2], torque, e.bearing_friction.kinetic)
         dx[2] = 0.0
     dx[0] = torque / p.inertia
     dx[1] = x[0]
 
 
 @kernel
-def turbine_guards(t, x, u, g, p, pitch, furling, friction):
+def turbine_guards(t, x, u, g, p, e):
     """That of the dry friction, where there is one."""
     g[0] = 1.0
-    if friction is not None:
-        g[0] = stick_guard(x[2], x[0], drive(x[0], u, p, pitch, furling, friction), friction.static)
+    if e.bearing_friction is not None:
+        g[0] = stick_guard(x[2], x[0], drive(x[0], u, p, e), e.bearing_friction.static)
 
 
 @kernel
-def turbine_switch(which, t, x, u, p, pitch, furling, friction):
+def turbine_switch(which, t, x, u, p, e):
     """The rotor comes to rest, turns over, or breaks loose."""
-    if friction is not None:
+    if e.bearing_friction is not None:
         x[0] = 0.0
-        x[2] = stick_switch(x[2], drive(0.0, u, p, pitch, furling, friction), friction.static)
+        x[2] = stick_switch(x[2], drive(0.0, u, p, e), e.bearing_friction.static)
 
 
 @kernel
-def turbine_outputs(t, x, u, y, p, pitch, furling, friction):
+def turbine_outputs(t, x, u, y, p, e):
     """Motion, torque, coefficients."""
-    torque, wind = wind_torque(x[0], u, p, pitch, furling), u[WIND]
+    torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[WIND]
     y[SPEED_OUT], y[ANGLE_OUT], y[TORQUE_OUT], y[POWER_OUT] = x[0], x[1], torque, torque * x[0]
     y[COEFFICIENT_OUT], y[RATIO_OUT] = 0.0, 0.0
     if wind > 1e-3:

@@ -88,21 +88,22 @@ class Wind(Component):
 
     def _initialize(self, t: float) -> int:
         self.arguments = self._declared_arguments()
-        _, ramp, _, turbulence, gusts = self.arguments
-        if gusts is not None and gusts.period < 2.0 * gusts.rise + gusts.stay:
-            raise BadInput(self.name, f"gusts.period = {gusts.period:g} s", f"at least {2.0 * gusts.rise + gusts.stay:g} s, the "
+        _, e = self.arguments
+        if e.gusts is not None and e.gusts.period < 2.0 * e.gusts.rise + e.gusts.stay:
+            raise BadInput(self.name, f"gusts.period = {e.gusts.period:g} s",
+                           f"at least {2.0 * e.gusts.rise + e.gusts.stay:g} s, the "
                            "duration of a gust", "Lengthen the period, or shorten rise or stay.")
-        if ramp is not None and ramp.return_time < ramp.start_time:
-            raise BadInput(self.name, f"ramp.return_time = {ramp.return_time:g} s", f"at least the ramp's start, "
-                           f"{ramp.start_time:g} s", "Move one of them.")
-        if turbulence is not None and self.arguments[0].mean_speed == 0.0:
+        if e.ramp is not None and e.ramp.return_time < e.ramp.start_time:
+            raise BadInput(self.name, f"ramp.return_time = {e.ramp.return_time:g} s", f"at least the ramp's start, "
+                           f"{e.ramp.start_time:g} s", "Move one of them.")
+        if e.turbulence is not None and self.arguments[0].mean_speed == 0.0:
             raise BadInput(self.name, "effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
                            "Raise mean_speed, or leave the effect off.")
         self.x = np.zeros(0)
-        if turbulence is not None:
-            sample = math.floor(t / turbulence.interval)
-            first = normal_number(turbulence.seed, sample)
-            self.x = np.array([sample, first, after(first, sample + 1.0, self.arguments[0], turbulence)])
+        if e.turbulence is not None:
+            sample = math.floor(t / e.turbulence.interval)
+            first = normal_number(e.turbulence.seed, sample)
+            self.x = np.array([sample, first, after(first, sample + 1.0, self.arguments[0], e.turbulence)])
         return DONE
 
     def _step(self, t: float, h: float) -> int:
@@ -123,13 +124,13 @@ def after(value, sample, p, turbulence):
 
 
 @kernel
-def advance(t, x, p, ramp, daily, turbulence, gusts):
+def advance(t, x, p, e):
     """Moves x = (sample, turbulence at it, turbulence at the next) on until t lies between the two."""
-    if turbulence is not None:
-        while t >= (x[0] + 1.0) * turbulence.interval:
+    if e.turbulence is not None:
+        while t >= (x[0] + 1.0) * e.turbulence.interval:
             x[0] += 1.0
             x[1] = x[2]
-            x[2] = after(x[1], x[0] + 1.0, p, turbulence)
+            x[2] = after(x[1], x[0] + 1.0, p, e.turbulence)
 
 
 @kernel
@@ -145,22 +146,22 @@ def gust_share(s, rise, stay):
 
 
 @kernel
-def wind_speed(t, x, p, ramp, daily, turbulence, gusts):
+def wind_speed(t, x, p, e):
     """Wind speed at time t, m/s."""
     speed = p.mean_speed
-    if ramp is not None:
-        change = ramp.end_speed - speed
-        gained = min(ramp.rate * max(min(t, ramp.return_time) - ramp.start_time, 0.0), abs(change))
-        gained = max(gained - ramp.rate * max(t - ramp.return_time, 0.0), 0.0)
+    if e.ramp is not None:
+        change = e.ramp.end_speed - speed
+        gained = min(e.ramp.rate * max(min(t, e.ramp.return_time) - e.ramp.start_time, 0.0), abs(change))
+        gained = max(gained - e.ramp.rate * max(t - e.ramp.return_time, 0.0), 0.0)
         speed += math.copysign(gained, change)
-    if daily is not None:
-        speed *= 1.0 + daily.amplitude * math.cos(2.0 * math.pi / DAY * (t - daily.strongest))
-    if turbulence is not None:
-        share = t / turbulence.interval - x[0]
-        speed *= 1.0 + turbulence.intensity * (x[1] + share * (x[2] - x[1]))
-    if gusts is not None:
-        s = t - gusts.start_time
+    if e.daily is not None:
+        speed *= 1.0 + e.daily.amplitude * math.cos(2.0 * math.pi / DAY * (t - e.daily.strongest))
+    if e.turbulence is not None:
+        share = t / e.turbulence.interval - x[0]
+        speed *= 1.0 + e.turbulence.intensity * (x[1] + share * (x[2] - x[1]))
+    if e.gusts is not None:
+        s = t - e.gusts.start_time
         if s > 0.0:
-            s %= gusts.period
-        speed += gusts.amplitude * gust_share(s, gusts.rise, gusts.stay)
+            s %= e.gusts.period
+        speed += e.gusts.amplitude * gust_share(s, e.gusts.rise, e.gusts.stay)
     return max(speed, 0.0)

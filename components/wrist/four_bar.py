@@ -87,7 +87,7 @@ class FourBar(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the rocker's spring, J; 0 without one."""
-        spring = self.arguments[2]
+        spring = self.arguments[1].rocker_spring
         if spring is None:
             return 0.0
         return float(0.5 * spring.stiffness * (self.get("output_angle") - spring.rest_angle) ** 2)
@@ -106,7 +106,7 @@ class FourBar(StatelessComponent):
         sign = 1.0 if self.get("assembly") == "open" else -1.0
         near, far = ((1.0 if way == "through" else -1.0) if there else 0.0 for there in points)
         self._limit = math.cos(float(self.get("least_transmission_angle")))
-        self.arguments = (Linkage(a, b, c, d, sign, near, far), *self._declared_arguments()[1:])
+        self.arguments = (Linkage(a, b, c, d, sign, near, far), self._declared_arguments()[1])
         return DONE
 
     def _outputs(self, t: float) -> None:
@@ -135,7 +135,7 @@ def cosine_of_transmission(angle, p):
 
 
 @kernel
-def linkage_outputs(u, y, p, pins, spring, point):
+def linkage_outputs(u, y, p, e):
     """Position, rates and torques; p: `Linkage`."""
     angle, rate = u[INPUT_ANGLE], u[INPUT_RATE]
     rocker, ratio, sine, cosine = position(angle, p)
@@ -145,17 +145,17 @@ def linkage_outputs(u, y, p, pins, spring, point):
     along_slope, across_slope = z - p.rocker * math.sin(rocker) * ratio, p.rocker * math.cos(rocker) * ratio - x
     coupler_ratio = (along * across_slope - across * along_slope) / p.coupler**2
     load = u[LOAD]
-    if spring is not None:
-        load += spring.stiffness * (rocker - spring.rest_angle)
+    if e.rocker_spring is not None:
+        load += e.rocker_spring.stiffness * (rocker - e.rocker_spring.rest_angle)
     y[OUTPUT_ANGLE], y[OUTPUT_RATE], y[RATIO] = rocker, ratio * rate, ratio
     y[INPUT_TORQUE] = ratio * load
     y[TRANSMISSION], y[COUPLER] = math.atan2(abs(sine), cosine), math.atan2(across, along)
-    if pins is not None:
+    if e.pin_damping is not None:
         share = 1.0 + (coupler_ratio - 1.0) ** 2 + (ratio - coupler_ratio) ** 2 + ratio * ratio
-        y[INPUT_TORQUE] += pins.coefficient * share * rate
-        y[pins.y] = pins.coefficient * share * rate * rate
-    if point is not None:
-        one, two = along / p.coupler, across / p.coupler
+        y[INPUT_TORQUE] += e.pin_damping.coefficient * share * rate
+        y[e.pin_damping.y] = e.pin_damping.coefficient * share * rate * rate
+    if e.coupler_point is not None:
+        one, two, point = along / p.coupler, across / p.coupler, e.coupler_point
         right, up = one * point.along - two * point.across, two * point.along + one * point.across
         y[point.y], y[point.y + 1] = x + right, z + up
         y[point.y + 2], y[point.y + 3] = (-z - coupler_ratio * up) * rate, (x + coupler_ratio * right) * rate

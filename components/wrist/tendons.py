@@ -116,7 +116,7 @@ class ForearmTendons(OdeComponent):
 
     def initial_state(self) -> np.ndarray:
         """Steady activations of the present excitations; a programme of times that decrease is refused."""
-        programme = self.arguments[1]
+        programme = self.arguments[1].programme
         if programme is not None:
             falls = np.flatnonzero(np.diff(programme.time) < 0.0)
             last = int(falls[0]) if falls.size else ROWS - 1
@@ -128,15 +128,15 @@ class ForearmTendons(OdeComponent):
 
     def energy(self) -> float:
         """Energy of the fibres' passive stretch, J; 0 without `fibres`."""
-        p, _, fibres, _, arms = self.arguments
-        if fibres is None:
+        p, e = self.arguments
+        if e.fibres is None:
             return 0.0
         total = 0.0
         for i in range(COUNT):
-            strain = -shortening(i, self.u[0], p, arms)[0] / fibres.length[i]
+            strain = -shortening(i, self.u[0], p, e.varying_arms)[0] / e.fibres.length[i]
             if strain > 0.0:
-                s = min(strain / fibres.stretch, TORN)
-                scale = p.largest_force[i] * fibres.length[i] * fibres.stretch
+                s = min(strain / e.fibres.stretch, TORN)
+                scale = p.largest_force[i] * e.fibres.length[i] * e.fibres.stretch
                 total += scale * (math.expm1(STIFFENING * s) / STIFFENING - s) / math.expm1(STIFFENING)
         return total
 
@@ -211,28 +211,29 @@ def by_velocity(rate, curvature, lengthened):
 
 
 @kernel
-def tendon_derivatives(t, x, u, dx, p, programme, fibres, velocity, arms):
+def tendon_derivatives(t, x, u, dx, p, e):
     """dx/dt of x = the activations."""
     for i in range(COUNT):
-        way = wanted(i, t, u, programme) - x[i]
+        way = wanted(i, t, u, e.programme) - x[i]
         dx[i] = way / (p.rise_time if way > 0.0 else p.fall_time)
 
 
 @kernel
-def tendon_outputs(t, x, u, y, p, programme, fibres, velocity, arms):
+def tendon_outputs(t, x, u, y, p, e):
     """Torques, power, activations, forces."""
     y[FLEXION_TORQUE], y[DEVIATION_TORQUE], y[POWER] = 0.0, 0.0, 0.0
     for i in range(COUNT):
-        pulled, arm = shortening(i, u, p, arms)
+        pulled, arm = shortening(i, u, p, e.varying_arms)
         rate = arm * u[FLEXION_RATE] + p.radial_arm[i] * u[DEVIATION_RATE]
         share = x[i]
-        if fibres is not None:
-            strain = -pulled / fibres.length[i]
-            share *= math.exp(-strain * strain / fibres.width)
-        if velocity is not None:
-            share *= by_velocity(rate / velocity.greatest_rate[i], velocity.curvature, velocity.lengthened)
-        if fibres is not None and pulled < 0.0:
-            passive = min(-pulled / (fibres.length[i] * fibres.stretch), TORN)
+        if e.fibres is not None:
+            strain = -pulled / e.fibres.length[i]
+            share *= math.exp(-strain * strain / e.fibres.width)
+        if e.force_velocity is not None:
+            share *= by_velocity(rate / e.force_velocity.greatest_rate[i], e.force_velocity.curvature,
+                                 e.force_velocity.lengthened)
+        if e.fibres is not None and pulled < 0.0:
+            passive = min(-pulled / (e.fibres.length[i] * e.fibres.stretch), TORN)
             share += math.expm1(STIFFENING * passive) / math.expm1(STIFFENING)
         force = p.largest_force[i] * share
         y[FLEXION_TORQUE] += force * arm
@@ -245,9 +246,9 @@ _advance = bind(rk4, __name__, derivatives=tendon_derivatives, outputs=tendon_ou
 
 
 @kernel
-def tendon_advance(t, h, n, x, u, y, work, counts, p, programme, fibres, velocity, arms):
+def tendon_advance(t, h, n, x, u, y, work, counts, p, e):
     """`rk4`, refused for angles or rates that are no numbers: activations know nothing of them."""
-    status = _advance(t, h, n, x, u, y, work, counts, p, programme, fibres, velocity, arms)
+    status = _advance(t, h, n, x, u, y, work, counts, p, e)
     if status == DONE and not math.isfinite(y[FLEXION_TORQUE] + y[DEVIATION_TORQUE] + y[POWER]):
         return NOT_FINITE
     return status

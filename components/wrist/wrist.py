@@ -148,10 +148,10 @@ class Wrist(OdeComponent):
 
     def axes(self) -> Axes:
         """Where the axes lie at rest."""
-        p, morphology, *_ = self._declared_arguments()
-        if morphology is None:
+        p, e = self._declared_arguments()
+        if e.morphology is None:
             return Axes(p.coupling_model, PROXIMAL_TILT, DISTAL_TILT, 0.0)
-        return Axes(p.coupling_model, morphology.proximal_tilt, morphology.distal_tilt, morphology.row_offset)
+        return Axes(p.coupling_model, e.morphology.proximal_tilt, e.morphology.distal_tilt, e.morphology.row_offset)
 
     def _ligaments(self, constraint: Any) -> Ligaments:
         springs = make_ligaments(constraint)
@@ -166,21 +166,21 @@ class Wrist(OdeComponent):
 
     def kernel_arguments(self) -> tuple[Any, ...]:
         """Axes and hand, then the effects; of the constraint, the ligaments."""
-        p, morphology, constraint, interaction, load = self._declared_arguments()
+        p, e = self._declared_arguments()
         hand = Hand(self.axes(), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
                     p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping,
                     p.substep)
-        held = None if constraint is None else Held(constraint.y, self._ligaments(constraint))
-        return hand, morphology, held, interaction, load
+        held = None if e.constraint is None else Held(e.constraint.y, self._ligaments(e.constraint))
+        return hand, e._replace(constraint=held)
 
     def _initialize(self, t: float) -> int:
-        p, _, _, interaction, _ = self._declared_arguments()
+        p, e = self._declared_arguments()
         check_axes(self.axes(), self.name)
         if p.flexion_stiffness * p.deviation_stiffness < p.coupling_stiffness**2:
             raise BadInput(self.name, f"coupling_stiffness = {p.coupling_stiffness:g} N.m/rad",
                            f"at most {math.sqrt(p.flexion_stiffness * p.deviation_stiffness):.4g} N.m/rad either way",
                            "Beyond, the passive wrist gives way by itself.")
-        if interaction is not None:
+        if e.interaction is not None:
             for limit in ("flexion", "deviation", "contact"):
                 lower, upper = self.get(f"interaction.{limit}_lower"), self.get(f"interaction.{limit}_upper")
                 if not lower < upper:
@@ -198,26 +198,27 @@ class Wrist(OdeComponent):
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        hand, morphology, constraint, interaction, load = self.arguments
-        return float(wrist_energy(wrist_pose(self.x, hand, morphology), self.x, hand, constraint, interaction, load))
+        hand, e = self.arguments
+        return float(wrist_energy(wrist_pose(self.x, hand, e.morphology), self.x, hand, e.constraint, e.interaction, e.load))
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
-        hand, morphology, constraint, interaction, load = self.kernel_arguments()
+        hand, e = self.kernel_arguments()
         K = np.array([[hand.flexion_stiffness, hand.coupling_stiffness], [hand.coupling_stiffness, hand.deviation_stiffness]])
         own = np.zeros(2)
-        if interaction is not None:
-            K = K + interaction.stiffness * np.eye(2)
-            own[1] = interaction.contact_stiffness
-        if constraint is not None:
-            ligaments = constraint.ligaments
+        if e.interaction is not None:
+            K = K + e.interaction.stiffness * np.eye(2)
+            own[1] = e.interaction.contact_stiffness
+        if e.constraint is not None:
+            ligaments = e.constraint.ligaments
             arms = np.linalg.norm(ligaments.ends.reshape(COUNT, 2, 3), axis=2).max(axis=1)
             own += float(ligaments.stiffness @ arms**2)
-        if load is not None:
-            own += hand.mass * hand.distance * math.hypot(load.gravity_x, load.gravity_y, load.gravity_z)
+        if e.load is not None:
+            own += hand.mass * hand.distance * math.hypot(e.load.gravity_x, e.load.gravity_y, e.load.gravity_z)
         D = np.diag([hand.proximal_damping, hand.distal_damping])
         largest = 0.0
-        for q1, q2 in ((0.0, 0.0), (0.0, 0.8), (0.0, -0.8), (0.8, 0.0), (-0.8, 0.0)) if morphology is not None else ((0.0, 0.0),):
+        for q1, q2 in ((0.0, 0.0), (0.0, 0.8), (0.0, -0.8), (0.8, 0.0), (-0.8, 0.0)) if e.morphology is not None else ((0.0,
+                                                                                                                        0.0),):
             at = pose(q1, q2, hand.axes)
             m11, m12, m22 = mass_matrix(at, hand)
             M = np.array([[m11, m12], [m12, m22]])

@@ -150,11 +150,11 @@ def torques(at, x, u, c, constraint, interaction, load):
 
 
 @kernel
-def motion(at, x, u, c, morphology, constraint, interaction, load):
+def motion(at, x, u, c, e):
     """(q1'', q2'', torques of rigid ligaments on q1 and q2); not a number where the model or the substep cannot follow."""
     m11, m12, m22 = mass_matrix(at, c)
-    first, second = torques(at, x, u, c, constraint, interaction, load)
-    if morphology is not None:
+    first, second = torques(at, x, u, c, e.constraint, e.interaction, e.load)
+    if e.morphology is not None:
         turning_1, turning_2 = gyroscopic(at, x[RATE_1], x[RATE_2], c)
         first -= turning_1
         second -= turning_2
@@ -162,20 +162,20 @@ def motion(at, x, u, c, morphology, constraint, interaction, load):
             first = second = math.nan
     if max(abs(x[RATE_1]), abs(x[RATE_2])) * c.substep > 1.0:
         first = second = math.nan
-    if constraint is not None:
-        if constraint.ligaments.locked_1:
+    if e.constraint is not None:
+        if e.constraint.ligaments.locked_1:
             return 0.0, second / m22, m12 * second / m22 - first, 0.0
-        if constraint.ligaments.locked_2:
+        if e.constraint.ligaments.locked_2:
             return first / m11, 0.0, 0.0, m12 * first / m11 - second
     determinant = m11 * m22 - m12 * m12
     return (m22 * first - m12 * second) / determinant, (m11 * second - m12 * first) / determinant, 0.0, 0.0
 
 
 @kernel
-def wrist_derivatives(t, x, u, dx, c, morphology, constraint, interaction, load):
+def wrist_derivatives(t, x, u, dx, c, e):
     """dx/dt."""
     dx[Q1], dx[Q2] = x[RATE_1], x[RATE_2]
-    dx[RATE_1], dx[RATE_2], _, _ = motion(wrist_pose(x, c, morphology), x, u, c, morphology, constraint, interaction, load)
+    dx[RATE_1], dx[RATE_2], _, _ = motion(wrist_pose(x, c, e.morphology), x, u, c, e)
 
 
 @kernel
@@ -216,26 +216,26 @@ def power_lost(at, x, c, constraint, interaction):
 
 
 @kernel
-def wrist_outputs(t, x, u, y, c, morphology, constraint, interaction, load):
+def wrist_outputs(t, x, u, y, c, e):
     """Angles and rates of the hand and of the rows, energy, and what the effects add."""
-    at = wrist_pose(x, c, morphology)
+    at = wrist_pose(x, c, e.morphology)
     y[0], y[1], y[2] = at.flexion, at.deviation, at.roll
     y[3] = at.flexion_1 * x[RATE_1] + at.flexion_2 * x[RATE_2]
     y[4] = at.deviation_1 * x[RATE_1] + at.deviation_2 * x[RATE_2]
     y[5], y[6], y[7], y[8] = x[Q1], x[Q2], x[RATE_1], x[RATE_2]
     y[9], y[10] = row_flexion(x, c)
-    y[11] = wrist_energy(at, x, c, constraint, interaction, load)
-    y[12] = power_lost(at, x, c, constraint, interaction)
-    if constraint is not None:
-        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, constraint.y, c.axes, constraint.ligaments)
-        k = constraint.y + 2 * COUNT
-        _, _, y[k], y[k + 1] = motion(at, x, u, c, morphology, constraint, interaction, load)
-    if load is not None:
+    y[11] = wrist_energy(at, x, c, e.constraint, e.interaction, e.load)
+    y[12] = power_lost(at, x, c, e.constraint, e.interaction)
+    if e.constraint is not None:
+        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, e.constraint.y, c.axes, e.constraint.ligaments)
+        k = e.constraint.y + 2 * COUNT
+        _, _, y[k], y[k + 1] = motion(at, x, u, c, e)
+    if e.load is not None:
         for j in range(TENDONS):
-            y[load.y + j] = load.flexion_arm[j] * y[3] + load.deviation_arm[j] * y[4]
-        k, offset = load.y + TENDONS, c.axes.offset
-        y[k], y[k + 1], y[k + 2] = combined(offset, at.row, load.tool_distance - offset, at.hand)
-        tip_1, tip_2 = point_turning(at, load.tool_distance, c)
+            y[e.load.y + j] = e.load.flexion_arm[j] * y[3] + e.load.deviation_arm[j] * y[4]
+        k, offset = e.load.y + TENDONS, c.axes.offset
+        y[k], y[k + 1], y[k + 2] = combined(offset, at.row, e.load.tool_distance - offset, at.hand)
+        tip_1, tip_2 = point_turning(at, e.load.tool_distance, c)
         y[k + 3], y[k + 4], y[k + 5] = combined(x[RATE_1], tip_1, x[RATE_2], tip_2)
 
 

@@ -11,7 +11,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.studies.full_model import with_required
-from cosimo.tests.contract.families import Facts, all_facts
+from cosimo.tests.contract.facts import Facts, all_facts
 
 FACTS = defaultdict(Facts, all_facts())
 SMALL = {name: dict(FACTS[name].small) for name in CATALOGUE}

@@ -36,9 +36,9 @@ class _Without(ast.NodeTransformer):
 
 
 def _present(test: ast.expr) -> bool | None:
-    """True for `name is not None`, False for `name is None`, None for other conditions."""
-    if not (isinstance(test, ast.Compare) and isinstance(test.left, ast.Name) and isinstance(test.comparators[0], ast.Constant)
-            and test.comparators[0].value is None):
+    """True for `effect is not None`, False for `effect is None`, None for other conditions; an effect is a name or `e.name`."""
+    if not (isinstance(test, ast.Compare) and isinstance(test.left, ast.Name | ast.Attribute)
+            and isinstance(test.comparators[0], ast.Constant) and test.comparators[0].value is None):
         return None
     return isinstance(test.ops[0], ast.IsNot)
 

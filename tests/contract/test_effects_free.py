@@ -10,7 +10,7 @@ import pytest
 from cosimo import components
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.integrators import OdeComponent, rk4
-from cosimo.components.core.kernels import COMPILED
+from cosimo.components.core.kernels import COMPILED, OPTIONS
 from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
 from cosimo.tests.contract.never_written import never_written, python, stripped
 from cosimo.tests.contract.test_effects_absent import SINGLE
@@ -86,7 +86,7 @@ def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(componen
     assert branches > 0
 
     def instructions(function, one) -> int:
-        compiled = numba.njit(error_model="numpy")(python(function))
+        compiled = numba.njit(**OPTIONS)(python(function))
         compiled(0.0, one.x, one.u[0], np.zeros_like(one.x), *one.arguments)
         (code,) = compiled.inspect_asm().values()
         return sum(line.startswith("\t") and not line.startswith("\t.") for line in code.splitlines())

@@ -25,6 +25,7 @@ FILES = (
         "tests/contract/test_effect_strength.py",
         "tests/fmus/test_fmu_run.py",
         "tests/run/test_run.py",
+        "tests/harness/report/test_short_runs.py",
         "tests/harness/studies/test_effects.py",
         "tests/harness/studies/test_selection.py",
     )),

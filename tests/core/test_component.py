@@ -52,6 +52,7 @@ def test_kernel_tuples_are_told_apart_by_their_bare_names():
     found = {c for m in modules for c in vars(m).values() if isinstance(c, type)}
     tuples = {c for c in found if issubclass(c, tuple) and hasattr(c, "_fields")}
     tuples |= {c.Values for c in found if issubclass(c, Component | Effect) and hasattr(c, "Values")}
+    tuples |= {c.Present for c in found if issubclass(c, Component) and hasattr(c, "Present")}
     assert len(tuples) > len(CATALOGUE)
     assert len({c.__name__ for c in tuples}) == len(tuples)
 
@@ -62,12 +63,12 @@ def test_declaration_order_and_arrays():
     assert boat.inputs == ("push", "wind.gust")
     assert boat.outputs == ("drift", "sail.pull")
     assert Boat.variables["sail.pull"].feedthrough == ("sail.pull",)
-    values, wind, sail, rain = boat._declared_arguments()
+    values, (wind, sail, rain) = boat._declared_arguments()
     assert values.mast.tolist() == [1.0, 2.0]
     assert values.hull == 0
     assert wind._asdict() == {"u": 1, "speed": 3.0}
     assert sail._asdict() == {"y": 1}
-    assert Boat(["rain"])._declared_arguments()[-1]._asdict() == {"on": True}
+    assert Boat(["rain"])._declared_arguments()[1].rain._asdict() == {"on": True}
     assert rain is None
 
 

@@ -1,4 +1,4 @@
-"""What the README shows works as it stands: its commands in their order, its Python, its scenes.
+"""What README and documentation show works as it stands: commands in their order, Python, scenes, links.
 
 The lines that install and the one that starts this suite are left to .ci/run, which runs exactly them.
 """
@@ -9,68 +9,115 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+README = ROOT / "README.md"
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
 BY_CI = ("pip install .", 'pip install -e ".[test]"', "pytest")
 
 
-def blocks(language: str) -> list[str]:
-    """The README's code blocks in a language, in their order."""
-    return [text for name, text in BLOCKS if name == language]
+def name_of(page: Path) -> str:
+    """Of a page, below the root."""
+    return page.relative_to(ROOT).as_posix()
 
 
-def commands() -> list[str]:
+def blocks(page: Path, language: str) -> list[str]:
+    """A page's code blocks in a language, in their order."""
+    text = page.read_text(encoding="utf-8")
+    return [code for name, code in re.findall(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL) if name == language]
+
+
+def commands(page: Path) -> list[str]:
     """The lines of the bash blocks, without remarks behind "  #"; a line that ends in a backslash goes on in the next."""
-    text = "".join(blocks("bash")).replace("\\\n", " ")
+    text = "".join(blocks(page, "bash")).replace("\\\n", " ")
     return [line for raw in text.splitlines() if (line := re.sub(r"(^|\s\s)#.*", "", raw).strip())]
 
 
+def shown(language: str) -> list:
+    """All blocks in a language: those of the README in every run, those of the other pages in the complete one."""
+    of_pages = [pytest.param(code, id=f"{name_of(page)}-{k}", marks=pytest.mark.full)
+                for page in PAGES for k, code in enumerate(blocks(page, language))]
+    return [*(pytest.param(code, id=f"README.md-{k}") for k, code in enumerate(blocks(README, language))), *of_pages]
+
+
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """One working directory for all commands: later ones use what earlier ones have written."""
-    return tmp_path_factory.mktemp("readme")
+def folders(tmp_path_factory):
+    """One working directory for all commands of a page: later ones use what earlier ones have written."""
+    made: dict[str, Path] = {}
+    return lambda page: made.setdefault(page, tmp_path_factory.mktemp("page"))
 
 
 def shell(command: list[str] | str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """The command as a reader runs it, with this environment's programs and this tree's packages."""
+    """The command as a reader runs it, with this environment's programs."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    environment = {**os.environ, "PATH": path}
-    return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env=environment, capture_output=True, text=True,
-                          timeout=300)
+    return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env={**os.environ, "PATH": path},
+                          capture_output=True, text=True, timeout=600)
 
 
 def test_the_readme_shows_commands_python_and_a_scene():
-    assert sum(c.startswith("cosimo ") for c in commands()) >= 5
-    assert blocks("python")
-    assert any("[master]" in text for text in blocks("toml"))
-    assert set(BY_CI) <= set(commands())
-    assert commands().index(BY_CI[0]) == 0  # and the first command behind it is the one that .ci/run tries as a user
-    assert commands()[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert len(README.read_text(encoding="utf-8").splitlines()) < 200
+    assert sum(c.startswith("cosimo ") for c in commands(README)) >= 3
+    assert blocks(README, "python")
+    assert any("[master]" in text for text in blocks(README, "toml"))
+    assert set(BY_CI) <= set(commands(README))
+    assert commands(README).index(BY_CI[0]) == 0  # and the first command behind it is the one that .ci/run tries as a user
+    assert commands(README)[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("command", [c for c in commands() if c not in BY_CI])
-def test_commands(command, folder):
-    done = shell(command, folder)
+@pytest.mark.parametrize(("page", "command"), [
+    *((name_of(README), c) for c in commands(README) if c not in BY_CI),
+    *(pytest.param(name_of(page), c, marks=pytest.mark.full) for page in PAGES for c in commands(page)),
+])
+def test_commands(page, command, folders):
+    done = shell(command, folders(page))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     for option in re.findall(r"(?:-o|--output|--output-file) (\S+)", command):
-        assert (folder / option).exists()
+        assert (folders(page) / option).exists()
 
 
-@pytest.mark.parametrize("source", blocks("python"))
-def test_python(source, folder):
-    done = shell([sys.executable, "-c", source], folder)
+@pytest.mark.parametrize("source", shown("python"))
+def test_python(source, tmp_path):
+    done = shell([sys.executable, "-c", source], tmp_path)
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("text", [t for t in blocks("toml") if "[master]" in t])
+@pytest.mark.parametrize("text", shown("toml"))
 def test_scenes(text, tmp_path):
+    """Every piece is TOML, and a whole scene runs."""
+    if not {"stop_time", "units", "master"} <= tomllib.loads(text).keys():
+        return
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     scene = load_scene(tmp_path / "scene.toml")
     assert run(scene.with_changes({"stop_time": 0.1}), in_process=True).outcome == "done"
+
+
+@pytest.mark.parametrize("page", [README, *PAGES], ids=name_of)
+def test_links_lead_somewhere(page):
+    links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p != ROOT / "docs" / "index.md"], ids=name_of)
+def test_every_page_is_reached_from_the_index(page):
+    assert f"({page.relative_to(ROOT / 'docs').as_posix()})" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+
+
+def test_every_scene_and_component_is_in_the_documentation_of_its_system():
+    """As an entry of a table of the page that has the system's name; motors that several systems use on any page."""
+    pages = {page.stem: page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "systems").glob("*.md")}
+    everywhere = "".join(pages.values())
+    scenes = [(file.parent.parent.name, name) for name, file in scene_files().items()]
+    components = [(component_class(name).system, name) for name in CATALOGUE]
+    assert [(s, n) for s, n in scenes + components if f"| `{n}` |" not in pages.get(s, everywhere)] == []
+    table = README.read_text(encoding="utf-8")
+    assert [s for s in pages if f"(docs/systems/{s}.md)" not in table] == []
+    assert {s for s, _ in scenes} <= pages.keys()

@@ -10,6 +10,8 @@ from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 
+pytestmark = pytest.mark.full
+
 EFFECTS = ["dropper_slackening", "gravity_sag", "damping", "wire_profile"]  # of the catenary in the scene
 
 

@@ -5,7 +5,10 @@ import os
 import subprocess
 import sys
 
+import pytest
 from cosimo.components.catalogue import CATALOGUE
+
+pytestmark = pytest.mark.full
 
 
 def test_components_and_scipy_agree_over_a_few_steps():

@@ -9,6 +9,8 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import defect_frequencies, lyapunov_sum, varying_compliance
 
+pytestmark = pytest.mark.full
+
 IN_PROCESS = Options(in_process=True)
 
 

@@ -14,6 +14,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.tests.support import RPM, ball_bearing
 from scipy.integrate import solve_ivp
 
+pytestmark = pytest.mark.full
+
 
 def with_gap(micrometres, rpm=1000.0, **inputs):
     return ball_bearing(["clearance"], {"clearance.radial_clearance": 1e-6 * micrometres}, rpm, **inputs)

@@ -11,6 +11,8 @@ from cosimo.components.bearings.temperatures import BearingTemperatures
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 
+pytestmark = pytest.mark.full
+
 SIDES = ("gas_path", "convection", "radiation")
 
 

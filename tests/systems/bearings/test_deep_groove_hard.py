@@ -9,6 +9,8 @@ from cosimo.components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBeari
 from cosimo.components.core.errors import StepFailed
 from cosimo.components.core.kernels import DONE
 
+pytestmark = pytest.mark.full
+
 LOAD = ("force_x", "force_y", "force_z", "moment_x", "moment_y")
 ALL = ("film", "damping", "inner_waviness", "outer_waviness", "linearisation", "friction", "thermal_growth")
 

@@ -18,6 +18,8 @@ from cosimo.orchestrator.systems.rotor.whirl import whirl
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers
 from cosimo.tests.systems.bearings.machines import JIS_6306, RATE, SPEED, bearing_run, rotor_run
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (m|N|s|mm|µm|Hz|rpm|degrees|mm/s|m/s²|1|1/s|%|√µm)\b|number of at least")
 
 

@@ -6,6 +6,8 @@ from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.bearings.cases import thermal_scaling
 
+pytestmark = pytest.mark.full
+
 
 @pytest.fixture(scope="module")
 def findings():

@@ -11,6 +11,8 @@ from cosimo.components.friction_drive.monolith import FrictionDrive, drive_deriv
 from cosimo.components.friction_drive.wheels import FrictionWheels
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.full
+
 FULL = ("inductance", "shaft_friction", "exact_slip", "trocar_friction", "gravity", "preload_loss")
 NEUTRAL = {"shaft_friction.level": 0.0, "shaft_friction.gear_loss": 0.0, "trocar_friction.level": 0.0,
            "gravity.acceleration": 0.0, "preload_loss.first": 0.0}
@@ -126,7 +128,8 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
     """dE/dt = V i + F z' + M phi' - R i² - friction of shafts, contacts and seal, at random states."""
     random = np.random.default_rng(5)
     drive = drive_at(effects, **({"preload_loss.first": 0.0} if effects is FULL else {}))
-    p, _, shaft, _, lugre, exact, trocar, *_ = drive.arguments
+    p, e = drive.arguments
+    shaft, lugre, exact, trocar = e.shaft_friction, e.lugre_slip, e.exact_slip, e.trocar_friction
     at, rate = motor_place(lugre, exact, trocar), np.zeros_like(drive.x)
     for trial in range(30):
         drive.x[:4] = random.normal(0.0, [0.1, 1.0, 0.2, 20.0])

@@ -16,6 +16,8 @@ from cosimo.tests.scene_runs import finished
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.full
+
 NAMES = ["friction-drive", "servo-motor", "hunting"]
 R, L, K, N, B, INERTIA = 2.3, 0.238e-3, 23.4e-3, 19.0, 1e-7, 3.62e-4  # Ohm, H, N.m/A, 1, N.m.s/rad, kg.m2 at the wheel
 

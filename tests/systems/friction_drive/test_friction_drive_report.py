@@ -11,6 +11,8 @@ from cosimo.orchestrator.systems.friction_drive.records import at_rest, drives, 
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers, tables
 from cosimo.tests.systems.friction_drive.drive_runs import AT, RATE, STEP, TURN, drive_run
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (mm|mm/s|µm|degrees|s|rad/s|V|A|N\.m|N|1|W)$")
 
 

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.friction_drive.monolith import FrictionDrive
 from cosimo.components.friction_drive.wheels import FrictionWheels
 
+pytestmark = pytest.mark.full
+
 FULL = ("exact_slip", "trocar_friction", "gravity", "preload_loss")
 NEUTRAL = {"trocar_friction.level": 0.0, "gravity.acceleration": 0.0, "preload_loss.first": 0.0}
 STIFFNESS = 2.0 * 0.4 * 15.0 / 1e-4  # N/m, both contacts

@@ -12,6 +12,8 @@ from cosimo.components.friction_drive.controller import ServoController
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.scene_runs import finished
 
+pytestmark = pytest.mark.full
+
 STEP = 1e-3
 TORQUE = 23.4e-3 * 19.0 / 2.3  # N.m/V at the wheel
 HELD = 0.015 / TORQUE  # V that the static friction holds, 1.5 times 0.01 N.m

@@ -11,6 +11,8 @@ from cosimo.components.pipe_robot.robot import PipeRobot
 from cosimo.components.pipe_robot.rolling import RollingPipeRobot
 from scipy.optimize import brentq
 
+pytestmark = pytest.mark.full
+
 G = 9.81
 WEIGHT = 1.5 * G * math.sin(0.3)  # N, down a slope of 0.3 rad; friction holds 8 N
 

@@ -19,6 +19,8 @@ from cosimo.orchestrator.systems.pipe_robot.records import (
 )
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers, tables
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (m|m/s|mm|N|s|rad/s|degrees)$")
 FREQUENCY, SPEED, SWING, STRETCH = 20.0 * np.pi, 0.3, 0.8, 5e-3  # rad/s: a period of 0.1 s
 T = np.linspace(0.0, 4.0, 4001)

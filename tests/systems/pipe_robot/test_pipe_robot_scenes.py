@@ -10,6 +10,8 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.pipe_robot.records import mean_speed, robots
 from cosimo.tests.scene_runs import finished
 
+pytestmark = pytest.mark.full
+
 
 def late_speed(result, unit, begin, period):
     """Mean speed over whole periods from about `begin` on."""

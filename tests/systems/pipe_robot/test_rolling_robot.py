@@ -11,6 +11,8 @@ from cosimo.components.pipe_robot.rolling import RollingPipeRobot, ring_stiffnes
 from cosimo.components.pipe_robot.route import PipeRoute
 from scipy.integrate import quad, solve_ivp
 
+pytestmark = pytest.mark.full
+
 G = 9.81
 ON = ("harmonic_force", "tow", "route")
 # an inner mass of a millionth, on a spring as weak: the body moves alone

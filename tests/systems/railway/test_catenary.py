@@ -25,6 +25,7 @@ def passage(effects=REFERENCE, seconds=2.0, force=120.0, speed=69.4, **parameter
     return catenary, np.array(heights)
 
 
+@pytest.mark.full
 def test_explicit_and_implicit_agree():
     """Two integrators and two mass matrices, one answer; the difference falls with the mesh."""
     differences = []
@@ -36,6 +37,7 @@ def test_explicit_and_implicit_agree():
     assert differences[1] < 0.5 * differences[0]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_two_forces_superpose_where_droppers_are_bilateral(method):
     """Linear system: response to two contact points = sum of the responses to each."""
@@ -82,6 +84,7 @@ def test_window_follows_the_contact_and_forgets_the_rest():
     assert np.abs(full.x[:N][outside]).max() > 1e-4  # the full model still swings there
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("first", "second"), [(350.0, 250.0), (250.0, 350.0)])
 def test_window_spans_both_contact_points(first, second):
     """Its ends follow the foremost and the rearmost one, whichever input that is."""
@@ -144,6 +147,7 @@ def test_wire_velocity_is_the_rate_of_the_height_at_a_fixed_point():
     assert (catenary["wire_height"] - before) / h == pytest.approx(mean, rel=0.02)  # trapezoid of a wave a few steps long
 
 
+@pytest.mark.full
 def test_end_of_the_wire_is_a_clear_failure():
     catenary = Catenary(parameters={"spans": 1, "first_watched_support": 0})
     catenary.initialize(0.0)

@@ -10,6 +10,8 @@ from cosimo.orchestrator.systems.railway.records import measured, passages, stat
 from cosimo.orchestrator.systems.railway.runs import at_speed
 from cosimo.tests.scene_runs import finished
 
+pytestmark = pytest.mark.full
+
 RAILWAY = "en50318-2002-interface-model"
 SIGNALS = {"record": {"signals": ["pantograph.contact_force", "pantograph.contact_position", "catenary.wire_height",
                                   "catenary.support_uplift"]}}

@@ -6,6 +6,8 @@ from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
 
+pytestmark = pytest.mark.full
+
 PORT = ("displacement_x", "displacement_y", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "tilt_rate_x", "tilt_rate_y", "speed")
 
 

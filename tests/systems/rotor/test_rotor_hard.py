@@ -14,6 +14,8 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.systems.rotor.linear_bearing import MOTION
 
+pytestmark = pytest.mark.full
+
 FRISWELL = ("gyroscopic", "disks", "linear_supports")
 SOFT = {f"linear_supports.stiffness_{axis}[{k}]": 0.0 for axis in "xy" for k in (1, 2)}
 

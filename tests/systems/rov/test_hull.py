@@ -159,6 +159,7 @@ def test_roll_with_the_weight_below_the_origin_takes_sway_along():
     assert values(hull, "sway", "roll_rate", "roll") == pytest.approx([sway, rate, roll], abs=1e-13)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("degrees", [30.0, 90.0, 150.0])
 def test_large_roll_has_the_period_of_a_pendulum(degrees):
     amplitude = math.radians(degrees)
@@ -221,6 +222,7 @@ def test_munk_moment_grows_at_its_rate():
 
 # -- water that moves --------------------------------------------------------------------------------------------------
 
+@pytest.mark.full
 @pytest.mark.parametrize("effects", [WATER, FREE])
 def test_in_a_uniform_current_all_is_as_in_still_water(effects):
     """Galileo: the same motion seen from water that moves; the hull turns all the while, and thrusts act."""
@@ -285,6 +287,7 @@ def test_energy_changes_by_the_power_of_thrust_loads_and_drag():
         np.testing.assert_allclose(hull.y[-6:], dx[7:13], rtol=1e-12)  # accelerations told are those that are integrated
 
 
+@pytest.mark.full
 def test_attachment_moves_as_a_point_of_the_hull():
     hull = started((*WATER, "tether", "external"), **TUMBLING, substep=1e-3)
     names = [f"tether.{what}_{way}" for what in ("position", "velocity") for way in ("north", "east", "down")]

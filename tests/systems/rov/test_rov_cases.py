@@ -16,7 +16,8 @@ from cosimo.orchestrator.systems.rov.cases import (
 )
 
 
-@pytest.mark.parametrize("name", ["rov-closed-forms", "rov-allocation", "rov-added-mass"])
+@pytest.mark.parametrize("name", [
+    "rov-allocation", *(pytest.param(name, marks=pytest.mark.full) for name in ("rov-closed-forms", "rov-added-mass"))])
 def test_rov_cases_pass(name):
     case = cases()[name]
     found = case.function(Options(in_process=True))
@@ -36,6 +37,7 @@ def test_columns_as_printed_would_fail(monkeypatch):
     assert inside["rank"]  # a poor matrix, but not a singular one
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "parameter", "value", "rows"), [
     ("10 N ahead", "quadratic_drag.surge", 18.2, {"speed.10", "start.10"}),
     ("ahead, slightly disturbed", "added_mass.heave", 14.6, {"munk"}),
@@ -50,6 +52,7 @@ def test_another_vehicle_fails(monkeypatch, name, parameter, value, rows):
     assert {r.reference.measure for r in found.rows if not r.inside} == rows
 
 
+@pytest.mark.full
 def test_a_force_told_once_a_step_ends_the_run_and_keeps_what_was_computed():
     scene = rov_added_mass.load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
     result = rov_added_mass.run(scene, in_process=True)

@@ -15,6 +15,8 @@ from cosimo.components.rov.thruster import Thruster
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 
+pytestmark = pytest.mark.full
+
 JUMP = {f"{name}[{k + 1}]": v for k in range(ROWS)
         for name, v in (("command", (-1.0, -0.1, -0.1, 0.1, 0.1, 1.0)[min(k, 5)]),
                         ("thrust", (-40.0, -4.0, 0.0, 0.0, 4.0, 40.0)[min(k, 5)]))}

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.rov.hull import WATER, RovHull
 from scipy.spatial.transform import Rotation
 
+pytestmark = pytest.mark.full
+
 BALL = {f"inertia_{a}": 0.16 for a in "xyz"} | {"centre_of_gravity_z": 0.0}  # keeps any angular velocity
 FREE = ("added_mass", "coriolis", "restoring")
 ANGLES = ("roll", "pitch", "yaw")

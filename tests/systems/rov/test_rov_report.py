@@ -10,6 +10,8 @@ from cosimo.orchestrator.systems.rov.records import vehicles
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, numbers
 from cosimo.tests.systems.rov.vehicles import ASIDE, DEPTH, LIMIT, RADIUS, THRUST, vehicle_run
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (m|N|degrees|degrees/s|m/s|m/s²|s|1)$")
 
 

@@ -25,6 +25,7 @@ def failed():
     return finished(load_scene("rov-thruster-failed").with_changes({"stop_time": 90.0}))
 
 
+@pytest.mark.full
 def test_a_fault_is_the_same_in_fmus_and_components():
     fault = {"signal": "thruster_4.thrust", "kind": "override", "value": 0.0, "begin": 0.2}
     assert_fmus_give_the_same_bits(load_scene("rov-thruster-failed").with_changes({"stop_time": 0.4, "faults": [fault]}))
@@ -96,6 +97,7 @@ def moved():
     return finished(load_scene("rov-manoeuvre"))
 
 
+@pytest.mark.full
 def test_the_manoeuvre_is_followed_along_all_six_axes(moved):
     for name, far in (("north", 2.0), ("east", 2.0), ("down", 1.5)):
         assert np.abs(moved[f"controller.error_{name}"]).max() < 0.1 * far

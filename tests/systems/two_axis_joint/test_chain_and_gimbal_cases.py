@@ -14,6 +14,8 @@ from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.two_axis_joint.cases import chain_closed_forms, gimbal_closed_forms
 from scipy.special import ellipk
 
+pytestmark = pytest.mark.full
+
 NAMES = ("chain-closed-forms", "gimbal-closed-forms")
 
 

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 
+pytestmark = pytest.mark.full
+
 SLENDER = {"cross_inertia": 0.05, "inner_inertia": 0.05, "axial_inertia": 0.0}
 GYRO = {"frame_inertia": 0.005, "cross_inertia": 0.015, "inner_inertia": 0.015, "axial_inertia": 0.015,
         "axis_orientation": "horizontal", "start_inner_angle": 0.0}

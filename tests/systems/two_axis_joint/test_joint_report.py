@@ -12,6 +12,8 @@ from cosimo.orchestrator.systems.two_axis_joint.records import axis_direction, j
 from cosimo.tests.harness.figures import assert_valid_with_units, drawn, figures, numbers
 from cosimo.tests.systems.two_axis_joint.joint_runs import chain_run, gimbal_run, three_frictions
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (degrees/s|degrees|s|m|1|J|kg·m²/s)$")
 
 

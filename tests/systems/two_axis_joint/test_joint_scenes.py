@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.closed_forms import quartic, small_motion
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import finished
+
+pytestmark = pytest.mark.full
 
 
 def test_the_damped_chain_decays_as_its_quartic_says():

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from scipy.integrate import solve_ivp
 
+pytestmark = pytest.mark.full
+
 G = 9.81
 HIGH = {"start_first_angle": 2.5, "start_second_angle": 2.9}
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from cosimo.components.wind_pump.piston_pump import PistonPump
 
+pytestmark = pytest.mark.full
+
 SPEED, SAMPLES = 2.0 * np.pi, 4000
 OUTPUTS = ("torque", "flow", "hydraulic_power")
 

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wind_pump.converter import MODE, InertialConverter
 from cosimo.components.wind_pump.driven_shaft import STANDING
 
+pytestmark = pytest.mark.full
+
 
 def started(effects=(), turbine=3.0, load=0.0, **parameters) -> InertialConverter:
     converter = InertialConverter(effects, parameters)

@@ -4,6 +4,8 @@ import pytest
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 
+pytestmark = pytest.mark.full
+
 TRANSMISSIONS = ("FixedTransmission", "AveragedConverter", "PlanetaryTransmission", "InertialConverter")
 
 

@@ -22,6 +22,8 @@ from cosimo.tests.systems.wind_pump.wind_pumps import (
     triangle,
 )
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (m/s|rad/s|1|W|l/s|m³|m|s|h)$")
 
 

@@ -6,6 +6,8 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.wind_pump.records import chains, runnings
 from cosimo.tests.scene_runs import finished
 
+pytestmark = pytest.mark.full
+
 BOTH_CONVERTERS = {"gear_ratio", "crank_radius", "lever_mass", "slider_mass", "clutch_arm", "driven_inertia"}
 
 

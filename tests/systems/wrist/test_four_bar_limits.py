@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
 
+pytestmark = pytest.mark.full
+
 NAMES = ("crank", "coupler", "rocker", "ground")
 ROCKER_DRIVES = (0.040, 0.050, 0.020, 0.055)
 PARALLELOGRAM = (0.020, 0.050, 0.020, 0.050)

@@ -12,6 +12,8 @@ from cosimo.components.wrist.ligaments import LigamentBundle
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
 
+pytestmark = pytest.mark.full
+
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 ALL = ("morphology", "constraint", "interaction", "load")
 ISOMETRIC = {f"constraint__off_axis[{j}]": 0.0 for j in range(1, 6)}

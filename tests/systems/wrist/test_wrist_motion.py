@@ -73,10 +73,11 @@ def test_inertia_is_lagranges(model, q):
     """M, and h = sum (dM_ij/dq_k - dM_jk/dq_i / 2) q_j' q_k' by differences of M."""
     made = wrist(("morphology",), {"coupling_model": model})
     half, q, rates, d = model == "opensim_half", np.array(q), np.array([2.0, -3.0]), 1e-5
-    at, hand = wrist_pose(np.r_[q, rates], *made.arguments[:2]), made.arguments[0]
+    hand, e = made.arguments
+    at = wrist_pose(np.r_[q, rates], hand, e.morphology)
     m11, m12, m22 = mass_matrix(at, hand)
     assert np.array([[m11, m12], [m12, m22]]) == pytest.approx(lagrange_mass(q, half), rel=1e-12, abs=1e-16)
-    slopes = [(lagrange_mass(q + d * e, half) - lagrange_mass(q - d * e, half)) / (2.0 * d) for e in np.eye(2)]
+    slopes = [(lagrange_mass(q + d * way, half) - lagrange_mass(q - d * way, half)) / (2.0 * d) for way in np.eye(2)]
     along = sum(rate * slope for rate, slope in zip(rates, slopes, strict=True)) @ rates
     expected = along - 0.5 * np.array([rates @ slope @ rates for slope in slopes])
     assert gyroscopic(at, *rates, hand) == pytest.approx(expected, abs=1e-10)  # of 0.02 N.m

@@ -11,6 +11,8 @@ from cosimo.orchestrator.systems import SYSTEMS, read_scene
 from cosimo.orchestrator.systems.wrist.records import bundles, direction, follows_rule, linkages, muscles, postures, wrists
 from cosimo.tests.harness.figures import assert_valid_with_units, figures, tables
 
+pytestmark = pytest.mark.full
+
 UNIT = re.compile(r", (degrees|1|N|N·m|mm|s)$")
 HELD = (1.0, 2.0, 3.0, 4.0)  # s: flexion, radial deviation, extension, ulnar deviation
 ANGLES = {"flexion": (30, 0, -30, 0), "deviation": (0, 12, 0, -20), "roll": (-2, 1, -2, 4),

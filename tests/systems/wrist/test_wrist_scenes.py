@@ -6,6 +6,8 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.wrist.records import postures, wrists
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits, finished
 
+pytestmark = pytest.mark.full
+
 
 def angles(record, result):
     """Postures of a wrist at the scene's instants, by their number, in degrees."""
