@@ -17,6 +17,8 @@ from .values import settled
 if TYPE_CHECKING:
     from ..settings import UnitSettings
 
+RECORDABLE = ("local", "calculatedParameter")  # causalities of variables that are computed and are no outputs
+
 
 def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     """The interface an FMU's model description gives, with the scene's effects and parameters checked against it."""
@@ -42,9 +44,21 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
                  for n, s in there.items() if s.variable.causality == "output"},
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
+        recordable={n: _signal(s, (), measures) for n, s in there.items()
+                    if s.variable.causality in RECORDABLE and s.kind != "string"},
+        arrays=_arrays(there),
         refused={v.name: v.type for v in found.model.modelVariables if v.type in NEITHER},
         **_capabilities(found, real),
     )
+
+
+def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
+    """Elements of each output that is an array of numbers."""
+    arrays: dict[str, tuple[str, ...]] = {}
+    for name, scalar in scalars.items():
+        if scalar.variable.causality == "output" and scalar.variable.dimensions and scalar.kind != "string":
+            arrays[scalar.variable.name] = (*arrays.get(scalar.variable.name, ()), name)
+    return arrays
 
 
 def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:

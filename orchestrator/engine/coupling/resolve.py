@@ -7,7 +7,7 @@ assuming all, as FMI permits, would call every loop of such FMUs an algebraic on
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import conversion
@@ -19,6 +19,9 @@ from .contacts import check_contacts, connections, describe_contact
 from .demands import check_stepping
 from .fault_targets import targets
 from .graph import Endpoint, Link, Loop, feedthrough_schedule, groups, is_discrete, smooth
+
+LONGEST = 100  # elements of an array that are recorded without being named
+SHOWN = 8  # names in a message
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         connected = _links(scene, interfaces)
         texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in connected if link not in texts)
+        interfaces = _with_recorded(scene, interfaces)  # behind the connections: only outputs can be connected
         coupling = Coupling(
             interfaces, links, texts,
             undriven=_undriven(interfaces, connected),
@@ -183,17 +187,47 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
 
 def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     if scene.record.signals is None:
-        return tuple((u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if "[" not in n and not s.is_text)
-    signals: dict[Endpoint, None] = {}
+        return _signals_by_default(scene, interfaces)
+    found: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
-        names = (variable,) if variable in interfaces[unit].outputs else _elements(variable, interfaces[unit])
+        outputs = interfaces[unit].outputs
+        names = (variable,) if variable in outputs else interfaces[unit].arrays.get(variable) or \
+            _elements(variable, interfaces[unit])
         if not names:
             raise _no_variable("record.signals", (unit, variable), "output", interfaces)
-        if interfaces[unit].outputs[names[0]].is_text:
-            raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers")
-        signals |= dict.fromkeys((unit, n) for n in names)
-    return tuple(signals)
+        if outputs[names[0]].is_text:
+            raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers",
+                           "Leave it out; a text can be connected with an input of another unit.")
+        found |= dict.fromkeys((unit, n) for n in names)
+    if not (found or scene.record.snapshots):
+        raise BadInput("record.signals", "no signal", "at least one; a result without columns tells nothing", "Or leave it out.")
+    return tuple(found)
+
+
+def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+    """Scalar outputs, and arrays of FMI 3 that are not too long; elements of other arrays where there is nothing else.
+
+    Raises `BadInput` where a result would have no column.
+    """
+    short = {(u, n) for u, i in interfaces.items() for names in i.arrays.values() if len(names) <= LONGEST for n in names}
+    numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
+    found = tuple(end for end in numbers if "[" not in end[1] or end in short)
+    if not found and not scene.record.snapshots:
+        found = tuple(numbers[:LONGEST])
+    if not found and not scene.record.snapshots:
+        names = [f"{u}.{n}" for u, i in interfaces.items() for n in i.recordable]
+        shown = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
+        raise BadInput("record.signals", "no unit with an output that is a number", "at least one signal to record",
+                       f"What can be recorded by its name: {shown}." if names else "Nothing else can be recorded, either.")
+    return found
+
+
+def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> dict[str, Interface]:
+    """Interfaces in which the variables that the scene records by name are outputs, too."""
+    wanted = [_endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
+    return {unit: replace(i, outputs={**i.outputs, **{n: i.recordable[n] for u, n in wanted if u == unit and n in i.recordable}})
+            if i.recordable else i for unit, i in interfaces.items()}
 
 
 def _faults(scene: SceneSettings, interfaces: Mapping[str, Interface], links: tuple[Link, ...]) -> Iterator[tuple[Endpoint, ...]]:

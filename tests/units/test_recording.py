@@ -1,0 +1,59 @@
+"""What of an FMU is recorded: scalars and arrays by default, locals by name; a result has a column or is refused."""
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.engine.coupling.resolve import LONGEST
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.scene import read_scene
+from cosimo.tests.units.native import native_fmu
+
+LOCAL = ('causality="output"', 'causality="local"')
+
+
+def scene(fmu: str, record: dict | None = None, **more) -> dict:
+    return {"stop_time": 1.0, "units": {"f": {"fmu": fmu, **more}}, "master": {"step": 0.1}, "record": record or {}}
+
+
+def test_arrays_of_fmi_3_are_recorded_as_their_elements():
+    result = run(read_scene(scene(native_fmu("state_space", 3))))
+    assert list(result.columns) == ["f.y[1]", "f.y[2]", "f.y[3]"]
+    np.testing.assert_allclose(result["f.y[2]"], 2.0 * np.exp(result.time), rtol=1e-12)  # x' = x + u, y = x + u from x = 0
+
+
+def test_long_arrays_are_recorded_in_part_where_there_is_nothing_else():
+    """200 outputs that the description gives in the place of three: nothing is run, only resolved."""
+    fmu = native_fmu("state_space", 3, "", ('name="y" valueReference="10" causality="output" variability="continuous" >'
+                                            '<Dimension valueReference="3"/>',
+                                            'name="y" valueReference="10" causality="output" variability="continuous" >'
+                                            '<Dimension start="200"/>'))
+    assert len(read_scene(scene(fmu)).coupling.signals) == LONGEST
+    assert len(read_scene(scene(fmu, {"signals": ["f.y"]})).coupling.signals) == 200
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_locals_are_recorded_by_name(fmi):
+    outputs = run(read_scene(scene(native_fmu("van_der_pol", fmi))))
+    locals_ = run(read_scene(scene(native_fmu("van_der_pol", fmi, "", LOCAL), {"signals": ["f.x1", "f.x0"]})))
+    assert list(locals_.columns) == ["f.x1", "f.x0"]
+    for name in ("f.x0", "f.x1"):
+        assert locals_[name].tobytes() == outputs[name].tobytes()
+
+
+@pytest.mark.parametrize("isolation", ["none", "process"])
+def test_a_result_without_a_column_is_refused_with_what_can_be_recorded(isolation):
+    fmu = native_fmu("van_der_pol", 2, "", LOCAL)
+    with pytest.raises(BadInput, match=r"scene: record\.signals: no unit with an output.*recorded by its name: f\.x0, f\.x1\."):
+        read_scene(scene(fmu, isolation=isolation))
+
+
+def test_locals_are_no_ends_of_connections():
+    data = scene(native_fmu("van_der_pol", 2, "", LOCAL), {"signals": ["f.x0"]})
+    data["units"]["g"] = {"fmu": native_fmu("feedthrough", 2)}
+    with pytest.raises(BadInput, match=r"f\.x0; expected an output of f"):
+        read_scene({**data, "connections": ["f.x0 -> g.Float64_continuous_input"]})
+
+
+def test_texts_are_refused_with_what_to_do():
+    with pytest.raises(BadInput, match=r"'f\.String_out', a text; expected a number; .*can be connected"):
+        read_scene(scene(native_fmu("feedthrough", 3), {"signals": ["f.String_out"]}))
