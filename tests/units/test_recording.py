@@ -57,3 +57,8 @@ def test_locals_are_no_ends_of_connections():
 def test_texts_are_refused_with_what_to_do():
     with pytest.raises(BadInput, match=r"'f\.String_out', a text; expected a number; .*can be connected"):
         read_scene(scene(native_fmu("feedthrough", 3), {"signals": ["f.String_out"]}))
+
+
+def test_an_empty_list_of_signals_is_refused():
+    with pytest.raises(BadInput, match=r"record\.signals: no signal; expected at least one"):
+        read_scene(scene(native_fmu("feedthrough", 3), {"signals": []}))
