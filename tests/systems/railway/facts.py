@@ -1,0 +1,45 @@
+"""Railway."""
+
+from __future__ import annotations
+
+from cosimo.tests.contract.facts import Facts
+
+PUSHED = {"contact_position": 52.0, "contact_force": 100.0}
+
+FACTS = {
+    "Pantograph": Facts(
+        moving=frozenset({"contact_position"}),
+        plain=(("contact_loss", "bump_stops", "frame_friction", "lower_frame"), {"bump_stops.travel": 0.001}, 100),
+        disturbance={"wire_height": 0.003},
+        strengths={
+            "aerodynamic_uplift.coefficient": ({}, 1e-4),
+            "bump_stops.stiffness": ({"bump_stops.travel": 0.0}, 1.0),
+            "frame_friction.level": ({}, 1e-3),
+            "base_excitation.height": ({}, 1e-4),
+        },
+        structural=frozenset({"contact_loss", "lower_frame", "outer_contact"}),
+        form=frozenset({"bump_stops.travel", "frame_friction.width", "base_excitation.velocity"}),
+    ),
+    "LumpedCatenary": Facts(
+        plain=(("inerter",), {}, 100),
+        disturbance=PUSHED,
+        strengths={"inerter.reference_force": ({}, 1.0)},
+    ),
+    "Catenary": Facts(
+        small={"spans": 2},
+        other_ways=(({"method": "implicit"}, ("dropper_slackening", "gravity_sag", "damping")),),
+        plain=(("dropper_slackening", "damping", "bending_stiffness"), {"spans": 1, "element": 5.0}, 20),
+        disturbance=PUSHED,
+        strengths={
+            "damping.alpha": ({"damping.beta": 0.0}, 1e-3),
+            "damping.beta": ({"damping.alpha": 0.0}, 1e-7),
+            "bending_stiffness.contact_wire": ({"bending_stiffness.messenger": 0.0}, 1e-2),
+            "bending_stiffness.messenger": ({"bending_stiffness.contact_wire": 0.0}, 1e-2),
+            "steady_arm.stiffness": ({}, 1e-1),
+            "pre_sag.depth": ({}, 1e-4),
+            "second_pantograph.contact_force": ({"second_pantograph.contact_position": 50.0}, 1.0),
+        },
+        structural=frozenset({"dropper_slackening", "gravity_sag", "level_support", "moving_window", "wire_profile"}),
+        form=frozenset({"steady_arm.mass", "second_pantograph.contact_position"}),
+    ),
+}
