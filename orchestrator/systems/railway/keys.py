@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Annotated
 
-from ...settings.analysis import AnalysisKeys, Positive, Span
-from ...settings.model import Number
+from pydantic import Field, model_validator
+
+from ....components.core.errors import BadInput
+from ...settings.analysis import AnalysisKeys, Span
+
+Counted = Annotated[int, Field(strict=True, ge=1)]
 
 
 class RailwayKeys(AnalysisKeys):
-    """Figures of pantographs under a catenary."""
+    """Figures of pantographs under a catenary; spans and droppers are those of the run's catenary."""
 
-    window: Span | None = Field(default=None, description="[from, to] in m along the track, for the statistics")
-    span: Positive | None = Field(default=None, description="length of a span, m, for marks in the figures")
-    droppers: tuple[Number, ...] = Field(default=(), description="positions of the droppers in a span, m")
+    spans: tuple[Counted, Counted] | None = Field(default=None, description=(
+        "[first, last] span for the statistics, counted from 1 at position 0"))
+    window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> RailwayKeys:
+        if self.spans is not None and self.window is not None:
+            raise BadInput("window", "a value beside spans", "one of them", "Remove the other.")
+        if self.spans is not None and self.spans[0] > self.spans[1]:
+            raise BadInput("spans", f"[{self.spans[0]}, {self.spans[1]}]", "a last span not before the first")
+        return self

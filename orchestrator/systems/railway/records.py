@@ -35,13 +35,44 @@ def parameters(scene: Scene, unit: str) -> dict[str, Any]:
     return component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
 
 
-def analysis_window(scene: Scene) -> tuple[float, float]:
-    """The scene's window of analysis, m along the track."""
-    window = scene.analysis_as(RailwayKeys).window
-    if window is None:
-        raise BadInput(f"{scene.name}: analysis.window", "nothing", "two positions in m",
-                       "Add window = [from, to] to [analysis].")
-    return window
+@dataclass(frozen=True)
+class Track:
+    """What lies along the track, as the catenary of a run has it. span: m, 0 for none.  droppers: positions in a span, m."""
+
+    span: float
+    droppers: tuple[float, ...]
+
+    @property
+    def dropper_spacing(self) -> float:
+        """The commonest distance of neighbouring droppers, m; NaN without any."""
+        if len(self.droppers) < 2:
+            return float("nan")
+        values, counts = np.unique(np.diff(self.droppers).round(3), return_counts=True)
+        return float(values[np.argmax(counts)])
+
+
+def track_of(result: Result) -> Track:
+    """Of the catenary above the foremost pantograph, by the parameters that the run had."""
+    run_of = passages(result)
+    values = result.info["units"][run_of[0].catenary]["parameters"] if run_of else {}
+    count = int(values.get("droppers", 0))
+    return Track(float(values.get("span_length", 0.0)), tuple(float(values[f"dropper_position[{i + 1}]"]) for i in range(count)))
+
+
+def analysis_window(result: Result) -> tuple[float, float]:
+    """The window of analysis, m along the track: the scene's spans of the catenary of the run, or what it gives in m."""
+    keys, scene = result.scene.analysis_as(RailwayKeys), result.scene
+    if keys.window is not None:
+        return keys.window
+    if keys.spans is None:
+        raise BadInput(f"{scene.name}: analysis.spans", "nothing", "the first and the last span for the statistics",
+                       "Add spans = [first, last] to [analysis], or window = [from, to] in m.")
+    span = track_of(result).span
+    if not span > 0.0:
+        raise BadInput(f"{scene.name}: analysis.spans", f"[{keys.spans[0]}, {keys.spans[1]}]",
+                       "a catenary with a parameter span_length", "Give window = [from, to] in m instead.")
+    first, last = keys.spans
+    return (first - 1) * span, last * span
 
 
 def passages(result: Result) -> list[Passage]:
@@ -84,7 +115,7 @@ def statistics(result: Result, low_pass: Filter | None = None, pantograph: int =
             result.scene.name, "no recorded contact force with its wire height", "a run of a pantograph under a catenary"
         )
     passage = found[pantograph]
-    start, end = analysis_window(result.scene)
+    start, end = analysis_window(result)
     inside = [u for u, x in zip(passage.record.uplifts, passage.supports, strict=True) if start - 1e-6 <= x <= end + 1e-6]
     r = passage.record
     return ContactRecord(r.time, r.position, r.force, r.height, tuple(inside)).statistics((start, end), low_pass)
@@ -105,12 +136,3 @@ def measured(s: ContactStatistics) -> dict[str, float]:
         "uplift_mm": 1e3 * s.max_uplift,
         "height_range_mm": 1e3 * s.height_range,
     }
-
-
-def dropper_spacing(scene: Scene) -> float:
-    """The commonest distance of neighbouring droppers, m; NaN if the scene names none."""
-    gaps = np.diff(np.asarray(scene.analysis_as(RailwayKeys).droppers, dtype=float))
-    if not gaps.size:
-        return float("nan")
-    values, counts = np.unique(gaps.round(3), return_counts=True)
-    return float(values[np.argmax(counts)])

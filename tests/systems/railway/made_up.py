@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.systems import read_scene
 
+PLACES = [5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0]
+DROPPERS = {"droppers": len(PLACES)} | {f"dropper_position[{k}]": x for k, x in enumerate(PLACES, 1)}
+
 
 def made_up_run(speed=69.444, title="Made-up run", second=False):
     rng = np.random.default_rng(5)
@@ -41,9 +44,7 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
             },
             "analysis": {
                 "system": "railway",
-                "window": [240.0, 360.0],
-                "span": 60.0,
-                "droppers": [5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0],
+                "spans": [5, 6],
             },
         }
     )
@@ -57,7 +58,7 @@ def made_up_run(speed=69.444, title="Made-up run", second=False):
         snapshots={"catenary.wire_profile.height": SimpleNamespace(time=t[every], values=heights)},
         info={
             "effects": {"pantograph": {"on": {"contact_loss": "the scene"}, "off": {"bump_stops": "not named"}}},
-            "units": {"catenary": {"parameters": {"span_length": 60.0, "first_watched_support": 4}}},
+            "units": {"catenary": {"parameters": {"span_length": 60.0, "first_watched_support": 4} | DROPPERS}},
             "versions": {"numpy": "2.0"},
         },
     )

@@ -58,7 +58,7 @@ def _measured(result: Result, speed: float) -> dict[str, float]:
     passage = passages(result)[0]
     wire = result.info["units"][passage.catenary]["parameters"]
     rate, _, (position, force) = uniform(passage.record.time, passage.record.position, passage.record.force)
-    cut = window(position, *analysis_window(result.scene))
+    cut = window(position, *analysis_window(result))
     return numbers(result) | {
         "mean_less_target": s.mean - target_mean(speed),
         "mean_less_lower": s.mean - (0.00047 * speed**2 + 60.0),

@@ -77,7 +77,7 @@ def _static_row(distributed: Result, lumped: Result) -> Row:
 
 def _in_window(result: Result) -> tuple[np.ndarray, np.ndarray]:
     record = passages(result)[0].record
-    cut = window(record.position, *analysis_window(result.scene))
+    cut = window(record.position, *analysis_window(result))
     return record.position[cut], record.height[cut]
 
 
@@ -87,7 +87,7 @@ def _overlay(results: Mapping[str, Mapping[float, Result]], speed: float) -> Cha
     for name, of_speed in results.items():
         passage: Passage = passages(of_speed[speed])[0]
         rate, _, (x, f, h) = uniform(passage.record.time, passage.record.position, passage.record.force, passage.record.height)
-        cut = window(x, *analysis_window(of_speed[speed].scene))
+        cut = window(x, *analysis_window(of_speed[speed]))
         force.append(Series(name, x[cut], low_pass.apply(f, rate)[cut]))
         height.append(Series(name, x[cut], 1e3 * h[cut]))
     panels = (Panel("contact force, N", tuple(force)), Panel("height, mm", tuple(height)))

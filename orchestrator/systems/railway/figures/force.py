@@ -31,8 +31,7 @@ from ....harness.charts.style import (
     tint,
     vertical,
 )
-from ..keys import RailwayKeys
-from ..records import Passage, analysis_window, dropper_spacing
+from ..records import Passage, analysis_window, track_of
 from .track import track_marks
 
 if TYPE_CHECKING:
@@ -46,14 +45,15 @@ HIGHEST = 35.0  # Hz, end of the spectrum's axis: the band of the filter and som
 
 def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_pass: Filter) -> Figure:
     """Contact force against position: raw thin, filtered strong; beside it where the numbers lie in their ranges."""
-    start, end = analysis_window(result.scene)
-    span = result.scene.analysis_as(RailwayKeys).span or end - start
+    start, end = analysis_window(result)
+    track = track_of(result)
+    span = track.span or end - start
     low, high = _shown(found, start - span, end + span)
     ladder = [(heading, [r for r in rows if r.reference.measure in names and _closed(r)]) for heading, names in LADDER]
     ladder = [(heading, members) for heading, members in ladder if members]
     right = 0.80 if ladder else 1.0
 
-    shapes, notes = track_marks(result.scene, low, high)
+    shapes, notes = track_marks(track, low, high)
     shapes.append(rectangle((start, end), (0, 1), BLUE, 0.045, xref="x", yref="paper"))
     notes.append(label("analysis window", start, 0.0, xref="x", xanchor="left", yanchor="bottom"))
     shapes += [_band(r, (0, 1), 0.13, "x domain") for r in rows if r.reference.measure in ("mean", "max", "min") and _closed(r)]
@@ -179,11 +179,12 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
 
     None for a run that ends before it has passed a whole span behind its run-in.
     """
-    span = result.scene.analysis_as(RailwayKeys).span or 0.0
+    track = track_of(result)
+    span = track.span
     data, start, end = [], 0.0, 0.0
     for i, p in enumerate(found):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
-        start, end = _whole_spans(x, span, analysis_window(result.scene)[0])
+        start, end = _whole_spans(x, span, analysis_window(result)[0])
         if np.count_nonzero((x >= start) & (x < end)) < SAMPLES:
             return None
         f, a = amplitude_spectrum(force[window(x, start, end)], rate)
@@ -193,7 +194,7 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
     shapes = [vertical(low_pass.cutoff, colour=MUTED, dash="dash")]
     notes = [_frequency_label(f"filter {low_pass.cutoff:g} Hz", low_pass.cutoff, MUTED) | {"yanchor": "top"}]
     speed = found[0].speed
-    for what, length, multiples, colour in (("span", span, 5, GREEN), ("dropper", dropper_spacing(result.scene), 3, VERMILION)):
+    for what, length, multiples, colour in (("span", span, 5, GREEN), ("dropper", track.dropper_spacing, 3, VERMILION)):
         if length > 0.0:  # false for NaN too
             for k in range(1, multiples + 1):
                 if k * speed / length < HIGHEST:

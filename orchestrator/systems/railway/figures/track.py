@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 
 from ....harness.charts.style import label, vertical
-from ....scene.scene import Scene
-from ..keys import RailwayKeys
+from ..records import Track
 
 
-def track_marks(scene: Scene, low: float, high: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """(lines at the supports, numbers of the spans) between two positions in m; empty if the scene names no span."""
-    span = scene.analysis_as(RailwayKeys).span
+def track_marks(track: Track, low: float, high: float) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """(lines at the supports, numbers of the spans) between two positions in m; empty without a span."""
+    span = track.span
     if not span:
         return [], []
     supports = np.arange(np.ceil(low / span - 1e-9), np.floor(high / span + 1e-9) + 1) * span

@@ -27,7 +27,7 @@ from ....harness.charts.style import (
     tint,
     vertical,
 )
-from ..records import Passage, analysis_window
+from ..records import Passage, analysis_window, track_of
 from .track import track_marks
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ STRIPES = 300  # times of the picture of the waves
 
 def uplift_figure(result: Result, found: list[Passage], rows: Sequence[Row]) -> Figure:
     """Uplift of the contact wire at the supports over time, with the instants of passing."""
-    start, end = analysis_window(result.scene)
+    start, end = analysis_window(result)
     shapes, notes, data = [], [], []
     record = found[0].record
     for k, (x, uplift) in enumerate(zip(found[0].supports, record.uplifts, strict=True)):
@@ -89,7 +89,7 @@ def _profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, n
 
 def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
     """Shape of the contact wire around the pantograph at chosen times, with a slider; None where none falls into the window."""
-    start, end = analysis_window(result.scene)
+    start, end = analysis_window(result)
     times, at, offsets, heights = _profile(result, passage, name)
     during = np.flatnonzero((at >= start) & (at <= end))
     if not during.size:
@@ -127,7 +127,7 @@ def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
         {"name": str(i), "data": [{k: t[k] for k in ("type", "x", "y")} for t in traces(at_)]} for i, at_ in enumerate(chosen)
     ]
     low, high = start + offsets[0], end + offsets[-1]
-    shapes, notes = track_marks(result.scene, low, high)
+    shapes, notes = track_marks(track_of(result), low, high)
     pad = 0.06 * float(np.ptp(heights[chosen]))
     figure = {
         "data": traces(chosen[chosen.size // 2]),
