@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
-import re
 
 import cosimo.orchestrator.systems as systems_package
 import pytest
@@ -16,8 +15,8 @@ from cosimo.orchestrator.engine.algorithms import ALGORITHMS
 from cosimo.orchestrator.engine.algorithms.master import Master
 from cosimo.orchestrator.harness.validation.case import Case
 from cosimo.orchestrator.harness.validation.reference import STANDINGS, load_table, table_files
-from cosimo.orchestrator.scene.scene import SHIPPED, scene_files
-from cosimo.orchestrator.systems import ANALYSIS, cases, load_scene, read_scene
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import cases, load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 TABLES = sorted(table_files())
@@ -86,9 +85,3 @@ def test_every_preset_says_where_it_was_read():
         for title, preset in component_class(name).presets.items():
             assert preset.standing in STANDINGS, (name, title)
             assert preset.source.strip(), (name, title)
-
-
-@pytest.mark.parametrize("key", sorted({k for keys in ANALYSIS.values() for k in keys.model_fields} - {"system"}))
-def test_every_key_of_an_analysis_is_read_somewhere(key):
-    sources = [p.read_text(encoding="utf-8") for p in (SHIPPED.parent).rglob("*.py") if p.name != "keys.py"]
-    assert any(re.search(rf"(analysis|analysis_as\(\w+\)|keys|settings)\.{key}\b", s) for s in sources)

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import time
 
 import fmpy
 import numpy as np
@@ -120,13 +119,12 @@ def test_a_restored_fmu_steps_on_as_it_did(fmi):
         unit.wire((), ("x0", "x1"))
         unit.initialize(0.0, [])
         unit.start()
-        state, ends, begin = unit.save(), set(), time.monotonic()
+        state, ends = unit.save(), set()
         for _ in range(200):
             unit.step(0.0, 0.1)
             ends.add(tuple(unit.get()))
             unit.restore(state)
         assert len(ends) == 1
-        assert time.monotonic() - begin < 60.0  # s; it does not hang
     finally:
         unit.close()
 
