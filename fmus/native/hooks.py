@@ -235,7 +235,7 @@ class _Method(ast.NodeTransformer):
                 return None
             if isinstance(node, ast.Attribute) and is_self(node.value):
                 value = getattr(self.component, node.attr, None)
-                if not presence and (node.attr in ("t", "u", "y", "x") or node.attr in self.hooks.assigned or not fixed(value)):
+                if node.attr in ("t", "u", "y", "x") or node.attr in self.hooks.assigned or not (presence or fixed(value)):
                     return None
         if not any(is_self(n) for n in ast.walk(test)):
             return None
@@ -293,7 +293,7 @@ class _Method(ast.NodeTransformer):
             return self.parameter(node, str(node.slice.value))
         return self.generic_visit(node)
 
-    def parameter(self, node: Any, name: str) -> Any:
+    def parameter(self, node: Any, name: Any) -> Any:
         value = self.component.parameters.get(name)
         try:
             text = self.block.expression(value, self.component.parameters, name, self.names)

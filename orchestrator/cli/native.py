@@ -61,7 +61,7 @@ def scene_units(name: str, wanted: Sequence[str]) -> dict[str, Callable[[], Comp
     from ..engine.algorithms import master_of
     from ..engine.coupling.resolve import resolve_coupling
     from ..open_all import open_units
-    from ..scene.scene import load_scene
+    from ..systems import load_scene
 
     scene = load_scene(name)
     components = {unit: settings for unit, settings in scene.units.items() if settings.component}
