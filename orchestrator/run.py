@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -33,7 +34,8 @@ TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 
 def run(scene: Scene, *, in_process: bool = False, progress: bool = False, checkpoint_every: float | None = None,
-        checkpoint_to: str | Path | None = None, resume: str | Path | None = None) -> Result:
+        checkpoint_to: str | Path | None = None, resume: str | Path | None = None,
+        rescue_to: str | Path | None = None) -> Result:
     """Simulate a scene from 0 to its stop_time.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. A step that
@@ -42,9 +44,11 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
     multiple of it, and by Ctrl-C. `resume`: such a file, from which the run goes on. What it recorded before is in the result,
     and every number is the same as without the interruption; counters of the units and `timing` start anew.
+    `rescue_to`: a directory, in which the partial result is saved where an FMU ends this process; the exit code is 3 then.
     """
     with ExitStack() as stack:
         current = Run(scene, stack, in_process=in_process, progress=progress)
+        current.rescue_to = rescue_to
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -62,6 +66,7 @@ class Run:
         self.compiling = stack.enter_context(CompileTime(announce=progress))
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message = "failed", ""
+        self.rescue_to: str | Path | None = None
         self.checkpoints: Checkpoints | None = None
 
     def prepare(self) -> None:
@@ -69,7 +74,7 @@ class Run:
         scene, coupling, stack = self.scene, self.coupling, self.stack
         intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
         self.clock = clock_for(scene, coupling, *intervals, *edges(scene.faults))
-        units = open_units(scene, stack, self.in_process)
+        units = open_units(scene, stack, self.in_process, self._rescue)
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
         self.units, self._losable, meters = _wrapped(units, scene, coupling)
@@ -131,12 +136,20 @@ class Run:
             self._end_early(error)
         except StepFailed as error:
             self.message = str(error)
+        except SystemExit as error:
+            self.message = f"a unit has called sys.exit({error.code!r})"
         except KeyboardInterrupt:
             self.message = f"interrupted at t = {self._now:.9g} s"
             if self.checkpoints is not None and self._interrupt.taken:
                 self.checkpoints.write()
                 self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         self._until = perf_counter(), process_time()
+
+    def _rescue(self, message: str) -> None:
+        """This process is ending inside of a unit's call: save what there is."""
+        self.message, self._until = message, (perf_counter(), process_time())
+        if self.rescue_to is not None and hasattr(self, "signals"):
+            print(f"cosimo: partial result in {self.conclude(None).save(self.rescue_to)}", file=sys.stderr)
 
     def _end_early(self, end: SimulationEnded) -> None:
         """A unit has ended the simulation: that is no failure. Its last row is kept; of coupled ones the last step of all."""

@@ -96,7 +96,8 @@ def run(
     if output is not None:
         ensure_directory(output)  # now, not after a long run
     result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
-                       checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume)
+                       checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume,
+                       rescue_to=output)
     if reason is not None:
         result = replace(result, info={**result.info, "accuracy": reason})
     if choice is not None and within is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import sys
 import time
 import warnings
 from pathlib import Path
@@ -31,6 +32,7 @@ TROUBLES = {
     "none": lambda: None,
     "segfault": _crash,
     "exit": lambda: os._exit(7),
+    "sys exit": lambda: sys.exit(0),
     "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
     "hang": lambda: time.sleep(LONG),
     "exception": lambda: 1 / 0,
