@@ -11,8 +11,9 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
 from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.scene.scene import scene_files
-from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.support import Linear, OfTime, Probe, two_masses
@@ -245,3 +246,12 @@ def test_components_that_cannot_repeat_a_step_are_found_where_steps_are_repeated
     located = read_scene({**data, "master": {"step": 0.1, "events": ["f.steps"]}})
     for result in (run(located), run(scene, checkpoint_every=0.5, checkpoint_to=tmp_path / "checkpoint")):
         assert result.message.startswith("f failed at t = 0 s: a step that is repeated from the same state gives another result")
+
+
+def test_a_run_with_its_report_resolves_the_coupling_once(tmp_path, monkeypatch):
+    counted = []
+    original = checked.resolve_coupling
+    monkeypatch.setattr(checked, "resolve_coupling", lambda scene: counted.append(scene.name) or original(scene))
+    result = run(load_scene("mass-on-spring").with_changes({"stop_time": 0.5}), in_process=True)
+    write_report(result, tmp_path)
+    assert len(counted) == 2  # the shipped scene, and the changed one
