@@ -171,7 +171,8 @@ def follow(time: np.ndarray, angle: np.ndarray, x: np.ndarray, order: float = 1.
 def waterfall(x: np.ndarray, rate: float, duration: float, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(times (k,) s of the windows' middles from the first sample, frequency (m,) Hz, amplitudes (k, m)).
 
-    `count` windows of `duration` s spread evenly over the signal, each a single-sided amplitude spectrum.
+    `count` windows of `duration` s spread evenly over the signal, each a single-sided amplitude spectrum. (SciPy's short-time
+    transform moves by a whole number of samples, pads the ends, and leaves the amplitudes to the caller.)
     """
     n = round(duration * rate)
     if not 8 <= n <= x.size or count < 2:
