@@ -6,17 +6,17 @@ import math
 
 import numpy as np
 
-from ..core.banded import banded_product, factor_band, solve_band
+from ..core.banded import banded_product
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
+from .contact import at_contact, contact_compliance, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import effective_band, implicit_steps
-from .mesh import add_droppers, build_mesh, packed, system_bands, unpacked
+from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
-from .wires import in_range, local_compliance, wire_height, wire_velocity
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
@@ -86,8 +86,7 @@ class SecondPantograph(Effect):
                          feedthrough=(".contact_position",))
     wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
                            feedthrough=(".contact_position",))
-    local_compliance = output("m/N", "unresolved compliance of the wire at the second contact point", nominal=1e-5,
-                              feedthrough=(".contact_position",))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at the second contact point", nominal=1e-6)
 
 
 class MovingWindow(Effect):
@@ -124,7 +123,7 @@ class Catenary(Component):
     leading dispersion error of space and time together, explicit (velocity Verlet) or implicit (generalised-alpha).
     Defaults: the EN 50318:2002 reference model. Tensions, masses, span, dropper positions and stiffness, messenger support:
     read in two public sources (whether the support's 50 kN/m is in the standard itself is not known). No dropper and clamp
-    masses, no damping of the supports: recalled. Element, substep and method: chosen by measurement, see the README.
+    masses, no damping of the supports: recalled. Element, substep and method: by error against work, docs/railway-contact.md.
     """
 
     title = "Distributed catenary with droppers"
@@ -162,7 +161,7 @@ class Catenary(Component):
     first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
 
     method = choice("explicit", ("explicit", "implicit"), "time integration")
-    element = parameter(0.5, "m", "longest element", low=0.01, high=30.0)
+    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0)
     substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
@@ -172,8 +171,8 @@ class Catenary(Component):
                          feedthrough=("contact_position",))
     wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1,
                            feedthrough=("contact_position",))
-    local_compliance = output("m/N", "unresolved compliance of the wire at the contact point, in series with the contact spring",
-                              nominal=1e-5, feedthrough=("contact_position",))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out under the moving contact, in series with its spring",
+                                nominal=1e-6)
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
     support_uplift = output("m", "uplift of the contact wire at a watched support", nominal=0.05, size=WATCHED)
 
@@ -214,19 +213,19 @@ class Catenary(Component):
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
         q, taut, residual = loaded_equilibrium(self.mesh, loads, e.dropper_slackening is not None)
-        # displacement, velocity, acceleration; then what only one method or effect remembers
+        # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
+        contacts = [value for position, _ in loads for value in (position, 0.0)]
         edges = [1.0, N // 2 - 2.0] if e.moving_window is not None else []
-        self.x = np.concatenate((q, np.zeros(2 * N), taut if implicit else [], edges))
+        self.x = np.concatenate((q, np.zeros(2 * N), contacts, taut if implicit else [], edges))
         if e.moving_window is not None:
             rear, front = sorted((loads[0][0], loads[-1][0]))
             _, hi = move_window(front, rear, self.x, self.mesh, e.moving_window)
             self.x[2 * hi + 2 : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
-        self._work = np.zeros((4, N))
+        self._work = np.zeros((5, N))
         if implicit:
-            width = 3 if e.bending_stiffness is None else 5
-            self._bands = system_bands(self.mesh, width)
-            self._factors, self._factored = np.zeros((N, width)), np.full(taut.size, -1.0)
+            self._factors = np.zeros((N, 7 if e.bending_stiffness is not None else 5))
+            self._factored = np.full(taut.size, -1.0)
             self._method = generalized_alpha(math.inf, 1.0)
         return DONE
 
@@ -241,7 +240,7 @@ class Catenary(Component):
         if h / n != self._method.step:
             self._method = generalized_alpha(h / n, p.spectral_radius)
             alpha, beta = (e.damping.alpha, e.damping.beta) if e.damping is not None else (0.0, 0.0)
-            self._band = effective_band(self._method, *self._bands, self.mesh, alpha, beta)
+            self._band = effective_band(self._method, self.mesh, alpha, beta, self._factors.shape[1])
             self._factored[:] = -1.0
         return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, self._method,
                                 self._band, self._factors, self._factored, e.dropper_slackening, e.bending_stiffness,
@@ -254,26 +253,13 @@ class Catenary(Component):
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
         mesh, N = self.mesh, self.mesh.mass.size
-        mass, stiffness = system_bands(mesh, 5)
-        q, v = self.x[:N], self.x[N : 2 * N]
-        total = 0.5 * q @ (banded_product(stiffness, q) + mesh.ground * q) + 0.5 * v @ self._momentum(mass, v)
+        q, v, mass = self.x[:N], self.x[N : 2 * N], np.where(np.isinf(mesh.mass), 0.0, mesh.mass)
+        total = 0.5 * q @ (banded_product(stiffness_of_wires(mesh, 7), q) + mesh.ground * q) + 0.5 * v @ (mass * v)
         stretch = q[2 * mesh.dropper + 1] - q[2 * mesh.dropper]
         tension = mesh.preload + mesh.dropper_stiffness * stretch
         if "dropper_slackening" in self.on:
             tension = np.maximum(tension, 0.0)
         return float(total + np.sum((tension**2 - mesh.preload**2) / (2.0 * mesh.dropper_stiffness) - mesh.preload * stretch))
-
-    def _momentum(self, mass: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """M v; the explicit method's M is the inverse of D⁻¹ + D⁻¹ S D⁻¹, that is, D w with (D + S) w = D v."""
-        if self.parameters["method"] == "implicit":
-            return banded_product(mass, v)
-        lumped = np.where(np.isinf(self.mesh.mass), 0.0, self.mesh.mass)
-        band = -mass
-        band[:, 0] = 2.0 * lumped - mass[:, 0]  # D + S
-        w = lumped * v
-        factor_band(band, 2, 2, w.size - 2)
-        solve_band(band, w, 2, w.size - 2)
-        return lumped * w
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
@@ -286,19 +272,20 @@ class Catenary(Component):
         """Mesh of the present parameters; kept, because initialisation is repeated while the initial inputs converge."""
         key = tuple(self.parameters.values())
         if getattr(self, "_mesh_key", None) != key:
-            # Halfway between lumped and consistent mass cancels the dispersion of space; that of time adds or subtracts.
-            courant = p.substep * math.sqrt(p.contact_wire_tension / p.contact_wire_mass) / p.element
-            implicit = self.parameters["method"] == "implicit"
-            spread = min(0.5 + courant**2, 1.2) if implicit else max(0.5 - 0.5 * courant**2, 0.0)
+            # Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force
+            # that moves at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
+            element_time = p.element * math.sqrt(p.contact_wire_mass / p.contact_wire_tension)
+            h2 = min(p.substep**2, 0.7 * element_time**2)
+            time_errors = (2.0 * h2, 1.125 * h2) if self.parameters["method"] == "implicit" else (-h2, -0.75 * h2)
             self._mesh_key = key
-            self._mesh = build_mesh(p, e.dropper_slackening, e.bending_stiffness, e.gravity_sag, e.pre_sag, e.steady_arm,
-                                    e.level_support, spread)
+            self._mesh = build_mesh(p, e.dropper_slackening, e.bending_stiffness, e.gravity_sag, e.pre_sag, e.damping,
+                                    e.steady_arm, e.level_support, *time_errors)
         return self._mesh
 
     @staticmethod
     def _explicit_limit(mesh, damping) -> float:
         """(omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of everything and of the wires alone."""
-        _, wires = system_bands(mesh, 5)
+        wires = stiffness_of_wires(mesh, 7)
         taut = wires.copy()
         taut[:, 0] += mesh.ground
         add_droppers(taut, mesh, 1.0)
@@ -310,20 +297,12 @@ class Catenary(Component):
 
 
 def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
-    """Largest omega² of the lumped-and-spread system, 1/s², by power iteration; 2 % are added for what is still missing.
-
-    With the widest spread that the method takes, so that the limit does not move with the step it is a limit for.
-    """
-    spread = np.zeros(mesh.mass.size)  # m L / 12, halfway between lumped and consistent; T m over 12 T / L
-    spread[:-2] = np.resize(mesh.impedance**2, spread.size - 2) / (12.0 * mesh.tension[:-2])
+    """Largest omega², 1/s², by power iteration; 2 % are added for what is still missing."""
     x = (-1.0) ** (np.arange(mesh.mass.size) // 2) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
     x[1::2] *= -1.0  # the wires swing against each other: droppers take part
     value = 0.0
     for _ in range(60):
         y = mesh.inverse_mass * banded_product(stiffness, x)
-        shared = spread[:-2] * (y[:-2] - y[2:])
-        y[:-2] += shared * mesh.inverse_mass[:-2]
-        y[2:] -= shared * mesh.inverse_mass[2:]
         value = float(np.linalg.norm(y))
         x = y / value
     return 1.02 * value
@@ -331,7 +310,7 @@ def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
 HEIGHT, VELOCITY, COMPLIANCE, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices(
-    "wire_height", "wire_velocity", "local_compliance", "static_residual", "support_uplift[1]"
+    "wire_height", "wire_velocity", "contact_compliance", "static_residual", "support_uplift[1]"
 )
 
 
@@ -342,18 +321,40 @@ def catenary_outputs(x, u, y, mesh, watched, second, profile):
     q, v = x[:N], x[N : 2 * N]
     position = u[POSITION]
     y[HEIGHT] = wire_height(position, q, mesh)
-    y[VELOCITY] = wire_velocity(position, v, mesh)
-    y[COMPLIANCE] = local_compliance(position, mesh)
+    y[VELOCITY] = at_contact(position, v, mesh)
+    y[COMPLIANCE] = contact_compliance(x[3 * N + 1], mesh)
     for k in range(WATCHED):
         y[UPLIFT + k] = q[2 * mesh.support[min(watched + k, mesh.support.size - 1)]]
     if second is not None:
         y[second.y] = wire_height(u[second.u], q, mesh)
-        y[second.y + 1] = wire_velocity(u[second.u], v, mesh)
-        y[second.y + 2] = local_compliance(u[second.u], mesh)
+        y[second.y + 1] = at_contact(u[second.u], v, mesh)
+        y[second.y + 2] = contact_compliance(x[3 * N + 3], mesh)
     if profile is not None:
         end = mesh.position[mesh.position.size - 1]
         for k in range(PROFILE):
             y[profile.y + k] = wire_height(min(max(position + k - PROFILE // 2, 0.0), end), q, mesh)
+
+
+@kernel
+def follow_contact(h, contact, position, mesh):
+    """contact: place m, speed m/s; a jump faster than the wire's waves is no motion."""
+    speed = (position - contact[0]) / h
+    contact[0] = position
+    if abs(speed) <= mesh.fastest:
+        contact[1] = speed
+
+
+@kernel
+def follow_contacts(h, x, u, mesh, second):
+    """End of a step of length h: the inputs are held, and place and speed of the contact points are remembered.
+
+    The speed from two places, not from an input's slope, which partners that hand over bare values do not give.
+    """
+    hold_inputs(u, h)
+    k = 3 * mesh.mass.size
+    follow_contact(h, x[k : k + 2], u[0, POSITION], mesh)
+    if second is not None:
+        follow_contact(h, x[k + 2 : k + 4], u[0, second.u], mesh)
 
 
 @kernel
@@ -367,7 +368,7 @@ def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, sla
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window)
-    hold_inputs(u, h)
+    follow_contacts(h, x, u, mesh, second)
     catenary_outputs(x, u[0], y, mesh, watched, second, profile)
     return status
 
@@ -378,6 +379,6 @@ def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, met
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second)
-    hold_inputs(u, h)
+    follow_contacts(h, x, u, mesh, second)
     catenary_outputs(x, u[0], y, mesh, watched, second, profile)
     return status

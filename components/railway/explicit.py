@@ -1,11 +1,12 @@
-"""Explicit integration of the wires: velocity Verlet with lumped masses and a correction for dispersion."""
+"""Explicit integration of the wires: velocity Verlet with lumped masses."""
 
 from __future__ import annotations
 
 import math
 
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
-from .wires import WHISPER, add_contact, add_wire_force, dropper_tension, element_at, first_at_or_after, in_range
+from .contact import add_contact, element_at, in_range
+from .wires import WHISPER, dropper_tension, first_at_or_after, tension_and_bending
 
 
 @kernel
@@ -36,33 +37,29 @@ def drift(d, q, v, a, z, force, beta):
 
 
 @kernel
-def kick(d, v, a, z, force, inverse_mass, spread, alpha):
-    """New acceleration from the force and the second half of the kick; all (n,), first and last node fixed.
-
-    M = D - S, the lumped mass minus the spread to neighbours; its inverse is taken as D⁻¹ + D⁻¹ S D⁻¹.
-    """
-    for j in range(z.size):
-        z[j] = force[j] * inverse_mass[j]
-    z[:2] = 0.0
-    z[-2:] = 0.0
-    left, here, right = z[:-4], z[2:-2], z[4:]
-    spread_left, spread_right, over_mass, ac, vc = spread[:-4], spread[2:-2], inverse_mass[2:-2], a[2:-2], v[2:-2]
+def kick(d, v, a, w, force, inverse_length, inverse_mass, alpha):
+    """New acceleration from the wire's force and the others, and the second half of the kick; all (n,), ends fixed."""
+    left, here, right = w[:-4], w[2:-2], w[4:]
+    over_left, over_right, over_mass = inverse_length[:-4], inverse_length[2:-2], inverse_mass[2:-2]
+    point, ac, vc = force[2:-2], a[2:-2], v[2:-2]
     for j in range(here.size):
-        shared = spread_right[j] * (here[j] - right[j]) + spread_left[j] * (here[j] - left[j])
-        ac[j] = here[j] + shared * over_mass[j] - alpha * (vc[j] + 0.5 * d * ac[j])
+        total = point[j] + over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
+        ac[j] = total * over_mass[j] - alpha * (vc[j] + 0.5 * d * ac[j])
         vc[j] += 0.5 * d * ac[j]
 
 
 @kernel
 def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window):
-    """n equal velocity-Verlet steps over h.  x: displacement, velocity, acceleration, (N,) each[, window (2,)].  work: (3, N).
+    """n equal velocity-Verlet steps over h.
+
+    x: displacement, velocity, acceleration, (N,) each, contacts[, window (2,)].  work: (4, N).
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
-    Source: Verlet in kick-drift-kick form; S is that of a mass between lumped and consistent.
+    Source: Verlet in kick-drift-kick form.
     """
     N, nodes = mesh.mass.size, mesh.position.size
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    z, force, moment = work[0], work[1], work[2]
+    z, force, w, kink = work[0], work[1], work[2], work[3]
     alpha, beta = 0.0, 0.0
     if damping is not None:
         alpha, beta = damping.alpha, damping.beta
@@ -99,8 +96,8 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
                 if hi < nodes - 2:
                     z[2 * hi + 2 + j] = z[2 * hi + j]
                     force[2 * hi + j] -= mesh.impedance[j] * v[2 * hi + j]
-        tension, curvature, inverse_length = mesh.tension[here], mesh.curvature[here], mesh.inverse_length[here]
-        add_wire_force(z[here], force[here], moment[here], tension, curvature, inverse_length, bending)
+        tension_and_bending(z[here], w[here], kink[here], mesh.tension[here], mesh.curvature[here], mesh.bending_gradient,
+                            mesh.inverse_length[here], bending)
         for k in range(first_dropper, end_dropper):
             j = 2 * mesh.dropper[k]
             change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
@@ -112,7 +109,7 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
         add_contact(position, load, force, mesh)
         if second is not None:
             add_contact(position2, load2, force, mesh)
-        kick(d, v[here], a[here], z[here], force[here], mesh.inverse_mass[here], mesh.spread[here], alpha)
+        kick(d, v[here], a[here], w[here], force[here], mesh.inverse_length[here], mesh.inverse_mass[here], alpha)
     counts[0] += n
     counts[1] += n
     if not math.isfinite(q[2 * element_at(position, mesh)]):

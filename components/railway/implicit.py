@@ -9,18 +9,20 @@ import numpy as np
 from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import Method
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
-from .wires import WHISPER, add_contact, add_wire_force, element_at, in_range
+from .contact import add_contact, element_at, in_range
+from .mesh import stiffness_of_wires
+from .wires import WHISPER, tension_and_bending
 
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
 
 
-def effective_band(method: Method, mass, stiffness, mesh, alpha: float, beta: float) -> np.ndarray:
+def effective_band(method: Method, mesh, alpha: float, beta: float, width: int) -> np.ndarray:
     """Band of the matrix that every step solves with, without droppers, (N, width)."""
     h = method.step
     k = 1.0 - method.alpha_f
     m, c = (1.0 - method.alpha_m) / (method.beta * h**2), k * method.gamma / (method.beta * h)
-    band = (m + c * alpha) * mass + (c * beta + k) * stiffness
-    band[:, 0] += c * mesh.ground_damping + k * mesh.ground
+    band = (c * beta + k) * stiffness_of_wires(mesh, width)
+    band[:, 0] += (m + c * alpha) * np.where(np.isinf(mesh.mass), 0.0, mesh.mass) + c * mesh.ground_damping + k * mesh.ground
     return band
 
 
@@ -41,14 +43,14 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 @kernel
 def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second):
-    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, taut (d,).
+    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, contacts, taut (d,).
 
     factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
     """
     N, droppers = mesh.mass.size, mesh.dropper.size
-    q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[3 * N : 3 * N + droppers]
-    z, base, moment, b = work[0], work[1], work[2], work[3]
+    q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[x.size - droppers :]
+    z, base, w, kink, b = work[0], work[1], work[2], work[3], work[4]
     am, af, gamma, beta_n, d = method.alpha_m, method.alpha_f, method.gamma, method.beta, h / n
     alpha, beta = 0.0, 0.0
     if damping is not None:
@@ -62,13 +64,12 @@ def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factor
             return OUT_OF_RANGE
         for j in range(2, N - 2):
             velocity = v_v * v[j] + v_a * a[j]
-            z[j] = a_v * v[j] + a_a * a[j] + alpha * velocity
-            base[j] = WHISPER - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
+            inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
+            base[j] = WHISPER - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
+            z[j] = q[j] + beta * velocity
+        tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
         for j in range(2, N - 2):
-            base[j] -= mesh.mass[j] * z[j] - mesh.spread[j] * (z[j] - z[j + 2]) - mesh.spread[j - 2] * (z[j] - z[j - 2])
-        for j in range(2, N - 2):
-            z[j] = q[j] + beta * (v_v * v[j] + v_a * a[j])
-        add_wire_force(z, base, moment, mesh.tension, mesh.curvature, mesh.inverse_length, bending)
+            base[j] += mesh.inverse_length[j] * (w[j + 2] - w[j]) - mesh.inverse_length[j - 2] * (w[j] - w[j - 2])
         add_contact(position, u[0, 1] + s * (u[1, 1] + s * u[2, 1]), base, mesh)
         if second is not None:
             k = second.u

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import StepFailed
-from .mesh import GRAVITY, Mesh, add_droppers, system_bands
-from .wires import add_contact, local_compliance, wire_height
+from .contact import add_contact, contact_compliance, wire_height
+from .mesh import GRAVITY, Mesh, add_droppers, stiffness_band, stiffness_of_wires
 
 
 def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
@@ -17,7 +17,7 @@ def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral:
     largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
     """
     N = mesh.mass.size
-    _, stiffness = system_bands(mesh, 5)
+    stiffness = stiffness_of_wires(mesh, 7)
     stiffness[:, 0] += mesh.ground
     force = np.zeros(N)
     for position, load in loads:
@@ -50,7 +50,7 @@ def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True) -> 
     for position in positions:
         q, _, _ = loaded_equilibrium(mesh, [(position, force)], unilateral)
         uplift = wire_height(position, q, mesh) - wire_height(position, 0.0 * q, mesh)
-        result.append(uplift / force + local_compliance(position, mesh))
+        result.append(uplift / force + contact_compliance(0.0, mesh))
     return np.array(result)
 
 
@@ -64,14 +64,17 @@ def stiffness_series(positions, stiffness, span: float, harmonics: int) -> tuple
     return float(coefficients[0]), coefficients[1:] / coefficients[0]
 
 
-def messenger_shape(p, mesh: Mesh) -> np.ndarray:
-    """Height of the messenger wire at rest above its supports' unloaded height, (n,) m, from weights and dropper tensions."""
+def messenger_shape(p, bending, mesh: Mesh) -> np.ndarray:
+    """Height of the messenger wire at rest above its supports' unloaded height, (n,) m, from weights and dropper tensions.
+
+    p and bending: parameters of `Catenary` and of its `bending_stiffness`, or None. Linear elements, as at the contact wire.
+    """
     L = mesh.length
-    weight = 0.5 * GRAVITY * p.messenger_mass * (L + np.roll(L, 1))
+    around = 0.5 * (L + np.roll(L, 1))
+    weight = GRAVITY * p.messenger_mass * around
     weight[mesh.dropper] += GRAVITY * (p.messenger_clamp_mass + 0.5 * p.dropper_mass) + mesh.preload
-    _, stiffness = system_bands(mesh, 5)
-    band = np.ascontiguousarray(stiffness[1::2, ::2])
-    band[:, 0] += mesh.ground[1::2]
+    band = stiffness_band(p.messenger_tension, (bending.messenger if bending is not None else 0.0) / around, 0.0, L)
+    band[mesh.support[1:-1], 0] += p.support_stiffness
     y = -weight
     y[[0, -1]] = 0.0
     factor_band(band, 1, 1, y.size - 1)

@@ -1,4 +1,4 @@
-"""Forces of the two wires, their droppers and supports, and the geometry of the moving contact: kernels."""
+"""Forces of the two wires and their droppers: kernels."""
 
 from __future__ import annotations
 
@@ -10,25 +10,32 @@ WHISPER = 1e-27
 
 
 @kernel
-def add_wire_force(z, force, moment, tension, curvature, inverse_length, bending):
-    """Add the restoring force of tension and bending for displacements z, all (2 k,) for k successive nodes.
+def tension_and_bending(z, w, kink, tension, curvature, bending_gradient, inverse_length, bending):
+    """w = T z - C z_xx for displacements z of successive nodes, all (2 k,), whose second difference is the restoring force.
 
-    string: T (z[i+1] - z[i]) / L - T (z[i] - z[i-1]) / l.  beam: the moment EI z'' at the nodes, its second difference.
-    The first and the last node are neighbours that act on the others and get no force; there is no moment in them.
+    C = EI + T h²/12 (`curvature`, over the mean length): T z_xx from five nodes, to the fourth order in h. Bending takes
+    h²/6 EI z_xxxx more (`bending_gradient`, (2,)), for the same order. The first and the last node bear no moment.
     """
     left, here, right = z[:-4], z[2:-2], z[4:]  # shifted views: plain indices, which LLVM can turn into vector code
-    tension_left, tension_right, into = tension[:-4], tension[2:-2], force[2:-2]
-    for j in range(here.size):
-        into[j] += tension_right[j] * (right[j] - here[j]) - tension_left[j] * (here[j] - left[j])
-    if bending is not None:
-        moment[:2] = 0.0
-        moment[-2:] = 0.0
-        over_left, over_right, stiffness = inverse_length[:-4], inverse_length[2:-2], curvature[2:-2]
-        moment_left, moment_here, moment_right = moment[:-4], moment[2:-2], moment[4:]
+    over_left, over_right = inverse_length[:-4], inverse_length[2:-2]
+    inner, pull, stiffness = w[2:-2], tension[2:-2], curvature[2:-2]
+    for j in range(2):
+        w[j] = tension[j] * z[j]
+        w[w.size - 2 + j] = tension[j] * z[z.size - 2 + j]
+    if bending is None:
         for j in range(here.size):
-            moment_here[j] = stiffness[j] * (over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j]))
+            slope = over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
+            inner[j] = pull[j] * here[j] - stiffness[j] * slope
+    else:
+        kink_left, kink_here, kink_right = kink[:-4], kink[2:-2], kink[4:]
+        kink[:2] = 0.0
+        kink[-2:] = 0.0
         for j in range(here.size):
-            into[j] += over_right[j] * (moment_here[j] - moment_right[j]) - over_left[j] * (moment_left[j] - moment_here[j])
+            kink_here[j] = over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
+            inner[j] = pull[j] * here[j] - stiffness[j] * kink_here[j]
+        for j in range(0, here.size, 2):
+            inner[j] += bending_gradient[0] * (kink_left[j] - 2.0 * kink_here[j] + kink_right[j])
+            inner[j + 1] += bending_gradient[1] * (kink_left[j + 1] - 2.0 * kink_here[j + 1] + kink_right[j + 1])
 
 
 @kernel
@@ -52,60 +59,3 @@ def first_at_or_after(nodes, node):
         else:
             high = middle
     return low
-
-
-@kernel
-def element_at(position, mesh):
-    """Number of the element that holds a position on the wire, its ends included."""
-    cell = min(max(int(position / mesh.cell), 0), mesh.node_of.size - 1)
-    i = mesh.node_of[cell]
-    while i < mesh.position.size - 2 and mesh.position[i + 1] <= position:
-        i += 1
-    return min(i, mesh.position.size - 2)  # the last node starts no element
-
-
-@kernel
-def wire_height(position, q, mesh):
-    """Height of the contact wire at a position, m: static shape plus displacement, linear between the nodes.
-
-    The kink that the string has under the contact force, inside an element, is not part of it: `local_compliance`.
-    """
-    i = element_at(position, mesh)
-    s = (position - mesh.position[i]) / mesh.length[i]
-    shape = (1.0 - s) * mesh.height[i] + s * mesh.height[i + 1] - s * (1.0 - s) * mesh.bow[i]
-    return shape + (1.0 - s) * q[2 * i] + s * q[2 * i + 2]
-
-
-@kernel
-def wire_velocity(position, v, mesh):
-    """Vertical velocity of the contact wire's material at a position, m/s."""
-    i = element_at(position, mesh)
-    s = (position - mesh.position[i]) / mesh.length[i]
-    return (1.0 - s) * v[2 * i] + s * v[2 * i + 2]
-
-
-@kernel
-def local_compliance(position, mesh):
-    """Deflection per force of the string under a point load, relative to the chord of its element, m/N.
-
-    s (1 - s) L / T at s of an element: what linear elements leave out. It has no inertia, so it acts in series with the
-    contact spring, and the partner that owns that spring puts it there.
-    """
-    i = element_at(position, mesh)
-    s = (position - mesh.position[i]) / mesh.length[i]
-    return s * (1.0 - s) / mesh.tension[2 * i]
-
-
-@kernel
-def add_contact(position, load, force, mesh):
-    """Add a point load to the nodes beside it, N."""
-    i = element_at(position, mesh)
-    s = (position - mesh.position[i]) / mesh.length[i]
-    force[2 * i] += (1.0 - s) * load
-    force[2 * i + 2] += s * load
-
-
-@kernel
-def in_range(position, mesh):
-    """Whether a contact point is on the wire, at least one element away from its ends."""
-    return mesh.position[1] <= position < mesh.position[mesh.position.size - 2]

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from .....components.catalogue import component_class
+from .....components.railway.contact import wire_height
 from .....components.railway.mesh import GRAVITY
 from .....components.railway.statics import elasticity, messenger_shape
-from .....components.railway.wires import wire_height
 from ....harness.charts.chart import Chart, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, Row, compare
 from ....harness.validation.reference import TableRow, load_table
@@ -127,7 +127,7 @@ def _closed_forms(scene: str) -> list[Row]:
     measured = mesh.preload[first : first + n]
     loads = expected + GRAVITY * (p["messenger_clamp_mass"] + half)
     sag = string_sag(span, p["messenger_tension"], GRAVITY * p["messenger_mass"], within, loads)
-    shape = messenger_shape(catenary.arguments[0], mesh)
+    shape = messenger_shape(catenary.arguments[0], catenary.arguments[1].bending_stiffness, mesh)
     at_support, at_midspan = np.interp([span * middle, span * (middle + 0.5)], mesh.position, shape)
     gap = slice(n + n // 2, n + n // 2 + 2)  # the droppers beside the middle of the span
     between = positions[gap].mean()

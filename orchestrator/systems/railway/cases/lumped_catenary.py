@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .....components.railway.wires import wire_height
+from .....components.railway.contact import wire_height
 from ....harness.analysis.signals import Filter, uniform, window
 from ....harness.charts.chart import Chart, Grid, Panel, Series
 from ....harness.validation.case import Case, Findings, Options, Row

@@ -1,0 +1,164 @@
+"""The moving contact on the mesh of a wire: its shape function, and the compliance of the waves that the mesh cannot hold.
+
+Inside the mesh a wave of wave number k meets the stiffness and the mass of the wire to the fourth order in k h. A contact that
+moves reads and loads the wire through a shape function over four nodes, whose own error is of the same order; with hat functions
+over two nodes it would be (k h)²/6 of the contact's compliance. The shape function is the same for force and height, so that
+both do the same work.
+
+The waves beyond the mesh, k > pi / h, follow the force without delay: a compliance in series with the contact spring,
+`contact_compliance`, and in series with droppers and supports, `node_compliance`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.kernels import kernel, kernel_tuple
+
+SPEEDS = 33  # points of the table of the compliance
+FASTEST = 0.98  # of the wave speed: end of the table
+
+
+@kernel
+def element_at(position, mesh):
+    """Number of the element that holds a position on the wire, its ends included."""
+    cell = min(max(int(position / mesh.cell), 0), mesh.node_of.size - 1)
+    i = mesh.node_of[cell]
+    while i < mesh.position.size - 2 and mesh.position[i + 1] <= position:
+        i += 1
+    return min(i, mesh.position.size - 2)  # the last node starts no element
+
+
+@kernel
+def in_range(position, mesh):
+    """Whether a contact point is on the wire, at least one element away from its ends."""
+    return mesh.position[1] <= position < mesh.position[mesh.position.size - 2]
+
+
+@kernel
+def shape_weights(position, mesh):
+    """Element i of a position and the weights of the nodes i - 1 to i + 2.
+
+    Linear between the nodes i and i + 1, less sharpness s (1 - s) L² u''/2, u'' the mean of the second differences at both
+    nodes: 0 takes two nodes, 1 makes a cubic through four. A little less than 1 takes back what the step in time adds.
+    """
+    i = element_at(position, mesh)
+    here = mesh.length[i]
+    s = (position - mesh.position[i]) / here
+    if i < 1 or i > mesh.position.size - 3:
+        return i, 0.0, 1.0 - s, s, 0.0
+    left, right = here / mesh.length[i - 1], here / mesh.length[i + 1]
+    bubble = 0.25 * mesh.sharpness * s * (1.0 - s)
+    at_left, at_right = 2.0 * bubble / (1.0 + 1.0 / left), 2.0 * bubble / (1.0 + 1.0 / right)
+    outer_left, outer_right = at_left * left, at_right * right
+    return (i, -outer_left, 1.0 - s + at_left + outer_left - at_right, s + at_right + outer_right - at_left, -outer_right)
+
+
+@kernel
+def at_contact(position, u, mesh):
+    """Displacement or velocity of the contact wire, u (N,), at a position."""
+    i, a, b, c, d = shape_weights(position, mesh)
+    value = b * u[2 * i] + c * u[2 * i + 2]
+    if a != 0.0:
+        value += a * u[2 * i - 2] + d * u[2 * i + 4]
+    return value
+
+
+@kernel
+def add_contact(position, load, force, mesh):
+    """Add a point load on the contact wire to the nodes around it, N; the position is in range."""
+    i, a, b, c, d = shape_weights(position, mesh)
+    force[2 * i - 2] += a * load
+    force[2 * i] += b * load
+    force[2 * i + 2] += c * load
+    force[2 * i + 4] += d * load
+
+
+@kernel
+def wire_height(position, q, mesh):
+    """Height of the contact wire at a position, m: static shape plus displacement."""
+    i = element_at(position, mesh)
+    s = (position - mesh.position[i]) / mesh.length[i]
+    shape = (1.0 - s) * mesh.height[i] + s * mesh.height[i + 1] - s * (1.0 - s) * mesh.bow[i]
+    return shape + at_contact(position, q, mesh)
+
+
+@kernel_tuple
+class WireOnMesh(NamedTuple):
+    """What decides how waves travel along one wire, and along its mesh."""
+
+    tension: float  # N
+    mass: float  # kg/m
+    bending: float  # N m², EI
+    element: float  # m, h
+    curvature: float  # N m², E4: what the mesh adds to EI for the fourth order in space, less what the step in time adds
+    gradient: float  # N m⁴, E6 = EI h²/6
+    time_error: float  # s², share that the step in time adds to a squared frequency, over its omega²/12
+    sharpness: float  # of the contact's shape function
+    alpha: float  # 1/s
+    beta: float  # s
+
+
+@kernel
+def compliance_table(wire, table):
+    """Mean compliance that a mesh leaves out under a force that moves, m/N, for SPEEDS speeds from 0 to FASTEST c; table (n,).
+
+    In the frame of a force that moves at v, averaged over its place within an element,
+
+        c = 1/pi ∫ Re [1 / D(k) - W(k)² / D_h(k)] dk,   k > 0,   z = k h / 2
+        D = (T k² + EI k⁴) (1 - i beta v k) - m v² k² - i alpha m v k
+        D_h = (T q² + (EI + E4) q⁴ + E6 q⁶) (1 - i beta v k) - m v² k² (1 + tau v² k²/12) - i alpha m v k,   q = 2 sin(z) / h
+        W = (sin z / z)² (1 + sharpness cos z (sin z / z - cos z))
+    """
+    T, m, EI, h = wire.tension, wire.mass, wire.bending, wire.element
+    c = math.sqrt(T / m)
+    n, end = 1200, 4.0 * math.pi  # midpoints up to z = 4 pi; W⁴ leaves less than 1e-4 of the integral beyond
+    for j in range(table.size):
+        v = FASTEST * c * j / (table.size - 1)
+        # A trace of damping: undamped, the mesh's slow waves make a pole, whose principal value is meant.
+        lag = max(wire.beta * v, 0.02 * h * v / c)
+        total = 0.0
+        for i in range(n):
+            z = end * (i + 0.5) / n
+            k, q = 2.0 * z / h, 2.0 * math.sin(z) / h
+            sinc = math.sin(z) / z
+            W = sinc * sinc * (1.0 + wire.sharpness * math.cos(z) * (sinc - math.cos(z)))
+            stiffness = T * k**2 + EI * k**4
+            on_mesh = T * q**2 + (EI + wire.curvature) * q**4 + wire.gradient * q**6
+            inertia, drag = m * (v * k) ** 2, wire.alpha * m * v * k
+            re, im = stiffness - inertia, stiffness * lag * k + drag
+            re_h, im_h = on_mesh - inertia * (1.0 + wire.time_error * (v * k) ** 2 / 12.0), on_mesh * lag * k + drag
+            total += re / (re**2 + im**2) - W * W * re_h / (re_h**2 + im_h**2)
+        total *= end / n * 2.0 / h
+        last = 2.0 * end / h  # beyond it the wire alone, k = last / s
+        for i in range(200):
+            s = (i + 0.5) / 200
+            k = last / s
+            stiffness = T * k**2 + EI * k**4
+            re, im = stiffness - m * (v * k) ** 2, stiffness * lag * k
+            total += re / (re**2 + im**2) * last / s**2 / 200
+        table[j] = total / math.pi
+
+
+def node_compliance(wire: WireOnMesh) -> float:
+    """Compliance that a mesh leaves out at a node under a force at rest, m/N.
+
+    For strings linear elements are exact at their nodes: 1/(T q²) over the mesh's waves is 1/(T k²) over all of them. Bending
+    takes sqrt(EI / T) / (2 T) off the wire.
+    """
+    T, EI = wire.tension, wire.bending
+    q = 2.0 * np.sin(0.5 * np.pi * (np.arange(1000) + 0.5) / 1000.0) / wire.element
+    on_mesh = np.mean(1.0 / (T * q**2) - 1.0 / (T * q**2 + (EI + wire.curvature) * q**4 + wire.gradient * q**6)) / wire.element
+    return float(on_mesh) - 0.5 * math.sqrt(EI / T) / T
+
+
+@kernel
+def contact_compliance(speed, mesh):
+    """Compliance for a contact point that moves at a speed, m/N: linear in the table, its last value beyond."""
+    table = mesh.compliance
+    place = min(abs(speed) / mesh.fastest, 1.0) * (table.size - 1)
+    j = min(int(place), table.size - 2)
+    return table[j] + (place - j) * (table[j + 1] - table[j])
