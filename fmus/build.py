@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import os
 import zipfile
@@ -12,6 +11,8 @@ from tempfile import NamedTemporaryFile
 
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class
+from ..components.core import folders
+from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description
@@ -64,41 +65,23 @@ def built(name: str) -> Path:
 
 
 def sources(module: str) -> dict[str, bytes]:
-    """The files a component's module needs, its import closure within `components`: relative path -> content.
-
-    Imports are read from the source, those inside functions too; nothing is executed.
-    """
-    closure: dict[str, bytes] = {}
-    todo = [tuple(module.split("."))]
-    while todo:
-        parts = todo.pop()
-        for k in range(len(parts) + 1):  # importing a.b.c imports a and a.b, too
-            path = COMPONENTS.joinpath(*parts[:k])
-            file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-            key = file.relative_to(COMPONENTS).as_posix()
-            if key in closure or not file.is_file():
-                continue
-            closure[key] = file.read_bytes()
-            package = parts[:k] if path.is_dir() else parts[: k - 1]
-            todo += _imports(ast.parse(closure[key]), package, key)
-    return closure
+    """The files a component's module needs, its import closure within `components`: relative path -> content."""
+    file = COMPONENTS.joinpath(*module.split(".")).with_suffix(".py")
+    contents = closure(file)
+    packages = {p / "__init__.py" for path in contents for p in path.parents if p.is_relative_to(COMPONENTS)}
+    files = {path.relative_to(COMPONENTS).as_posix(): path.read_bytes() for path in sorted(packages | {*contents})}
+    for where, content in files.items():
+        for level, name, _ in imports(content):
+            if level == 0 and name.split(".")[0] in ("components", "cosimo"):
+                raise BadInput(f"components/{where}", f"an absolute import of {name!r}", "a relative import",
+                               "A bundle is imported under another name.")
+    return files
 
 
-def _imports(tree: ast.AST, package: tuple[str, ...], where: str) -> list[tuple[str, ...]]:
-    """Modules of `components` that a source file may import, as paths from the top; some may turn out to be no modules."""
-    result = []
-    for node in ast.walk(tree):
-        absolute = [a.name for a in node.names] if isinstance(node, ast.Import) else []
-        if isinstance(node, ast.ImportFrom) and node.level == 0:
-            absolute = [node.module or ""]
-        if any(n.split(".")[0] == "components" for n in absolute):
-            raise BadInput(f"components/{where}", f"an absolute import of {absolute[0]!r}", "a relative import",
-                           "A bundle is imported under another name.")
-        if isinstance(node, ast.ImportFrom) and node.level > 0:
-            base = (*package[: len(package) - node.level + 1], *(node.module or "").split("."))
-            base = tuple(p for p in base if p)
-            result += [base, *((*base, a.name) for a in node.names)]
-    return result
+def slave_script() -> str:
+    """What every slave script starts with: where the caches are, and how an FMU finds its code."""
+    place, loading = (Path(m.__file__).read_text(encoding="utf-8") for m in (folders, loader))
+    return place + loading.replace("from ..components.core.folders import cache_root\n", "")
 
 
 def _members(name: str) -> tuple[str, dict[str, bytes]]:
@@ -112,7 +95,7 @@ def fmu_members(name: str, component: type, module: str, files: dict[str, bytes]
     bundle = {f"components/{path}": content for path, content in files.items()}
     bundle |= {file: (HERE / file).read_bytes() for file in ("slave.py", "interface.py")}
     bundle["__init__.py"] = b""
-    head = (HERE / "loader.py").read_text(encoding="utf-8")
+    head = slave_script()
     short = _digest({**bundle, "name": name.encode(), "script": (head + SCRIPT).encode()})[:16]
     script = f"{name}_{short}"
     tail = SCRIPT.format(name=name, bundle=f"bundle_{short}", module=module, script=script)

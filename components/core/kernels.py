@@ -9,11 +9,7 @@ NamedTuple of its values, or None where it is off. A branch `if e.effect is not 
 from __future__ import annotations
 
 import types
-from contextlib import suppress
-from glob import escape
-from pathlib import Path
 from typing import Any
-from uuid import uuid4
 from zlib import crc32
 
 try:
@@ -25,6 +21,7 @@ except ImportError:  # an FMU's host may lack Numba: slower, the same equations
 COMPILED = njit is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"error_model": "numpy"}
 if COMPILED:
+    from .kernel_cache import KernelCache
     from .pruning import KernelCompiler
 
     OPTIONS["pipeline_class"] = KernelCompiler
@@ -37,52 +34,13 @@ REASONS = {
 }
 
 
-def _sources_stamp() -> tuple[tuple[str, int, int], ...]:
-    """(path, time, size) of every source file beside this package; a part of each cached kernel's key."""
-    root = Path(__file__).resolve().parent.parent
-    files = sorted(p for p in root.rglob("*.py") if "__pycache__" not in p.parts and p.name != "hard_cases.py")  # no kernels
-    return tuple((str(p.relative_to(root)), (s := p.stat()).st_mtime_ns, s.st_size) for p in files)
-
-
-_STAMP = _sources_stamp()
-_PROCESS = uuid4().hex[:8]
-
-
-def kernel(function):
-    """Compile `function` on first use and keep the machine code on disk.
-
-    Numba looks only at the file that holds a function to decide whether its cached code is fresh. Kernels call
-    kernels of other files, so an edit there would go unnoticed: the stamp covers the whole package instead.
-    """
+def kernel(function, *files: str):
+    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports."""
     if not COMPILED:
         return function
-    dispatcher = njit(cache=True, **OPTIONS)(function)
-    cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if cache_file is not None:
-        # As part of the version it is looked at before anything else is read, which may name classes that are gone.
-        cache_file._version = (cache_file._version, _STAMP)
-        _own_names(cache_file)
+    dispatcher = njit(**OPTIONS)(function)
+    dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
     return dispatcher
-
-
-def _own_names(cache_file) -> None:
-    """Machine code that this process writes gets names of its own.
-
-    Numba counts the files of a kernel. Processes that compile it for different arguments at once arrive at the same number, and
-    the index of one then leads to the code of the other. Files that no index names any more go with the first new one.
-    """
-    stem, save_index = cache_file._index_name.removesuffix(".nbi"), cache_file._save_index
-    cache_file._data_name_pattern = f"{stem}.{{number:d}}-{_PROCESS}.nbc"
-
-    def save(overloads):
-        save_index(overloads)
-        if len(overloads) == 1:
-            for path in Path(cache_file._cache_path).glob(f"{escape(stem)}.*.nbc"):
-                if path.name not in overloads.values():
-                    with suppress(OSError):
-                        path.unlink()
-
-    cache_file._save_index = save
 
 
 def bind(template, module: str, **names):
@@ -96,7 +54,8 @@ def bind(template, module: str, **names):
     qualname = f"{template.__name__}_{module.replace('.', '_')}"
     bound = types.FunctionType(template.__code__, {**template.__globals__, **names}, qualname)
     bound.__qualname__, bound.__module__, bound.__doc__ = qualname, template.__module__, template.__doc__
-    return kernel(bound)
+    files = {getattr(f, "py_func", f).__code__.co_filename for f in names.values()}
+    return kernel(bound, *sorted(files))
 
 
 def kernel_tuple(cls: type) -> type:

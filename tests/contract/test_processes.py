@@ -96,7 +96,7 @@ import subprocess, sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from doubled import doubled
-file = doubled._cache._cache_file
+file = doubled._cache._open()._cache_file
 write = file._save_data
 def slowly(name, data):  # another process finds no index, compiles for other arguments, and is done before
     Path(file._index_path).unlink()

@@ -1,0 +1,163 @@
+"""Machine code on disk, kept by the contents of the sources that it was compiled from.
+
+Numba's own cache looks at the file of a function, or at its time, and not at the files of the functions that are inlined into it:
+an edit there goes unnoticed. Here the key is a digest of the import closure, so that touching a file costs nothing, an edit
+recompiles what depends on it and nothing else, and a copy of the sources elsewhere finds the same machine code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import sysconfig
+import tempfile
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from uuid import uuid4
+
+from numba import config
+from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
+
+from .closure import closure
+from .folders import cache_root
+
+_PROCESS = uuid4().hex[:8]
+_PACKAGE = __name__.partition(".")[0]
+_LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
+
+
+def _own_module(name: str) -> Path | None:
+    """The file of a loaded module that is this package's or the user's; None for libraries."""
+    file = getattr(sys.modules.get(name), "__file__", None)
+    if file is None or not file.endswith(".py"):
+        return None
+    return Path(file) if name.partition(".")[0] == _PACKAGE or not file.startswith(_LIBRARIES) else None
+
+
+@lru_cache(maxsize=1024)
+def sources_digest(*files: str) -> str:
+    """Digest of the import closures of source files; the same for a copy of them in another place."""
+    total = hashlib.sha256()
+    for file in files:
+        start = Path(file).resolve()
+        contents = closure(start, _own_module)
+        for path in sorted(contents, key=lambda p: os.path.relpath(p, start.parent)):
+            total.update(f"{path.name}\0{len(contents[path])}\0".encode() + contents[path])
+    return total.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _root() -> Path | None:
+    """A folder for machine code that belongs to the user and can be written; None where there is none.
+
+    NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. What lies there is executed:
+    one that another user owns or may write is not taken.
+    """
+    temporary = Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
+    for folder in (Path(config.CACHE_DIR or Path(cache_root()) / "kernels"), temporary):
+        with suppress(OSError):
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            status = folder.stat()
+            if hasattr(os, "getuid") and (status.st_uid != os.getuid() or (folder == temporary and status.st_mode & 0o022)):
+                continue
+            tempfile.TemporaryFile(dir=folder).close()
+            return folder
+    return None
+
+
+class _Locator(_CacheLocator):
+    """Tells Numba the folder and the freshness of a kernel."""
+
+    def __init__(self, folder: Path, stamp: str):
+        self._folder, self._stamp = folder, stamp
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        return "kernel"
+
+
+class _Files(IndexDataCacheFile):
+    """Index and machine code of a kernel; what is damaged counts as missing, and is written anew.
+
+    Numba counts the files of a kernel. Processes that compile it for different arguments at once arrive at the same number, and
+    the index of one then leads to the code of the other: here each process gives its files names of its own.
+    """
+
+    def __init__(self, cache_path: str, filename_base: str, source_stamp: str):
+        super().__init__(cache_path, filename_base, source_stamp)
+        self._data_name_pattern = f"{filename_base}.{{number:d}}-{_PROCESS}.nbc"
+
+    def _load_index(self):
+        try:
+            return super()._load_index()
+        except Exception:  # a pickle that is cut off or garbled raises anything
+            return {}
+
+    def load(self, key):
+        try:
+            return super().load(key)
+        except Exception:
+            return None
+
+    def save(self, key, data):
+        with suppress(OSError):  # a full disk: the machine code is at hand, the next process compiles again
+            super().save(key, data)
+
+
+class KernelCache(FunctionCache):
+    """The cache of one kernel; nothing is read before it is needed. files: sources that decide on the machine code."""
+
+    def __init__(self, function, files: tuple[str, ...]):
+        self._py_func, self._name, self._files = function, repr(function), files
+        self._opened: FunctionCache | NullCache | None = None
+
+    def _open(self):
+        if self._opened is None:
+            self._opened = NullCache()
+            with suppress(OSError, SyntaxError, ValueError):  # a function of no file, as one of an interactive session
+                if (root := _root()) is not None:
+                    self._opened = _OpenCache(self._py_func, root, sources_digest(*self._files))
+        return self._opened
+
+    @property
+    def cache_path(self):
+        return self._open().cache_path
+
+    def load_overload(self, sig, target_context):
+        return self._open().load_overload(sig, target_context)
+
+    def save_overload(self, sig, data):
+        with suppress(OSError):
+            self._open().save_overload(sig, data)
+
+    def enable(self):
+        self._open().enable()
+
+    def disable(self):
+        self._open().disable()
+
+    def flush(self):
+        self._open().flush()
+
+
+class _OpenCache(FunctionCache):
+    """Numba's cache with the files above."""
+
+    def __init__(self, function, root: Path, digest: str):
+        self._py_func, self._name = function, repr(function)
+        module = f"{function.__module__}"
+        folder = root / module.partition(".")[0] / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
+        self._impl = object.__new__(self._impl_class)
+        self._impl._lineno = function.__code__.co_firstlineno
+        self._impl._locator = _Locator(folder, digest)
+        self._impl._filename_base = self._impl.get_filename_base(function.__qualname__, getattr(sys, "abiflags", ""))
+        self._cache_path = str(folder)
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest)
+        self.enable()

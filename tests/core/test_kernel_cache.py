@@ -1,0 +1,82 @@
+"""Machine code on disk: found by a second process, renewed by an edit in an inlined file and nothing else, healed if damaged."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from cosimo import components
+from cosimo.components.core.kernels import COMPILED
+
+pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
+
+CORE = Path(components.__file__).parent / "core"
+INNER = "from .core.kernels import kernel\n\n@kernel\ndef inner(x):\n    return 2.0 * x\n"
+OUTER = "from .core.kernels import kernel\nfrom .inner import inner\n\n@kernel\ndef outer(x):\n    return inner(x) + 1.0\n"
+OTHER = "from .core.kernels import kernel\n\n@kernel\ndef other(x):\n    return 3.0 * x\n"
+RUN = """
+import json, sys, tempfile
+{before}
+from own.outer import outer
+from own.other import other
+values = [outer(5.0), other(5.0)]
+print(json.dumps(values + [[k.stats.cache_hits.total(), k.stats.cache_misses.total()] for k in (outer, other)]))
+"""
+FOUND, COMPILED_ANEW = [1, 0], [0, 1]
+
+
+@pytest.fixture
+def package(tmp_path) -> Path:
+    """A package with a copy of the core and three kernels, one of which is inlined into another."""
+    folder = tmp_path / "somewhere" / "own"
+    shutil.copytree(CORE, folder / "core", ignore=shutil.ignore_patterns("__pycache__"))
+    for name, text in {"__init__": "", "inner": INNER, "outer": OUTER, "other": OTHER}.items():
+        (folder / f"{name}.py").write_text(text)
+    return folder
+
+
+def run(package: Path, cache: Path, before: str = "") -> list:
+    """[outer(5), other(5), (hits, misses) of either] in a process of its own."""
+    environment = {**os.environ, "PYTHONPATH": str(package.parent), "COSIMO_CACHE": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    done = subprocess.run([sys.executable, "-c", RUN.format(before=before)], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_second_process_compiles_nothing_and_an_edit_recompiles_what_depends_on_it(package, tmp_path):
+    cache = tmp_path / "cache"
+    assert run(package, cache) == [11.0, 15.0, COMPILED_ANEW, COMPILED_ANEW]
+    (package / "inner.py").touch()
+    assert run(package, cache) == [11.0, 15.0, FOUND, FOUND]
+    (package / "inner.py").write_text(INNER.replace("2.0", "4.0"))
+    assert run(package, cache) == [21.0, 15.0, COMPILED_ANEW, FOUND]
+    copy = tmp_path / "elsewhere" / "own"
+    shutil.copytree(package, copy)
+    assert run(copy, cache) == [21.0, 15.0, FOUND, FOUND]
+    assert [p.name for p in cache.iterdir()] == ["kernels"]
+
+
+@pytest.mark.parametrize("kind", ["nbi", "nbc"])
+def test_damaged_files_count_as_missing_and_are_written_anew(package, tmp_path, kind):
+    cache = tmp_path / "cache"
+    whole = run(package, cache)
+    for file in cache.rglob(f"outer*.{kind}"):
+        file.write_bytes(file.read_bytes()[:-20])
+    assert run(package, cache) == [*whole[:2], COMPILED_ANEW, FOUND]
+    assert run(package, cache) == [*whole[:2], FOUND, FOUND]
+
+
+def test_where_nothing_can_be_written_kernels_run_all_the_same(package, tmp_path):
+    (tmp_path / "file").touch()
+    nowhere = f"tempfile.tempdir = {str(tmp_path / 'file')!r}"
+    assert run(package, tmp_path / "file" / "cache", nowhere) == [11.0, 15.0, COMPILED_ANEW, COMPILED_ANEW]
+    (tmp_path / "temporary").mkdir()
+    aside = f"tempfile.tempdir = {str(tmp_path / 'temporary')!r}"
+    for expected in (COMPILED_ANEW, FOUND):
+        assert run(package, tmp_path / "file" / "cache", aside) == [11.0, 15.0, expected, expected]
