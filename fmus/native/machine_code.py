@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...components.core.errors import BadInput
+from ...components.core.kernels import OPTIONS
 from .block import Block
 from .hooks import Hooks
 
@@ -53,7 +54,7 @@ class _Compiler:
     def __init__(self, counted: bool):
         from numba import njit
 
-        options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "error_model": "numpy"}
+        options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
         self.compiled = njit(**options) if counted else njit(**{"_nrt": False, **options})
         self.kernels: dict[int, tuple[Any, Any]] = {}
 

@@ -188,7 +188,7 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
 def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     if scene.record.signals is None:
         return _signals_by_default(scene, interfaces)
-    found: dict[Endpoint, None] = {}
+    recorded: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
         outputs = interfaces[unit].outputs
@@ -199,10 +199,10 @@ def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple
         if outputs[names[0]].is_text:
             raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers",
                            "Leave it out; a text can be connected with an input of another unit.")
-        found |= dict.fromkeys((unit, n) for n in names)
-    if not (found or scene.record.snapshots):
+        recorded |= dict.fromkeys((unit, n) for n in names)
+    if not (recorded or scene.record.snapshots):
         raise BadInput("record.signals", "no signal", "at least one; a result without columns tells nothing", "Or leave it out.")
-    return tuple(found)
+    return tuple(recorded)
 
 
 def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
@@ -212,15 +212,15 @@ def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface
     """
     short = {(u, n) for u, i in interfaces.items() for names in i.arrays.values() if len(names) <= LONGEST for n in names}
     numbers = [(u, n) for u, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
-    found = tuple(end for end in numbers if "[" not in end[1] or end in short)
-    if not found and not scene.record.snapshots:
-        found = tuple(numbers[:LONGEST])
-    if not found and not scene.record.snapshots:
+    recorded = tuple(end for end in numbers if "[" not in end[1] or end in short)
+    if not recorded and not scene.record.snapshots:
+        recorded = tuple(numbers[:LONGEST])
+    if not recorded and not scene.record.snapshots:
         names = [f"{u}.{n}" for u, i in interfaces.items() for n in i.recordable]
         shown = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
         raise BadInput("record.signals", "no unit with an output that is a number", "at least one signal to record",
                        f"What can be recorded by its name: {shown}." if names else "Nothing else can be recorded, either.")
-    return found
+    return recorded
 
 
 def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> dict[str, Interface]:
