@@ -12,6 +12,7 @@ from cosimo.orchestrator.harness.charts.charts import draw_chart
 from cosimo.orchestrator.harness.charts.style import number, thin_out
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, compare
 from cosimo.orchestrator.harness.validation.reference import load_table
+from cosimo.orchestrator.settings import AnalysisKeys
 from cosimo.orchestrator.systems import SYSTEMS
 from cosimo.orchestrator.systems.railway import figures as railway_figures
 
@@ -149,7 +150,7 @@ def test_failed_run_is_shown_as_far_as_it_went(run, tmp_path):
 
 
 def test_a_scene_of_no_known_system_gets_the_general_page(run, tmp_path):
-    run.scene = run.scene.model_copy(update={"analysis": {}})
+    run.scene = run.scene.model_copy(update={"analysis": AnalysisKeys()})
     html = report.for_run(run, tmp_path, SYSTEMS).read_text()
     assert "Recorded signals" in html
     assert "Contact force at" not in html
