@@ -24,7 +24,8 @@ COMPONENT = "component:"  # before the name of a component that is studied alone
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
                   help="Mechanical components as FMUs, coupled simulations of them, and validation against published tables.")
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
-InProcess = Annotated[bool, typer.Option("--in-process", help="Run components in this process, not as FMUs: same bits, faster.")]
+InProcess = Annotated[bool, typer.Option("--in-process", help=(
+    "Run components in this process, not as FMUs: bit-identical results, faster."))]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
 Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(

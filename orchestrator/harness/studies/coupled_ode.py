@@ -34,7 +34,7 @@ class CoupledOde:
     """x' = f(t, x) of all states of a scene, its units as they are connected.
 
     start: (n,), at t = 0.  calls: evaluations of the rates so far. Raises `BadInput` where the scene is no smooth ODE:
-    contacts, faults, FMUs, components with events, with samples, or with an integrator of their own, loops that do not settle.
+    contacts, faults, FMUs, components with events, with samples, or with an integrator of their own, loops that do not converge.
     """
 
     def __init__(self, scene: Scene):

@@ -162,7 +162,7 @@ class _Bench:
         return trial(scene, patience=PATIENCE)
 
     def _build_up(self, failed: Trial) -> Trial:
-        """Make the model of the scene as it is, with one more effect after the other as long as it runs; gives its trial."""
+        """Make the model of the scene's own effects, with one more effect after the other as long as it runs; gives its trial."""
         whole, on = self.model, {unit: set(names) for unit, names in effects_on(self.scene).items()}
         added = [(unit, effect) for unit, effect in whole.places if effect not in on[unit]]
         best = self._trial(self.scene) if added else failed

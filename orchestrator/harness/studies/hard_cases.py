@@ -152,7 +152,7 @@ def _advance(component: Component, case: HardCase, k: int) -> None:
         component.u[:, column] = a, (-3.0 * a + 4.0 * b - c) / h, 2.0 * (a - 2.0 * b + c) / h**2
     component.step(t, h)
     if not (np.isfinite(component.x).all() and np.isfinite(component.y).all()):
-        raise StepFailed(component.name, component.t, "a number that is not finite, without a word from the component")
+        raise StepFailed(component.name, component.t, "a number that is not finite, which the component does not report")
 
 
 def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:

@@ -76,9 +76,9 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
         return {n: np.asarray(result.columns[f"{unit}.{n}"]) for n in names if f"{unit}.{n}" in result.columns}
 
     signals = own((*ANGLES, *SPEEDS, *RATES, *ACCELERATIONS))
-    told = own(("attitude_valid",)).get("attitude_valid")
-    if told is not None:
-        signals |= {n: np.where(told > 0.5, signals[n], np.nan) for n in ("roll", "yaw") if n in signals}
+    valid = own(("attitude_valid",)).get("attitude_valid")
+    if valid is not None:
+        signals |= {n: np.where(valid > 0.5, signals[n], np.nan) for n in ("roll", "yaw") if n in signals}
     thrusts, commands, controllers = {}, {}, []
     for k in range(1, THRUSTERS + 1):
         driving = source(result.scene, unit, f"thrust[{k}]")

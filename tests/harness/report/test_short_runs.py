@@ -34,7 +34,7 @@ def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     html = page(result, tmp_path)
     assert "Recorded signals" in html
     wanted = scene.analysis.system
-    short = {"railway": "There are no statistics", "bearings": "There are no figures of system", "rotor": "Time history",
+    short = {"railway": "No statistics", "bearings": "There are no figures of system", "rotor": "Time history",
              "rov": "Depth and attitude", "two_axis_joint": "Motion", "wind_pump": "Course of the run",
              "pipe_robot": "Way and speed", "friction_drive": "Way of the sleeve", "wrist": "Motion of the hand", "": "Settings"}
     assert short[wanted] in html
@@ -48,7 +48,7 @@ def test_a_run_that_ends_before_or_in_its_window_shows_what_there_is(stop, there
     html = page(run(load_scene("en50318-2002").with_changes({"stop_time": stop}), in_process=True), tmp_path)
     assert there in html
     assert not_there not in html
-    assert "There are no statistics" in html
+    assert "No statistics" in html
     assert "Contact force at 250 km/h" in html
 
 

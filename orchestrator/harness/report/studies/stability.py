@@ -43,10 +43,10 @@ def for_internal_steps(found: InternalSteps, directory: str | Path) -> Path:
     names = [", ".join(s.effects) or "no effects" for s in found.steps]
     rows = list(range(len(names)))[::-1]  # the first at the top
     data = [_dots(np.array([s.longest for s in found.steps]), rows, "measured", BLUE, "circle"),
-            _dots(np.array([s.own for s in found.steps]), rows, "what it says itself", VERMILION, "line-ns-open")]
+            _dots(np.array([s.own for s in found.steps]), rows, "the component's own limit", VERMILION, "line-ns-open")]
     figure = Figure("Longest stable internal step", {"data": data, "layout": _bar_layout("internal step, s", names, rows)}, (
-        "A measured limit left of the component's own would be one it promises in vain. Without a mark: none was found, or the "
-        "component has none; see the table."))
+        "A measured limit left of the component's own: the component claims too much. Without a mark: no limit was found, or "
+        "the component has none; see the table."))
     table = Cells("", ("effects", "measured, s", "own limit, s", "margin", "what the next longer step did"), [
         (name, _limit(s.longest, s.tried), _own(s.own), f"{s.margin:.3g}" if isfinite(s.margin) else "–", s.seen)
         for name, s in zip(names, found.steps, strict=True)], "Margin: measured over own limit.", frozenset((1, 2, 3)))
@@ -76,8 +76,9 @@ def _table(found: Stability) -> Cells:
     n = len(names)
     return Cells("", (*names, "algorithm, inputs", "longest stable step, s", "closed form, s", "ratio",
                       "what the next longer step did"), rows,
-                 "A closed form is that of the pair of units that limits most among those that tell what it needs: where another "
-                 "coupling limits the scene, or other damping helps, it differs.", frozenset([*range(n), n + 1, n + 2, n + 3]))
+                 "Closed form: the shortest limit of all pairs of units for which it is known. The measured limit is that of the "
+                 "whole scene; it is shorter where another coupling limits it, and longer where other damping helps.",
+                 frozenset([*range(n), n + 1, n + 2, n + 3]))
 
 
 def _closed(step: float) -> str:

@@ -69,16 +69,17 @@ def creep_chart(found: Sequence[RobotRecord]) -> Chart | None:
     first = int(np.searchsorted(t, max(since)))
     series, standing = [], []
     for r in found:
-        way = np.abs(r.signals["position"][first:] - r.signals["position"][first])
-        if way.max() > LEAST:
-            series.append(Series(r.unit, t[first:], np.where(way > LEAST, way, np.nan)))
+        distance = np.abs(r.signals["position"][first:] - r.signals["position"][first])
+        if distance.max() > LEAST:
+            series.append(Series(r.unit, t[first:], np.where(distance > LEAST, distance, np.nan)))
         else:
             standing.append(r.unit)
     if not series:
         return None
-    ends = ", ".join(f"{s.name} by {float(np.asarray(s.y)[-1]):.3g} m" for s in series)
-    text = f"From {t[first]:.4g} s on {' and '.join(standing)} stands to the last bit and has no line; moved have {ends}."
-    panel = Panel("way since then, m", tuple(series), logarithmic=True)
+    ends = ", ".join(f"{s.name} {float(np.asarray(s.y)[-1]):.3g} m" for s in series)
+    text = f"Displacement after {t[first]:.4g} s: {ends} at the end."
+    text += f" Not drawn, as it does not move at all: {', '.join(standing)}." if standing else ""
+    panel = Panel("displacement since then, m", tuple(series), logarithmic=True)
     return Chart("What stands and what creeps", "time, s", (panel,), text, height=280)
 
 

@@ -29,7 +29,7 @@ def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
         try:
             made.append(statistics_table(result))
         except BadInput as error:
-            made.append(Text([f"There are no statistics, and figures are of what there is: {error}"], "warning"))
+            made.append(Text([f"No statistics; the figures show the run as far as it goes: {error}"], "warning"))
     return made
 
 

@@ -19,11 +19,12 @@ EXCHANGES, RELAXATION = 30, 0.3
 SPLIT, WHOLE = "hull.external.acceleration_z", "whole.external.acceleration_z"
 LAGGED = {"master.algorithm": "gauss-seidel", "master.feedthrough": "delayed", "master.extrapolation": 0,
           "master.iteration": None}
-KINDS = {"told once a step": LAGGED, "loop solved": {}, "told once a step, half the step": {**LAGGED, "master.step": 0.0025}}
+KINDS = {"exchanged once per step": LAGGED, "loop solved": {},
+         "exchanged once per step, half the step": {**LAGGED, "master.step": 0.0025}}
 
 
 def findings(options: Options) -> Findings:
-    """Both units by hand, then the scene as shipped and with the force told once a step, at two lengths of the step."""
+    """Both units by hand, then the scene as shipped and with the force exchanged once per step, at two lengths of the step."""
     plain, relaxed = exchanged(1.0), exchanged(RELAXATION)
     measured = {"exchanged": plain[-1], "relaxed": relaxed[-1]}
     runs: dict[str, Result] = {}
@@ -39,8 +40,8 @@ def findings(options: Options) -> Findings:
     measured |= {"start.split": solved[SPLIT][0], "start.whole": solved[WHOLE][0],
                  "heave": float(np.abs(solved["hull.heave"] - solved["whole.heave"]).max()),
                  "depth": float(np.abs(solved["hull.depth"] - solved["whole.depth"]).max())}
-    lost = runs["told once a step"]
-    notes = (f"Told once a step the run ends after {lost.time[-1]:.3g} s with: {lost.message}.",
+    lost = runs["exchanged once per step"]
+    notes = (f"Exchanged once per step the run ends after {lost.time[-1]:.3g} s with: {lost.message}.",
              "The factor per exchange is the ratio of added mass to mass. A shorter step makes it fail earlier, not later.")
     return Findings(compare(load_table("rov-added-mass").rows, measured), {"loop solved": solved},
                     (_runs_chart(runs), _exchange_chart(plain, relaxed)), notes)
@@ -53,14 +54,14 @@ def exchanged(relaxation: float) -> np.ndarray:
         hull[f"thrust[{k}]"] = FORCE / 3.0
     for unit in (hull, water):
         unit.initialize(0.0)
-    told = [0.0]
+    accelerations = [0.0]
     for _ in range(EXCHANGES):
-        water["acceleration_z"] = told[-1]
+        water["acceleration_z"] = accelerations[-1]
         water.refresh()
         hull["external.force_z"] = water["force_z"]
         hull.refresh()
-        told.append(told[-1] + relaxation * (hull["external.acceleration_z"] - told[-1]))
-    return np.array(told)
+        accelerations.append(accelerations[-1] + relaxation * (hull["external.acceleration_z"] - accelerations[-1]))
+    return np.array(accelerations)
 
 
 def growth(result: Result) -> float:
@@ -81,7 +82,7 @@ def _runs_chart(runs: dict[str, Result]) -> Chart:
 def _exchange_chart(plain: np.ndarray, relaxed: np.ndarray) -> Chart:
     k = np.arange(EXCHANGES + 1)
     series = tuple(Series(n, k, np.maximum(np.abs(a - TRUE), 1e-16))
-                   for n, a in (("as it is told", plain), (f"relaxed by {RELAXATION:g}", relaxed)))
+                   for n, a in (("as exchanged", plain), (f"relaxed by {RELAXATION:g}", relaxed)))
     panel = Panel("distance from the true one, m/s²", series, logarithmic=True)
     return Chart("One instant, exchange by exchange", "exchanges", (panel,))
 
