@@ -11,17 +11,18 @@ from time import perf_counter, process_time
 from typing import Any
 
 from ..components.core.errors import StepFailed
-from .advice.limits import remedy
+from .advice.limits import beyond_limit, remedy
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import master_of
 from .engine.algorithms.energy import EnergyAccount, metered
-from .engine.algorithms.master import Runaway
+from .engine.algorithms.master import Runaway, Unstable
 from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, reading
+from .engine.stepping.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
 from .open_all import open_units
 from .results import Result, Snapshot
 from .run_info import CompileTime, describe_run
@@ -68,6 +69,7 @@ class Run:
         self.outcome, self.message = "failed", ""
         self.rescue_to: str | Path | None = None
         self.checkpoints: Checkpoints | None = None
+        self.resolution: StepResolution | None = None
 
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
@@ -106,9 +108,12 @@ class Run:
         self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
         self.observers: list[Observer] = [self.signals, *self.arrays.values(), self.extrapolation, self._interrupt]
+        steps = int(scene.stop_time / scene.master.step)
+        if scene.master.control is None:  # steps that follow an error estimate need no other
+            self.resolution = StepResolution(master, steps)
+            self.observers.append(self.resolution)
         if any(len(group) > 1 for group in coupling.groups):
-            steps = int(scene.stop_time / scene.master.step)
-            self.observers.append(InstabilityMonitor(master, steps, self._remedy, self.account))
+            self.observers.append(InstabilityMonitor(master, steps, self.account))
         if checkpoint_every is not None and checkpoint_to is not None:
             self.checkpoints = Checkpoints(Path(checkpoint_to), checkpoint_every, scene, master, self.stepping, self.parts())
             self.observers.append(self.checkpoints)
@@ -120,6 +125,7 @@ class Run:
         """All that has a state of its own beside the master, for checkpoints."""
         parts: dict[str, Part] = {"signals": self.signals, "misses": self.extrapolation, "faults": self.faults,
                                   "stepping": self.stepping}
+        parts |= {"resolution": self.resolution} if self.resolution else {}
         return parts | {f"snapshots of {name}": recorder for name, recorder in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
@@ -131,6 +137,7 @@ class Run:
             self.stepping.run(self.observers)
             self.outcome = "done"
         except Runaway as error:
+            self.outcome = "unstable" if isinstance(error, Unstable) else "failed"
             self.message = f"{error}. {self._remedy()}"
         except SimulationEnded as error:
             self._end_early(error)
@@ -162,10 +169,16 @@ class Run:
     def conclude(self, past: Checkpoint | None) -> Result:
         """The result, with all that run.json says of the run."""
         coupling, signals = self.coupling, self.signals
+        resolved = self.resolution.judge() if self.resolution else []
+        if self.outcome == "done" and (worst := diverging(resolved, coupling)) is not None:
+            self.outcome = "unstable"
+            self.message = (f"the coupling is unstable: {worst.text} reaches {worst.peak:.3g} {worst.signal.unit}, its "
+                            f"extrapolation over a macro step is wrong by {100.0 * worst.extrapolation:.0f} % of its spread "
+                            f"(rms), {worst.growth:.2g} times as much in the last part of the run. {self._remedy()}")
         errors = self.extrapolation.relative
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
-        info |= {"input_misses": errors, "warnings": self._warnings(errors)}
+        info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
@@ -213,7 +226,7 @@ class Run:
         """What would help a run that became unstable."""
         return self.master.delayed_feedthrough or remedy(self.scene)
 
-    def _warnings(self, errors: Mapping[str, float]) -> list[str]:
+    def _warnings(self, errors: Mapping[str, float], resolved: list[SignalResolution]) -> list[str]:
         """What a user should know of the run; `errors`: of extrapolation, relative, by input."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
@@ -225,6 +238,11 @@ class Run:
                 "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")
             texts.append(f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread "
                          f"(rms): {reason}")
+        elif self.outcome == "done" and (coarse := too_coarse(resolved)):
+            texts.append(f"{'; '.join(coarse)}. {self._remedy()}")
+        ask, grows = worth_a_limit(resolved, self.coupling)
+        if self.outcome == "done" and ask and not texts:
+            texts += beyond_limit(self.scene, grows=grows)
         return texts
 
 

@@ -37,6 +37,7 @@ from .stability import longest_step, radius
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
 NOISE = 1e-6  # of the largest entry: what probing does not resolve
+HALF = 0.5  # of a pair's own damping
 TOLERABLE = 0.01  # of critical damping that a coupling may take away before it is warned of
 WARM, MOST, ENOUGH = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
 FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
@@ -81,10 +82,23 @@ class Advice:
 
     def warnings(self, scene: Scene) -> list[str]:
         """What is wrong with the scene's macro step."""
-        degree, step = scene.master.extrapolation, scene.master.step
-        return [f"a macro step of {step:g} s takes {_percent(c.share - c.left)} damping away from {c.pair}, "
-                f"which is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another master.extrapolation"
-                for c in self.contacts if c.left < -TOLERABLE]
+        return step_warnings(scene, self.contacts, TOLERABLE)
+
+
+def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float) -> list[str]:
+    """What is wrong with the scene's macro step, pair by pair; `tolerable`: share of critical damping that may be missing.
+
+    A pair that oscillates with damping of its own is to keep half of it.
+    """
+    degree, texts = scene.master.extrapolation, []
+    for c in limits:
+        oscillates = 0.0 < c.share < 1.0
+        if c.left < -tolerable or (oscillates and c.left < HALF * c.share):
+            own = f"has {_percent(c.share)} and " if oscillates else ""
+            texts.append(f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from {c.pair}, "
+                         f"which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
+                         "master.extrapolation")
+    return texts
 
 
 def _percent(share: float) -> str:

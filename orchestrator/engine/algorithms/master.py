@@ -33,7 +33,11 @@ ROUNDING = 16 * 2.0**-52  # relative: an input this near to where its polynomial
 
 
 class Runaway(StepFailed):
-    """A coupling that has grown without bound; what would help is for those to say who know the scene."""
+    """Outputs that are no finite numbers; what would help is for those to say who know the scene."""
+
+
+class Unstable(Runaway):
+    """A coupling that has grown without bound."""
 
 
 @dataclass
@@ -273,4 +277,4 @@ class Master:
             if not isfinite(value):
                 raise Runaway(unit, t, f"output {name} is {value}")
             if abs(value) > RUNAWAY * self.coupling.interfaces[unit].outputs[name].nominal:
-                raise Runaway(unit, t, f"output {name} has grown to {value:.3g}")
+                raise Unstable(unit, t, f"output {name} has grown to {value:.3g}")

@@ -7,13 +7,12 @@ same is asked of the energy at power bonds: that the coupling makes it, and more
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ....components.core.errors import StepFailed
 from ..algorithms.energy import EnergyAccount
-from ..algorithms.master import Master
+from ..algorithms.master import Master, Unstable
 from .observers import BatchObserver
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
@@ -26,14 +25,14 @@ BEYOND = 300.0  # times the interface's scale: the nominal value, or what was re
 
 
 class InstabilityMonitor(BatchObserver):
-    """Looks at the inputs now and then; raises `StepFailed` with the connection, its growth, and what would help."""
+    """Looks at the inputs now and then; raises `Unstable` with the connection and its growth."""
 
     EVERY = 29  # macro steps: longer runs are looked at after multiples of it, where `ExtrapolationError` ends batches anyway
     RARELY = 3  # at most so many of it
 
-    def __init__(self, master: Master, steps: int, remedy: Callable[[], str], account: EnergyAccount | None = None):
-        """`steps`: of the whole run, about.  `remedy`: tells what would help, asked only when it is needed."""
-        interfaces, self._remedy, self._account = master.coupling.interfaces, remedy, account
+    def __init__(self, master: Master, steps: int, account: EnergyAccount | None = None):
+        """`steps`: of the whole run, about."""
+        interfaces, self._account = master.coupling.interfaces, account
         often = steps // SHORT
         self._every = self.EVERY * min(often // self.EVERY, self.RARELY) or max(often, 1)
         self._calls = self._looks = 0
@@ -66,9 +65,9 @@ class InstabilityMonitor(BatchObserver):
         self._values, self._missed = [0.0] * k, [0.0] * k
         if (worst := _grown(self._blocks, self._looks // LOOKS, *block)) is not None:
             link, scale = self._links[worst], self._blocks[0].nominal[worst]
-            raise StepFailed(link.target[0], t, f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to "
+            raise Unstable(link.target[0], t, f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to "
                              f"{block[0][worst]:.3g} (nominal {scale:.3g}) and no step comes near to what it foretold, less so "
-                             "every time: the coupling is unstable", self._remedy())
+                             "every time: the coupling is unstable")
         if self._account is not None:
             self._look_at_energy(self._account, t)
 
@@ -79,9 +78,8 @@ class InstabilityMonitor(BatchObserver):
         powers = np.abs(account.exchanged - exchanged) / span, np.abs(account.created - created) / span
         if (k := _grown(self._energies, self._looks // LOOKS, *powers)) is not None:
             bond = account.bonds[k]
-            raise StepFailed(bond.given[0][0], t, f"the coupling makes energy at the bond {bond.text}, more of it every time: "
-                             f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it",
-                             self._remedy())
+            raise Unstable(bond.given[0][0], t, f"the coupling makes energy at the bond {bond.text}, more of it every time: "
+                             f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it")
 
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`."""

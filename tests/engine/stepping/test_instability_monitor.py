@@ -29,7 +29,7 @@ def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree,
     calm = run(spring(0.98 * limit, degree))
     assert calm.outcome == "done", calm.message
     wild = run(spring(1.02 * limit, degree))
-    assert wild.outcome == "failed"
+    assert wild.outcome == "unstable"
     assert "the coupling is unstable" in wild.message
     assert f"m against s is stable up to {limit:.3g} s with master.extrapolation = {degree}" in wild.message
     assert 0.0 < wild.time[-1] < 0.8 * 4000 * limit
@@ -39,7 +39,7 @@ def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree,
 
 def test_what_grows_too_fast_to_be_watched_names_the_limit_too():
     result = run(spring(0.24))
-    assert result.outcome == "failed"
+    assert result.outcome == "unstable"
     assert "has grown to" in result.message
     assert "Reduce the macro step: m against s is stable up to 0.08 s" in result.message
 
@@ -67,7 +67,7 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     monkeypatch.setattr(InstabilityMonitor, "__init__", without_inputs)
     data = two_masses("jacobi", 0.03, 1) | {"stop_time": 100.0}
     wild = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",)}))
-    assert wild.outcome == "failed"
+    assert wild.outcome == "unstable"
     assert "the coupling makes energy at the bond" in wild.message
     assert "a against b is stable up to" in wild.message
     calm = run(read_scene(data).with_changes({"master.bonds": ("a.v_out * b.force",), "master.step": 0.0137}))
@@ -116,6 +116,6 @@ def test_exit_code_and_results_of_a_run_that_became_unstable(tmp_path, capsys):
     assert "unstable" in error
     assert "mass against spring is stable up to 0.121 s" in error
     info = json.loads((tmp_path / "run.json").read_text())
-    assert info["outcome"] == "failed"
+    assert info["outcome"] == "unstable"
     assert (tmp_path / "result.csv").read_text().count("\n") > 100
     assert (tmp_path / "report.html").exists()

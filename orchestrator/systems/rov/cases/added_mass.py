@@ -32,7 +32,7 @@ def findings(options: Options) -> Findings:
         result = runs[name] = run(load_scene("rov-added-mass").with_changes(changes), in_process=options.in_process)
         if changes:
             key = "lagged" if changes is LAGGED else "half"
-            measured |= {f"{key}.growth": growth(result), f"{key}.failed": float(result.outcome == "failed"),
+            measured |= {f"{key}.growth": growth(result), f"{key}.failed": float(result.outcome != "done"),
                          f"{key}.kept": float(result.time.size)}
         elif result.outcome != "done":
             return Findings((), runs, notes=(result.message,), complete=False)
