@@ -30,7 +30,7 @@ class Result:
     """What a run gave; after a failure, what it had until then.
 
     time: (n,) s.  columns: "unit.variable" -> (n,).  measures: "unit.variable" -> unit of measure.
-    info: what run.json holds.  outcome: "done" or "failed", with the reason in `message`.
+    info: what run.json holds.  outcome: "done", "failed" or "unstable", with the reason in `message`.
     """
 
     scene: Scene

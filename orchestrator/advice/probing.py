@@ -95,8 +95,8 @@ def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float) -> 
         oscillates = 0.0 < c.share < 1.0
         if c.left < -tolerable or (oscillates and c.left < HALF * c.share):
             own = f"has {_percent(c.share)} and " if oscillates else ""
-            texts.append(f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from {c.pair}, "
-                         f"which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
+            texts.append(f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
+                         f"{c.pair}, which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
                          "master.extrapolation")
     return texts
 

@@ -142,7 +142,7 @@ def test_a_file_holds_numbers_and_texts_only(tmp_path):
     with zipfile.ZipFile(file) as content:
         assert all(name.endswith(".npy") for name in content.namelist())
     with np.load(file, allow_pickle=False) as arrays:
-        assert all(array.dtype.kind in "fu" for array in arrays.values())
+        assert all(array.dtype.kind in "fiu" for array in arrays.values())
         assert json.loads(arrays["text"].tobytes())
 
 

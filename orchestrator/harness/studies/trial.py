@@ -24,7 +24,7 @@ _warm: set[tuple[Any, ...]] = set()  # what this process has compiled, or loaded
 class Trial:
     """What one setting gave.
 
-    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run) or "refused" (before it);
+    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run, or unstable) or "refused" (before it);
     reason: why.  timing: of warm runs' stepping, CPU time; where units have processes of their own, elapsed time. None without a
     run.  work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
     """
@@ -83,7 +83,8 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
     except _Ended:
         timing = timing_of([results[0].info["timing"][measured]])
     last = results[0]
-    return Trial(changes, last.outcome, last.message, timing, work_of(last), last)
+    outcome = "done" if last.outcome == "done" else "failed"
+    return Trial(changes, outcome, last.message, timing, work_of(last), last)
 
 
 def _warm_up(scene: Scene) -> None:
