@@ -53,10 +53,8 @@ class Found:
 
 def stiffnesses(scene: Scene) -> list[tuple[str, float]]:
     """(unit.parameter, value) of what is called a stiffness and is not 0, in the order of the units."""
-    from ...orchestrator.engine.coupling import resolve_coupling
     from ...orchestrator.units import open_unit
 
-    resolve_coupling(scene)
     names = []
     for name, unit in scene.units.items():
         if not unit.component:

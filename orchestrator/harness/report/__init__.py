@@ -23,12 +23,15 @@ if TYPE_CHECKING:
     from ..system import Systems
     from ..validation.case import CaseResult
 
+_ENDED = {"failed": "failed", "unstable": "is unstable"}
+
+
 def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     """`report.html` of one run: figures of its system, all recorded signals, how it was computed, settings."""
     scene = result.scene
     blocks: list[Block] = []
     if result.outcome != "done":
-        blocks.append(Text([f"This run failed and is shown as far as it went: {result.message}"], "warning"))
+        blocks.append(Text([f"This run {_ENDED[result.outcome]} and is shown as far as it went: {result.message}"], "warning"))
     said = result.info.get("warnings", ())
     for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
@@ -118,7 +121,7 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
         rows = [r for r in findings.rows if r.reference.condition == label]
         blocks: list[Block] = []
         if run.outcome != "done":
-            blocks.append(Text([f"This run failed and is shown as far as it went: {run.message}"], "warning"))
+            blocks.append(Text([f"This run {_ENDED[run.outcome]} and is shown as far as it went: {run.message}"], "warning"))
             blocks += generic.time_series(run)
         else:
             blocks += (special(run, rows) if special else []) or generic.time_series(run)

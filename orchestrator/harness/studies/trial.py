@@ -24,7 +24,8 @@ _warm: set[tuple[Any, ...]] = set()  # what this process has compiled, or loaded
 class Trial:
     """What one setting gave.
 
-    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in the run, or unstable) or "refused" (before it);
+    changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in
+    the run, or unstable) or "refused" (before it);
     reason: why.  timing: of warm runs' stepping, CPU time; where units have processes of their own, elapsed time. None without a
     run.  work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
     """
