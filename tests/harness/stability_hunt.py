@@ -24,7 +24,8 @@ from ...components.core.errors import BadInput
 from ...orchestrator.harness.studies.quantities import TimeHistory, errors, quantities_of, recording
 from ...orchestrator.results import Result
 from ...orchestrator.run import run
-from ...orchestrator.scene.scene import Scene, load_scene, scene_files
+from ...orchestrator.scene.scene import Scene, scene_files
+from ...orchestrator.systems import load_scene
 
 COARSER = (1, 2, 5, 10, 20, 50)  # times the scene's macro step
 STIFFER = (10.0, 100.0)  # times a stiffness

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.engine.stepping.resolution import SUMS, StepResolution, _differences
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import load_scene, read_scene
+from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 
 LINES = {  # what ended as done, without a warning: changes, outcome, part of the message or warning
