@@ -11,7 +11,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.measure import parse
 from cosimo.components.core.variables import Causality, Kind
-from cosimo.tests.contract.configurations import FACTS, SMALL, compatible
+from cosimo.tests.contract.configurations import FACTS, SMALL, compatible, in_plain_python
 
 VARIABLES = [(c, v) for c in CATALOGUE for v in component_class(c).variables]
 
@@ -60,7 +60,8 @@ def test_effects_are_described_and_know_each_other(component):
         assert {*effect.requires, *effect.excludes} <= cls.effects.keys() - {name}
 
 
-@pytest.mark.parametrize(("component", "preset"), [(c, p) for c in CATALOGUE for p in component_class(c).presets])
+@pytest.mark.parametrize(("component", "preset"), in_plain_python(
+    (c, p) for c in CATALOGUE for p in component_class(c).presets))
 def test_presets_start_from_rest(component, preset):
     published = component_class(component).presets[preset].parameters
     made = component_class(component)(preset=preset, parameters={n: v for n, v in SMALL[component].items() if n not in published})

@@ -18,6 +18,8 @@ from cosimo.components.wind_pump.planetary import PlanetaryTransmission, gear_de
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wrist.wrist import Wrist
 
+pytestmark = pytest.mark.full
+
 
 def pushed_up(effects, wire: float, parameters=None) -> Pantograph:
     """A pantograph that has started against a wire at height 0, which then is elsewhere, m."""

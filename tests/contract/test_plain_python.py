@@ -17,6 +17,8 @@ from cosimo.components.core.kernels import COMPILED
 ROOT = Path(__file__).resolve().parents[2]
 EVERYTHING = ("-m", "full or not full")
 FILES = (
+    "tests/contract/test_declaration.py",
+    "tests/contract/test_effect_sizes.py",
     "tests/contract/test_steps.py",
     "tests/contract/test_effects_absent.py",
     "tests/contract/test_effects_free.py",
