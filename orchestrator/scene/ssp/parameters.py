@@ -115,7 +115,7 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
              where: str) -> tuple[etree._Element | None, str]:
     """The root of a set or mapping, from another file or inline, and where it stands."""
     source = node.get("source")
-    if source is None:
+    if not source:  # some tools write an empty one beside what is inline
         found = find_all(node, *filter(None, (holder, wanted)))
         return (found[0] if found else None), where.rpartition(":")[0]
     if node.get("sourceBase", "SSD") == "component":
@@ -134,7 +134,7 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
 def _value(node: etree._Element, measures: Mapping[str, Measure], where: str) -> Value:
     for child in node:
         type_ = etree.QName(child).localname
-        if type_ in ("Real", "Integer", "Boolean", "String", "Enumeration"):
+        if type_ in ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary"):  # the last fits no variable: a remark
             text = child.get("value")
             if text is None:
                 raise BadInput(where, f"{type_} without value", 'value="..."')
@@ -146,7 +146,7 @@ def _plain(type_: str, text: str, where: str) -> bool | int | float | str:
     """The text of a value as Python's kind of it."""
     if type_ == "Boolean":
         return truth(text, "value", where)
-    if type_ in ("String", "Enumeration"):
+    if type_ in ("String", "Enumeration", "Binary"):
         return text
     try:
         return float(text) if type_ == "Real" else int(text)

@@ -42,7 +42,7 @@ def read(path: Path) -> System:
         document = Document(package, name)
         own = _annotation(document)
         flat = Flat(document.system(), own.get("elements", {}))
-    remarks, data = list(flat.remarks), dict(own.get("scene", {}))
+    remarks, data = [*document.remarks, *flat.remarks], dict(own.get("scene", {}))
     data["stop_time"] = stop = _stop_time(document, flat, remarks)
     if "master" not in data:
         data["master"] = _master(document, flat, stop, remarks)

@@ -81,15 +81,18 @@ class Element:
 class Document:
     """One .ssd file of a package."""
 
-    def __init__(self, package: Package, name: str, numbers: Iterator[int] | None = None):
-        """`numbers`: counts the elements of all documents of a system; None for the first document."""
-        self._numbers = count(1) if numbers is None else numbers
+    def __init__(self, package: Package, name: str, first: Document | None = None):
+        """`first`: the document of the root system, with which this one shares remarks and the count of elements."""
+        self._numbers: Iterator[int] = count(1) if first is None else first._numbers
+        self.remarks: list[str] = [] if first is None else first.remarks  # what was accepted and is not used
         self.package, self.name = package, name
         self.where = package.label(name)
         self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where)
         version = self.root.get("version", "")
-        if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or not version.startswith("1."):
-            raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0")
+        if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or version[:2] not in ("1.", "2."):
+            raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0 or 2.0")
+        if version.startswith("2."):
+            self.remarks.append(f"{self.where}: SSP {version} is read as 1.0; what is new in it is not used")
         self.measures = definitions(self.root, "ssd", self.where)
 
     def system(self, depth: int = 0) -> Element:
@@ -149,9 +152,9 @@ class Document:
             return self._system(nodes[0], name, depth)
         if kind == ARCHIVE:
             package = Package.zipped(self.package.label(place), self.package.read(place, where))
-            document = Document(package, fragment or DEFAULT, self._numbers)
+            document = Document(package, fragment or DEFAULT, self)
         else:
-            document = Document(self.package, self.package.inside(place, where), self._numbers)
+            document = Document(self.package, self.package.inside(place, where), self)
         found = document.system(depth)
         found.name = name
         return found
@@ -163,8 +166,6 @@ class Document:
             if kind not in GIVES + TAKES:
                 raise BadInput(self._at(child), f"connector {name!r} of kind {kind!r}", f"one of {', '.join(TAKES + GIVES)}")
             types = [t for t in child if etree.QName(t).localname in (*TYPES, "Binary")]
-            if types and etree.QName(types[0]).localname == "Binary":
-                raise BadInput(self._at(child), f"connector {name!r} of type Binary", f"one of {', '.join(TYPES)}")
             unit = types[0].get("unit") if types else None
             found[name] = Connector(name, kind, etree.QName(types[0]).localname if types else "", named(unit, self.measures))
         return found
@@ -183,11 +184,14 @@ class Document:
         """Connectors of a component against the variables of its FMU."""
         assert element.description is not None
         scalars = element.description.scalars
+        for name in [n for n, c in element.connectors.items() if n not in scalars or c.type == "Binary"]:
+            kind = element.connectors[name].type
+            reason = "its values are Binary" if kind == "Binary" else f"the FMU has no such variable, {nearest(name, scalars)}"
+            self.remarks.append(f"{element.where}: connector {element.name}.{name} left out: {reason}")
+        element.connectors = {n: c for n, c in element.connectors.items() if n in scalars and c.type != "Binary"}
         for connector in element.connectors.values():
-            scalar = scalars.get(connector.name)
+            scalar = scalars[connector.name]
             label = f"connector {element.name}.{connector.name}"
-            if scalar is None:
-                raise BadInput(element.where, label, "a variable of the FMU", nearest(connector.name, scalars))
             causality, kind = scalar.variable.causality, TYPES.get(connector.type, scalar.kind)
             if causality != connector.kind and not (causality == "structuralParameter" and connector.kind == "parameter"):
                 raise BadInput(element.where, f"{label} of kind {connector.kind!r}", f"{causality!r}, as the FMU says")

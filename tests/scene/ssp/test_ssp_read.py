@@ -229,10 +229,9 @@ BAD = [  # (root, more, what the message must name)
     (system("s", PAIR, connection("a.y", "b.u", '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
             "</ssc:BooleanMappingTransformation>")), "", ["mapping of Boolean", "LinearTransformation"]),
     (system("s", A + A), "", ["second element 'a'"]),
-    (system("s", component("a", "v<")), "", ["connector a.v", "variable of the FMU"]),
+    (system("s", component("a", "v<") + component("b"), connection("b.y", "a.v")), "", ["connector 'v'", "connector of 'a'"]),
     (system("s", component("a", "y<")), "", ["connector a.y of kind 'input'", "'output'"]),
     (system("s", component("a").replace("<ssc:Real/>", "<ssc:Integer/>", 1)), "", ["connector a.u of type Integer", "Real"]),
-    (system("s", component("a").replace("<ssc:Real/>", "<ssc:Binary/>", 1)), "", ["type Binary"]),
     (system("s", component("a", "u<[inch]", source="metres.fmu")), units("inch"), ["connector a.u in 'inch'", "'m'"]),
     (system("s", component("a", "y>[s]") + component("b", "u<[K]"), connection("a.y", "b.u")), units("s", "K"), ["'s'", "'K'"]),
     (system("s", component("a", "y>[foo]") + component("b", "u<[K]"), connection("a.y", "b.u")), "", ["'foo'", "no definition"]),
@@ -264,7 +263,7 @@ def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
 @pytest.mark.parametrize(("text", "named"), [
     ("<a", ["test.ssd:1", "syntax error"]),
     ("<a/>", ["SystemStructureDescription of SSP 1.0"]),
-    (document(system("s", A)).replace('version="1.0" name="test"', 'version="2.0" name="test"'), ["version '2.0'"]),
+    (document(system("s", A)).replace('version="1.0" name="test"', 'version="3.0" name="test"'), ["version '3.0'"]),
     (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
     (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
     (document(system("s", A), experiment='startTime="1"'), ["startTime 1 s", "every run starts at 0"]),
@@ -280,6 +279,34 @@ def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, nam
         load(text, valid=False)
     message = str(caught.value)
     assert [part for part in named if part not in message] == [], message
+
+
+LENIENT = [  # what other tools write, and what the one remark on it names
+    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace('version="1.0" name="test"',
+                                                                                     'version="2.0" name="test"'), "SSP 2.0"),
+    (document(system("s", component("a", "y> v<") + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
+     "connector a.v left out: the FMU has no such variable"),
+    (document(system("s", component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Binary/>").replace(
+        "<ssc:Binary/>", "<ssc:Real/>", 1) + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
+     "connector a.u left out: its values are Binary"),
+    (document(system("s", component("a", inside=bindings("blob=Binary:00ff")) + component("b"), connection("a.y", "b.u")),
+              annotations=STEP), "'blob'"),
+]
+
+
+@pytest.mark.parametrize(("text", "remark"), LENIENT)
+def test_what_is_not_needed_is_left_out_with_one_remark(load, text, remark):
+    scene = load(text, valid=False)
+    assert scene.arrows == ("a.y -> b.u",)
+    assert [remark in r for r in scene.remarks] == [True], scene.remarks
+    assert values(scene)["b.y"] == 0.0
+
+
+def test_an_empty_source_stands_for_what_is_inline(load):
+    text = document(system("s", component("a", inside=bindings("u=Real:3"))), annotations=STEP)
+    text = text.replace("<ssd:ParameterBinding ", '<ssd:ParameterBinding source="" ', 1)
+    assert 'source=""' in text
+    assert values(load(text, valid=False))["a.y"] == 3.0
 
 
 def test_entities_are_refused(load, folder):
