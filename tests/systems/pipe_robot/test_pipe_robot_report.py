@@ -89,7 +89,7 @@ def test_the_one_that_stands_is_said_and_the_others_are_drawn_from_then_on():
     assert [standing_since(r) for r in robots(result)] == [pytest.approx(1.0), None]
     (block,) = [b for b in SYSTEMS["pipe_robot"].figures(result) if b.title == "What stands and what creeps"]
     assert "does not move at all: exact" in block.caption
-    assert "smoothed by 0.0003 m" in block.caption
+    assert "smoothed 0.0003 m" in block.caption
     (curve,) = drawn(block.figure, "smoothed")
     assert np.nanmax(numbers(curve["y"])) == pytest.approx(3e-4, rel=1e-3)
     assert not drawn(block.figure, "exact")
