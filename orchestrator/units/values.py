@@ -120,6 +120,8 @@ def _settled(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], o
             or scalar.variable.causality not in ("parameter", "structuralParameter", "input"):
         settable = [n for n, s in scalars.items() if s.variable.causality in ("parameter", "structuralParameter", "input")
                     and not n.startswith("effects.") and not is_companion(n, scalars)]
+        if elements := [n for n in settable if n.partition("[")[0] == name.partition("[")[0] and scalars[n].size > 1]:
+            raise _wrong_shape(where, name, value, elements)
         remedy = "List effects under effects = [...]." if name.startswith("effects.") else nearest(name, settable)
         raise BadInput(where, repr(name), "a parameter or an input of the FMU", remedy)
     if effect in off:
@@ -141,6 +143,15 @@ def _settled(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], o
         span = ", ".join(f"{bound:.9g}" if isinstance(bound, float) else str(bound) for bound in (low, high))
         raise BadInput(where, f"{name} = {value!r}", f"a value in [{span}]")
     return value
+
+
+def _wrong_shape(where: str, name: str, value: Any, elements: Sequence[str]) -> BadInput:
+    """A value for an array as a whole, or for an element that it does not have."""
+    array, _, last = elements[-1].partition("[")
+    sizes = last[:-1].split(",")
+    nested = " of lists" * (len(sizes) - 1)
+    return BadInput(where, f"{name} = {value!r}", f"values of an array of shape ({', '.join(sizes)})",
+                    f"Write {array} = [...], a list{nested}, or single elements such as {elements[0]!r}.")
 
 
 def _bound(scalar: Scalar, end: str) -> float:

@@ -3,7 +3,9 @@
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.run import run
+from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.units import describe
 from cosimo.tests.units.native import native_fmu, started
 
 
@@ -36,4 +38,21 @@ def test_reals_that_are_kept_in_single_precision_are_kept(fmi):
     """0.1 is no number of 32 bits; what is read back is one of FMI 3's type, and a value nearby of FMI 2 is no loss."""
     unit = started("feedthrough", fmi, "", (), ("Float64_continuous_output",), **({"Float32_continuous_input": 0.1} if fmi == 3
                                                                                    else {"Float64_fixed_parameter": 0.1}))
+    unit.close()
+
+
+@pytest.mark.parametrize(("given", "message"), [
+    ({"x0": 2.0}, r"x0 = 2\.0; expected values of an array of shape \(3\)\. Write x0 = \[\.\.\.\], a list, or .*'x0\[1\]'"),
+    ({"x0": [1.0, 2.0, 3.0, 4.0]}, r"x0\[4\] = 4\.0; expected values of an array of shape \(3\)"),
+    ({"A": [1.0, 2.0]}, r"A\[1\] = 1\.0; expected values of an array of shape \(3, 3\)\. Write A = \[\.\.\.\], a list of lists"),
+    ({"n": 2, "x0": [1.0, 2.0, 3.0]}, r"x0\[3\] = 3\.0; expected values of an array of shape \(2\)")])
+def test_arrays_of_another_shape_are_refused_with_theirs(given, message):
+    with pytest.raises(BadInput, match=message):
+        describe("f", UnitSettings(fmu=native_fmu("state_space", 3), parameters=given))
+
+
+def test_a_list_sets_all_elements_of_an_array():
+    unit = started("state_space", 3, "", (), None, x0=[1.0, 2.0, 3.0])
+    assert unit.get() == [2.0, 4.0, 6.0]  # y = x + u, u = 1, 2, 3
+    assert unit.parameters()["x0[3]"] == 3.0
     unit.close()
