@@ -23,6 +23,12 @@ FILES = (
     "tests/contract/test_effects_absent.py",
     "tests/contract/test_effects_free.py",
     "tests/contract/test_hard_case_catalogue.py",
+    # of these the compiled twins are in the complete run: many effects, short runs
+    "tests/systems/drives/test_torque_motor.py tests/systems/drives/test_servo_motor.py",
+    "tests/systems/railway/test_pantograph.py tests/systems/railway/test_lumped.py",
+    "tests/systems/rov/test_thruster.py tests/systems/rov/test_rov_controller.py",
+    "tests/systems/wrist/test_wrist_ligaments.py tests/systems/wrist/test_forearm_tendons.py",
+    "tests/systems/wrist/test_wrist_motion.py",
     *(pytest.param(file, marks=pytest.mark.full) for file in (
         "tests/contract/test_effect_strength.py",
         "tests/fmus/test_fmu_run.py",
@@ -35,9 +41,9 @@ FILES = (
 
 
 @pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
-@pytest.mark.parametrize("file", FILES)
-def test_without_the_compiler(file):
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *EVERYTHING, file]
+@pytest.mark.parametrize("files", FILES)
+def test_without_the_compiler(files):
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *EVERYTHING, *files.split()]
     done = subprocess.run(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           env={**os.environ, "NUMBA_DISABLE_JIT": "1"})
     assert done.returncode == 0, done.stdout[-20000:]

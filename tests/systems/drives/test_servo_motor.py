@@ -11,6 +11,8 @@ from cosimo.components.drives.closed_forms import poles, steady, step_response, 
 from cosimo.components.drives.servo_motor import ServoMotor, servo_derivatives, shaft_inertia
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.full
+
 R, L, K, N = 2.3, 0.238e-3, 23.4e-3, 19.0  # Ohm, H, N.m/A, 1
 
 

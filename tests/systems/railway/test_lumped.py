@@ -7,6 +7,8 @@ from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.lumped import HARMONICS, LumpedCatenary, lumped_parameters
 from cosimo.components.railway.statics import elasticity
 
+pytestmark = pytest.mark.full
+
 FLAT = {f"harmonic[{n + 1}]": 0.0 for n in range(HARMONICS)}
 
 

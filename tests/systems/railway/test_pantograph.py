@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from cosimo.components.railway.pantograph import Pantograph
 
+pytestmark = pytest.mark.full
+
 ACCUMULATED_ROUNDING = 1e-9  # relative: a few thousand operations on numbers of one size
 
 

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wrist.tendons import COUNT, MUSCLES, ForearmTendons
 
+pytestmark = pytest.mark.full
+
 ALL = ("fibres", "force_velocity", "varying_arms")
 FCR, FCU, ECRL, ECRB, ECU = range(COUNT)
 

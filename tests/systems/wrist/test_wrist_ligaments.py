@@ -21,6 +21,8 @@ from cosimo.components.wrist.ligaments import LigamentBundle
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
 
+pytestmark = pytest.mark.full
+
 AXES = DEFAULT_AXES._replace(offset=ROW_OFFSET)
 HALF = Axes(OPENSIM_HALF, 0.0, 0.0, ROW_OFFSET)
 # along the axis, distances of the first and the second end from it, share of the angle: of each ligament, m

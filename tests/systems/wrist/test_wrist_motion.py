@@ -12,6 +12,8 @@ from cosimo.components.wrist.wrist_equations import gyroscopic, mass_matrix, wri
 from scipy.linalg import expm
 from scipy.optimize import minimize
 
+pytestmark = pytest.mark.full
+
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 QUIET = {"proximal_damping": 0.2, "distal_damping": 0.2, "substep": 4e-3}
 NO_LIGAMENTS = {f"constraint.stiffness[{j}]": 0.0 for j in range(1, 6)}
