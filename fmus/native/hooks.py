@@ -78,7 +78,9 @@ class _Method(ast.NodeTransformer):
         self.names: dict[str, Any] = {}
         self.locals: dict[str, str] = {}  # attribute -> local variable that holds its view
         self.prologue: list[str] = []
+        self.aliases: dict[str, Any] = {}  # local variables that are items of an attribute, and nothing else
         nodes = [n for statement in self.tree.body for n in ast.walk(statement)]
+        self.stored = [n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)]
         self.gives_value = any(isinstance(n, ast.Return) and n.value is not None for n in nodes)
         # `_step` and what has no value return a status, and may fail
         self.may_fail = not self.gives_value or function.__name__ == "_step"
@@ -201,6 +203,8 @@ class _Method(ast.NodeTransformer):
                     raise self.refusal(node, "a starred name")
                 continue
             place = k if not any(isinstance(t, ast.Starred) for t in targets[:k]) else k + skipped
+            if isinstance(target, ast.Name) and self.stored.count(target.id) == 1:
+                self.aliases[target.id] = self.attribute(node.value)[place]
             found.append(ast.Assign([target], ast.Subscript(self.visit(node.value), ast.Constant(place), ast.Load())))
         return [ast.copy_location(statement, node) for statement in found]
 
@@ -231,16 +235,19 @@ class _Method(ast.NodeTransformer):
         for node in ast.walk(test):
             if isinstance(node, ast.Call | ast.NamedExpr):
                 return None
-            if isinstance(node, ast.Name) and node.id != "self" and node.id not in self.function.__globals__:
+            if isinstance(node, ast.Name) and node.id in self.aliases:
+                if not (presence or fixed(self.aliases[node.id])):
+                    return None
+            elif isinstance(node, ast.Name) and node.id != "self" and node.id not in self.function.__globals__:
                 return None
             if isinstance(node, ast.Attribute) and is_self(node.value):
                 value = getattr(self.component, node.attr, None)
                 if node.attr in ("t", "u", "y", "x") or node.attr in self.hooks.assigned or not (presence or fixed(value)):
                     return None
-        if not any(is_self(n) for n in ast.walk(test)):
+        if not any(is_self(n) or (isinstance(n, ast.Name) and n.id in self.aliases) for n in ast.walk(test)):
             return None
         expression = compile(ast.fix_missing_locations(ast.Expression(test)), self.file, "eval")
-        return bool(eval(expression, dict(self.function.__globals__), {"self": self.component}))
+        return bool(eval(expression, dict(self.function.__globals__), {**self.aliases, "self": self.component}))
 
     # -- expressions -------------------------------------------------------------------------------------------------
     def attribute(self, node: Any) -> Any:
