@@ -217,6 +217,7 @@ def test_order_of_convergence():
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.15)
 
 
+@pytest.mark.full
 def test_restitution_of_the_contact_damping():
     """Hunt and Crossley chose their law so that a slow impact at speed v returns with 1 - k v of it."""
     k, v = 0.2, 0.05
@@ -265,6 +266,7 @@ def test_no_pull_while_a_load_tears_a_contact_open():
     assert x[-1] < 50e-6
 
 
+@pytest.mark.full
 def test_angles_follow_a_ramp():
     ramp = {"speed_ramp.acceleration": 50.0, "speed_ramp.duration": 0.2}
     bearing = ball_bearing(["speed_ramp"], ramp, rpm=0.0)
@@ -282,6 +284,7 @@ def test_a_slope_of_the_speed_is_a_ramp():
     assert bearing["inner_angle"] == pytest.approx(3.0 * 0.1 + 25.0 * 0.01 - 20.0 * 1e-3 / 3.0, rel=1e-13)  # integral of it
 
 
+@pytest.mark.full
 def test_a_slope_of_the_speed_drives_an_unbalance_like_a_ramp():
     """The same speed as a ramp and as an input, in steps that begin at other times than 0; w' is about w² here."""
     heavy = {"unbalance.eccentricity": 1e-3, "damping": 3e3}
@@ -299,6 +302,7 @@ def test_a_slope_of_the_speed_drives_an_unbalance_like_a_ramp():
     assert refreshed.tobytes() == sloped.y.tobytes()  # the slope is used up at the end of the step, in the outputs as well
 
 
+@pytest.mark.full
 def test_a_curved_speed_drives_an_unbalance():
     """Free of contact: m x'' = m e (w² cos a + w' sin a) is x = -e cos a, whatever the speed, for x + e cos a moves evenly."""
     free = {"balls": 1, "clearance.radial_clearance": 1.0, "unbalance.eccentricity": 1e-3, "damping": 0.0, "substep": 1e-5,
@@ -332,6 +336,7 @@ def test_a_heavy_unbalance_drives_a_stiff_bearing_in_its_own_rhythm():
     np.testing.assert_allclose(radius, expected, rtol=1e-3)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("ring", "order", "line"),
     [

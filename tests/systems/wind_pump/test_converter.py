@@ -39,6 +39,7 @@ def mean_torques(crank: float, speed: float, revolutions: int = 10, effects=(), 
     return float(changes[1]), -float(changes[0]), (converter.work["events"] - events) // revolutions
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("crank", [5.0, 20.0])
 @pytest.mark.parametrize("share", [0.01, 0.2, 0.5, 0.8, 0.97])
 def test_the_cycle_average_is_the_closed_form(crank, share):
@@ -189,6 +190,7 @@ def test_slipping_clutches_lose_torque_in_the_second_order_of_their_delay(dampin
     assert miss == pytest.approx(0.5 * K1 * 400.0 * (20.0 * delay) ** 2, rel=0.02)
 
 
+@pytest.mark.full
 def test_gear_friction_takes_its_share_of_the_torque():
     """3 % of the torque that is passed on, and nothing else changes."""
     ideal, lossy = started(load=1.0), started(("mesh_friction",), load=1.0)

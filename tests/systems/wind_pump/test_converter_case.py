@@ -11,6 +11,8 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.wind_pump.cases import inertial_converter as case
 
+pytestmark = pytest.mark.full
+
 
 @pytest.fixture(scope="module")
 def found():

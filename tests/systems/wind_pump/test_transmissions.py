@@ -85,6 +85,7 @@ def test_modes_of_the_driven_shaft():
 
 
 # -- fixed ratio -----------------------------------------------------------------------------------------------------------
+@pytest.mark.full
 def test_the_driven_shaft_swings_as_a_torsional_vibration():
     """Turbine at constant speed: the driven shaft about i w_t, w = i w_t + (w0 - i w_t) e^(-d t) (cos - d/wd sin)."""
     shaft = {"gear_ratio": 2.0, "shaft_damping": 3.0, "start_speed": 5.0, "substep": 1e-3}
@@ -195,6 +196,7 @@ def test_willis_relations_hold_in_the_steady_state(turbine_on, pump_on):
     assert gear["dissipation"] == pytest.approx(6.0 * gear["turbine_torque"] - 2.0 * gear["speed"], abs=1e-8)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("turbine_on", "pump_on"), ARRANGEMENTS)
 def test_a_brake_that_holds_makes_a_fixed_ratio(turbine_on, pump_on):
     on = {"turbine_on": turbine_on, "pump_on": pump_on, "dry_brake.static": 1e4, "dry_brake.kinetic": 1e4}
@@ -242,6 +244,7 @@ def test_what_cannot_be_is_refused(effects, parameters, message):
         PlanetaryTransmission(effects, parameters).initialize(0.0)
 
 
+@pytest.mark.full
 def test_a_third_shaft_too_fast_for_the_stable_step_fails_the_step():
     gear = made(PlanetaryTransmission, ["centrifugal_brake"],
                 {"centrifugal_brake.largest_speed": 5.0, "centrifugal_brake.coefficient": 1e-3, "third_damping": 0.1},

@@ -100,6 +100,7 @@ def test_a_rotor_that_coasts_comes_to_rest_in_the_time_of_the_closed_form():
     assert turbine["angle"] == pytest.approx(turned, rel=1e-10)
 
 
+@pytest.mark.full
 def test_a_furled_rotor_feels_the_wind_at_which_it_turns_away():
     furled, calm = running(("furling",), wind=20.0), running(wind=8.0)
     for turbine in (furled, calm):

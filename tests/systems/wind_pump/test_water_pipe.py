@@ -26,6 +26,7 @@ def test_head_is_height_and_friction(flow):
     assert made(["friction"], None, flow)["head"] == pytest.approx(20.0 + 1e6 * flow * abs(flow), rel=1e-15)
 
 
+@pytest.mark.full
 def test_delivered_is_the_integral_of_the_flow():
     pipe = made(flow=1e-3)
     pipe.u[1, 0], pipe.u[2, 0] = 2e-4, -1e-5
@@ -66,6 +67,7 @@ def test_the_swinging_column_keeps_its_energy_and_friction_takes_it():
             assert column + air + lifted == pytest.approx(-9810.0 * loss * abs(q) ** 3, abs=1e-12 * abs(9810.0 * 20.0 * q))
 
 
+@pytest.mark.full
 def test_an_air_vessel_evens_out_a_pulsating_flow():
     """Half sine waves of 1 Hz; column and air alone have a period of 4.5 s: the pulsation does not get through."""
     pipe = made(["friction", "air_vessel"], {"air_vessel.gas_volume": 0.05})
@@ -80,6 +82,7 @@ def test_an_air_vessel_evens_out_a_pulsating_flow():
     assert np.ptp(out[last]) < 0.2 * np.ptp(into[last])
 
 
+@pytest.mark.full
 def test_a_tank_fills_runs_over_and_empties_at_the_instants_of_its_volumes():
     """2 m² from 0.5 m to 2 m at 1e-3 m³/s: full after 3000 s; then demand 5e-3 empties it in 1000 s; volumes add up."""
     pipe = made(["tank"], {"substep": 10.0}, flow=1e-3)

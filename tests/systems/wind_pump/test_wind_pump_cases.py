@@ -17,7 +17,7 @@ from cosimo.orchestrator.systems.wind_pump.cases import (
     start as wind_pump_start,
 )
 
-NAMES = ["wind-pump-closed-forms", "wind-pump-equilibrium", "wind-pump-start"]
+NAMES = [pytest.param("wind-pump-closed-forms", marks=pytest.mark.full), "wind-pump-equilibrium", "wind-pump-start"]
 
 
 @pytest.mark.parametrize("name", NAMES)

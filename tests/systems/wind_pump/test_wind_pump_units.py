@@ -228,6 +228,7 @@ def test_a_rest_in_which_drive_and_load_are_equal_is_left_as_the_drive_grows(tra
     assert unit.work["events"] < 10
 
 
+@pytest.mark.full
 def test_a_centrifugal_pump_opens_its_valve_into_a_pipe_with_friction():
     """Head and flow in a loop: solved to H0 n² - n d Q - c Q² = H_static + K Q² at every instant after the valve opens."""
     scene = read_scene({
