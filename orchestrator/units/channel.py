@@ -2,6 +2,9 @@
 
 A pipe of the operating system carries them, one request and one answer at a time. Memory shared by both and watched in a
 loop would answer ten times sooner, but it takes a whole core for each side, also while a unit computes.
+
+`multiprocessing.connection` would do the same for a third more: the run's share of a round trip is 4.4 µs of CPU time here and
+5.9 µs there for 40 bytes, 8.9 and 12.9 µs for 20 000 (its messages are read in two calls, these mostly in one).
 """
 
 from __future__ import annotations

@@ -18,10 +18,10 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
+from .call_table import FmiCallTable, call_table
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
 from .interface import SimulationEnded
-from .machine import Machine, machine
 
 DISCARD, PENDING = 2, 5
 STEP_STATUS, LAST_TIME, TERMINATED = 0, 2, 3  # of fmi2GetStatus and its kin
@@ -81,13 +81,13 @@ class Fmi2CoSimulation(Fmi2Unit):
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
 
-    def machine(self) -> Machine | None:
+    def call_table(self) -> FmiCallTable | None:
         """For compiled steps; None where they need Python."""
         interface = self._interface()
         if interface.canRunAsynchronuously:
             return None
-        return machine(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
-                       interface.canInterpolateInputs, self._scalars)
+        return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
+                          interface.canInterpolateInputs, self._scalars)
 
     def keeps_states(self) -> bool:
         """Whether a step may be repeated from an earlier state."""

@@ -15,7 +15,7 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from ....components.core.kernels import kernel_tuple
-from ...units.machine import COMPANIONS, DERIVATIVES, MEAN
+from ...units.call_table import COMPANIONS, DERIVATIVES, MEAN
 
 GET, SET, SET_DERIVATIVES, DO_STEP, INSTANCE, INPUT_REFERENCES, OUTPUT_REFERENCES, ORDERS = range(8)
 FIRST_LINK, LINKS, FIRST_SIGNAL, SIGNALS, WAY, LATE, LED = range(7)

@@ -8,8 +8,8 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ....components.core.kernels import COMPILED
+from ...units.call_table import FmiCallTable
 from ...units.fmi2 import Fmi2CoSimulation
-from ...units.machine import Machine
 from .compiled import LoopLayout, LoopState, run_steps
 from .gauss_seidel import GaussSeidel
 from .generated_loop import beyond
@@ -24,21 +24,21 @@ class CompiledLoop:
     changes a master there need not know of this.
     """
 
-    def __init__(self, master: Master, units: Sequence[Fmi2CoSimulation], machines: Sequence[Machine], halt: np.ndarray):
-        self._master, self._units, self._alive, self._halt = master, units, machines, halt
+    def __init__(self, master: Master, units: Sequence[Fmi2CoSimulation], tables: Sequence[FmiCallTable], halt: np.ndarray):
+        self._master, self._units, self._alive, self._halt = master, units, tables, halt
         nodes = master.nodes
         links = [link for node in nodes for link in node.links]
         ends = np.cumsum([0] + [len(node.links) for node in nodes])
         n, u = len(links), len(nodes)
         late = master.late if isinstance(master, GaussSeidel) else [len(node.links) for node in nodes]
-        shape = [(first, len(node.links), node.place.start, node.place.stop - node.place.start, machine.way, behind,
+        shape = [(first, len(node.links), node.place.start, node.place.stop - node.place.start, table.way, behind,
                   behind == 0 and node.follows)
-                 for node, machine, first, behind in zip(nodes, machines, ends, late, strict=False)]
+                 for node, table, first, behind in zip(nodes, tables, ends, late, strict=False)]
         feedthrough_schedule = [nodes.index(node) for node in master.feedthrough_schedule]
         direct = [(k, place, change) for k, node in enumerate(nodes) for place, change in node.direct]
         factors, offsets = (np.array([getattr(link, name) for link in links], dtype=float) for name in ("factor", "offset"))
         self._plan = LoopLayout(
-            calls=np.array([machine.calls for machine in machines], dtype=np.int64),
+            calls=np.array([table.calls for table in tables], dtype=np.int64),
             shape=np.array(shape, dtype=np.int64),
             source=np.array([s for node in nodes for s in node.sources], dtype=np.int64),
             factor=factors, offset=offsets, converted=(factors != 1.0) | (offsets != 0.0),
@@ -115,5 +115,5 @@ def compiled_loop_for(master: Master, halt: np.ndarray) -> CompiledLoop | None:
     if not COMPILED:
         return None
     units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
-    machines = [machine for unit in units if (machine := unit.machine()) is not None]
-    return CompiledLoop(master, units, machines, halt) if len(machines) == len(master.nodes) else None
+    tables = [table for unit in units if (table := unit.call_table()) is not None]
+    return CompiledLoop(master, units, tables, halt) if len(tables) == len(master.nodes) else None

@@ -15,7 +15,7 @@ FUNCTIONS = ("GetReal", "SetReal", "SetRealInputDerivatives", "DoStep")
 
 
 @dataclass(frozen=True)
-class Machine:
+class FmiCallTable:
     """Addresses: of `FUNCTIONS`, the instance, the references of inputs and outputs, the orders 1 ... 1, 2 ... 2 of inputs."""
 
     calls: tuple[int, ...]
@@ -23,9 +23,9 @@ class Machine:
     alive: tuple[Any, ...]  # the memory that addresses point to
 
 
-def machine(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
-            scalars: Mapping[str, Scalar]) -> Machine | None:
-    """The machine of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
+def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
+               scalars: Mapping[str, Scalar]) -> FmiCallTable | None:
+    """The call table of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
     companions = has_companions(scalars, inputs)
     names = [*inputs, *(f"der({n})" for n in inputs), *(f"der({n},2)" for n in inputs)] if companions else inputs
     found = [blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs)]
@@ -35,4 +35,4 @@ def machine(library: Any, instance: int, inputs: Sequence[str], outputs: Sequenc
     references = [ctypes.addressof(part[0].references) if part else 0 for part in found]
     calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS]
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    return Machine((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (found, orders))
+    return FmiCallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (found, orders))
