@@ -10,6 +10,8 @@ from ..open_all import open_units
 from ..scene.scene import Scene
 from .probing import TOLERABLE, Contact, contacts, step_warnings
 
+HALF = 0.5  # of a pair's own damping: with less, a motion dies out in another time
+
 
 def remedy(scene: Scene) -> str:
     """That the macro step is to be reduced, and below what where a closed form tells."""
@@ -25,11 +27,11 @@ def remedy(scene: Scene) -> str:
 
 
 def beyond_limit(scene: Scene, *, grows: bool) -> list[str]:
-    """Pairs of units from which the macro step takes more damping than they have, with their limits.
+    """Pairs of units from which the macro step takes more than half of their damping, or all, with their limits.
 
     `grows`: the run has shown growth, and any loss of damping counts; else little may be made up for elsewhere in the scene.
     """
-    return step_warnings(scene, _limits(scene), 0.0 if grows else TOLERABLE)
+    return step_warnings(scene, _limits(scene), 0.0 if grows else TOLERABLE, HALF)
 
 
 def _limits(scene: Scene) -> tuple[Contact, ...]:

@@ -37,7 +37,6 @@ from .stability import longest_step, radius
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
 NOISE = 1e-6  # of the largest entry: what probing does not resolve
-HALF = 0.5  # of a pair's own damping
 TOLERABLE = 0.01  # of critical damping that a coupling may take away before it is warned of
 WARM, MOST, ENOUGH = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
 FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
@@ -85,15 +84,15 @@ class Advice:
         return step_warnings(scene, self.contacts, TOLERABLE)
 
 
-def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float) -> list[str]:
+def step_warnings(scene: Scene, limits: Sequence[Contact], tolerable: float, kept: float = 0.0) -> list[str]:
     """What is wrong with the scene's macro step, pair by pair; `tolerable`: share of critical damping that may be missing.
 
-    A pair that oscillates with damping of its own is to keep half of it.
+    `kept`: share of its own damping that a pair which oscillates is to keep.
     """
     degree, texts = scene.master.extrapolation, []
     for c in limits:
         oscillates = 0.0 < c.share < 1.0
-        if c.left < -tolerable or (oscillates and c.left < HALF * c.share):
+        if c.left < -tolerable or (kept and oscillates and c.left < kept * c.share):
             own = f"has {_percent(c.share)} and " if oscillates else ""
             texts.append(f"a macro step of {scene.master.step:g} s takes {_percent(c.share - c.left)} damping away from "
                          f"{c.pair}, which {own}is stable up to {c.longest[degree]:.3g} s. Reduce master.step, or take another "
