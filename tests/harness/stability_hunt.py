@@ -1,6 +1,7 @@
 """The hunt for runs that are wrong without a warning: every shipped scene with coarser steps and stiffer parts.
 
     python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl [SCENE ...]
+    python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl --table      # what the file holds, in Markdown
 
 A run that ends "done" and warns of nothing has to be within 10 % of a run with a finer step, in the quantities of interest of
 its scene; one at the shipped settings has to warn of nothing. The table of a whole hunt is docs/stability-hunt.md.
@@ -126,12 +127,34 @@ def _judged(scene: Scene, name: str, shipped: bool, result: Result | str, refere
     return Found(scene.name, name, result.outcome, warned, error, worst, verdict, seconds)
 
 
+def table(runs: list[Found]) -> str:
+    """Counts by scene, and every run that is wrong without a warning, in Markdown."""
+    kinds = ("right", "said", "missed", "false alarm", "no reference", "refused")
+    lines = ["| scene | runs | right | warned or unstable | of these within 10 % | missed | false alarms | no reference "
+             "| refused |",
+             "|---|---|---|---|---|---|---|---|---|"]
+    for scene in [*dict.fromkeys(one.scene for one in runs), "all"]:
+        mine = [one for one in runs if scene in (one.scene, "all")]
+        counts = {kind: sum(one.verdict == kind for one in mine) for kind in kinds}
+        cautious = sum(one.verdict == "said" and one.error <= ENOUGH for one in mine)
+        cells = (len(mine), counts["right"], counts["said"], cautious, *(counts[kind] for kind in kinds[2:]))
+        lines.append(f"| {scene} | {' | '.join(map(str, cells))} |")
+    lines += ["", "| missed | change | error | quantity |", "|---|---|---|---|"]
+    lines += [f"| {one.scene} | {one.change} | {100.0 * one.error:.0f} % | {one.worst} |"
+              for one in runs if one.verdict == "missed"]
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Hunt through the scenes and write one line of JSON for each run, as it comes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", metavar="SCENE")
     parser.add_argument("-o", "--output", type=Path, default=Path("hunt.jsonl"))
+    parser.add_argument("--table", action="store_true", help="no runs: print what the file holds")
     given = parser.parse_args()
+    if given.table:
+        print(table([Found(**json.loads(line)) for line in given.output.read_text(encoding="utf-8").splitlines()]))
+        return
     with given.output.open("a", encoding="utf-8") as file:
         for name in given.scenes or sorted(scene_files()):
             for found in hunt(load_scene(name)):
