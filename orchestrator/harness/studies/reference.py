@@ -24,7 +24,7 @@ from ...run import run
 from ...scene.scene import Scene
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
-from .settings_axes import DEGREES, coupling_changes, meshes, refined
+from .settings_axes import DEGREES, coupling_changes, refined, with_mesh
 
 METHODS = (("DOP853", 1e-11), ("LSODA", 1e-9), ("Radau", 1e-9))  # the first two that come to the end
 PATIENCE = 60.0  # s, for one solution, while there are others to try
@@ -100,7 +100,7 @@ def reference(scene: Scene, quantities: Sequence[Quantity], finest: float,
     """
     signals = list(dict.fromkeys(q.signal for q in quantities))
     mesh = mesh_error(scene, quantities, on_message)
-    finer = scene.with_changes(_meshes(scene, FINER_MESH)) if mesh else scene
+    finer = scene.with_changes(with_mesh(scene, FINER_MESH)) if mesh else scene
     solutions = _solutions(finer, signals, finest, on_message)
     if len(solutions) < 2:
         raise BadInput(f"{scene.name}: reference", f"{len(solutions)} solutions that come to the end",
@@ -127,7 +127,7 @@ def mesh_error(scene: Scene, quantities: Sequence[Quantity], on_message: Callabl
     histories = []
     for factor in (2.0, 1.0, FINER_MESH):
         on_message(f"elements x {factor:g}")
-        history = _run(scene, _meshes(scene, factor))
+        history = _run(scene, with_mesh(scene, factor))
         if history is None:
             raise BadInput(f"{scene.name}: study.mesh", f"a run with elements x {factor:g} that fails",
                            "meshes from twice to half the scene's", "Shorten the elements, or the steps.")
@@ -140,10 +140,6 @@ def remaining_error(coarse: float, fine: float) -> float:
     """Error behind the finest of three meshes, each half as long as the one before, from the two distances between them."""
     order = log2(coarse / fine) if coarse > 0.0 and fine > 0.0 else ORDERS[0]
     return fine / (2.0 ** min(max(order, ORDERS[0]), ORDERS[1]) - 1.0)
-
-
-def _meshes(scene: Scene, factor: float) -> dict[str, Any]:
-    return {place: factor * length for place, length in meshes(scene).items()}
 
 
 def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: Callable[[str], None]) -> list[Solution]:

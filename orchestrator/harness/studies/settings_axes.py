@@ -70,6 +70,12 @@ def meshes(scene: Scene) -> dict[str, float]:
     return lengths
 
 
+def with_mesh(scene: Scene, factor: float) -> dict[str, Any]:
+    """The change to `factor` times the elements; internal steps with the square of it where they get shorter, as beams need."""
+    lengths = {place: factor * length for place, length in meshes(scene).items()}
+    return {**lengths, **(refined(scene, factor**2) if factor < 1.0 else {})}
+
+
 def with_step(scene: Scene, step: float) -> dict[str, Any]:
     """The change to another macro step; samples are taken no more often than there are steps."""
     changes: dict[str, Any] = {"master.step": step}
@@ -124,10 +130,8 @@ def settings(scene: Scene) -> Iterator[Setting]:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
             yield Setting("gauss-seidel, linear, step control", "adaptive", tolerance,
                           {**coupling_changes(scene, "gauss-seidel", 1), "master.control": control})
-    for place, length in meshes(scene).items():
-        for factor in MESHES:
-            name = place.removeprefix("units.").replace(".parameters.", ".")
-            yield Setting(f"{name} x {factor:g}", "mesh", scene.master.step, {place: length * factor})
+    for factor in MESHES if scene.study.mesh else ():
+        yield Setting(f"elements x {factor:g}", "mesh", scene.master.step, with_mesh(scene, factor))
 
 
 def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:

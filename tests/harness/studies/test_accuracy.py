@@ -156,7 +156,7 @@ def test_a_mesh_is_a_parameter_of_a_component(mesh, word):
 def test_a_mesh_has_its_own_line():
     scene = SCENE.with_changes({"study.mesh": ["mass.substep"]})
     assert [s.changes for s in settings(scene) if s.axis == "mesh"] == [
-        {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 5e-4}]
+        {"units.mass.parameters.substep": 2e-3}, {"units.mass.parameters.substep": 2.5e-4}]
 
 
 def test_an_effect_less_is_shown_but_advised_by_no_front():
