@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 
-MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",)}  # effects without which nothing changes
+MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",), "PipeRobot": ("harmonic_force",)}  # what makes them move
 QUICK = ("PlanarLink", "GimbalController", "FourBar")
 ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
 
