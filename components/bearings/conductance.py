@@ -225,6 +225,11 @@ class AngularContactConductance(Component):
                 raise BadInput(self.name, f"{effect}.{name} = {width:g} m", f"at most {widest:.3g} m, where the gap beside the "
                                f"contact reaches as far out as the ball's radius of {radius:g} m", f"Reduce {name}.")
 
+    def left_range(self) -> str:
+        """The forces, and how large a contact may become."""
+        given = ", ".join(f"{n} = {self.get(n):g} N" for n in ("axial_force", "radial_force"))
+        return f"{given}; expected contacts within {LARGEST_CONTACT:g} radii of a ball, and rings inside each other"
+
     def _step(self, t: float, h: float) -> int:
         hold_inputs(self.u, h)
         self.counts += 1

@@ -311,6 +311,13 @@ class DeepGrooveBearing(Component):
                 warnings.warn(f"{self.name}: a ball passes {name} in {1.0 / passed:.2g} macro steps at t = {t:.4g} s; "
                               f"{SAMPLES} steps need a macro step of {h / (SAMPLES * passed):.2g} s", stacklevel=2)
 
+    def left_range(self) -> str:
+        """The displacements, and what the bearing can take."""
+        names = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
+        given = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in names)
+        limit = self.kernel_arguments()[0].largest_load
+        return f"{given}; expected a ring inside the grooves and less than {limit:.4g} N on a ball"
+
     def energy(self) -> float:
         """Elastic energy of the contacts, J; with `published_levers` that of the consistent bearing."""
         return elastic_energy(self.x, self.u[0], *self.arguments)

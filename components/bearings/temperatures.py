@@ -10,7 +10,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.integrators import OdeComponent
-from ..core.kernels import DONE, NOT_CONVERGED, bind, kernel
+from ..core.kernels import DONE, NOT_CONVERGED, OUT_OF_RANGE, bind, kernel
 from ..core.rosenbrock import rodas3
 from ..core.variables import input_, output, parameter
 from .radiation import STEFAN_BOLTZMANN, radiative_coefficient
@@ -119,7 +119,14 @@ class BearingTemperatures(OdeComponent):
     def _step(self, t: float, h: float) -> int:
         low, high = range_outside(h, self.x, self.u, *self.arguments)
         status = super()._step(t, h)
-        return NOT_CONVERGED if status == DONE and not low <= self.x[-3] <= high else status
+        if status == DONE and not low <= self.x[-3] <= high:
+            return NOT_CONVERGED
+        return OUT_OF_RANGE if status == DONE and coldest(self.x) < ABSOLUTE_ZERO else status
+
+    def left_range(self) -> str:
+        """The coldest part, and the inputs that cool it."""
+        heat = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in self.inputs)
+        return f"a temperature of {coldest(self.x):.4g} K with {heat}; expected 0 K or more"
 
 
 CONDUCTANCE, FRICTION, AMBIENT = BearingTemperatures.input_indices("conductance", "friction_power", "ambient")
@@ -129,6 +136,18 @@ OUTPUTS = BearingTemperatures.output_indices(
 )  # fmt: skip
 INNER_OUT, BALL_OUT, OUTER_OUT, HOUSING_OUT, CLEARANCE_OUT, SUPPLIED_OUT, STORED_OUT, RELEASED_OUT = OUTPUTS
 INNER, BALL, OUTER, HOUSED = 0, 1, 2, 3
+
+
+ABSOLUTE_ZERO = -1e-6  # K: with the rounding of parts that are at 0 K
+
+
+@kernel
+def coldest(x):
+    """Lowest temperature of a part, K."""
+    lowest = x[0]
+    for i in range(1, x.size - 2):
+        lowest = min(lowest, x[i])
+    return lowest
 
 
 @kernel

@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from .errors import BadInput, StepFailed, nearest
-from .kernels import DONE, REASONS, kernel_tuple
+from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .variables import Causality, Variable
 
 
@@ -262,7 +262,14 @@ class Component:
 
     def _check(self, status: int) -> None:
         if status != DONE:
-            raise StepFailed(self.name, self.t, *REASONS[status])
+            reason, remedy = REASONS[status]
+            if status == OUT_OF_RANGE and (left := self.left_range()):
+                reason = f"{reason}: {left}"
+            raise StepFailed(self.name, self.t, reason, remedy)
+
+    def left_range(self) -> str:
+        """What is out of the model's range, with its value and the range; of components that have one."""
+        return ""
 
     def save(self) -> bytes:
         """Everything a repeated step depends on; `restore` gives back every bit."""

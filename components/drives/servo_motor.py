@@ -21,6 +21,7 @@ class Inductance(Effect):
     """The current follows with the time constant inductance / resistance; off, it is there at once."""
 
     inductance = parameter(0.238e-3, "H", "inductance of the winding", low=1e-9)
+    start_current = parameter(0.0, "A", "current in the winding at the start")
 
 
 class Saturation(torque_motor.Saturation):
@@ -97,11 +98,11 @@ class ServoMotor(MotorParameters, EventComponent):
     }
 
     def initial_state(self) -> np.ndarray:
-        """Angle and rate of the parameters, the steady current, and the mode of the shaft where it can stick."""
+        """Angle and rate of the parameters, the current where it is a state, and the mode of the shaft where it can stick."""
         p, e = self.arguments
         x = [p.start_angle, p.start_rate]
         if e.inductance is not None:
-            x.append(steady_current(p.start_rate, self.u[0], p, e.saturation))
+            x.append(e.inductance.start_current)
         if e.shaft_friction is not None:
             x.append(0.0)
         state = np.array(x)

@@ -98,12 +98,12 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
         return super()._initialize(t)
 
     def initial_state(self) -> np.ndarray:
-        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, steady currents, shafts that stand where they can."""
+        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, currents as given, shafts that stand where they can."""
         p, e = self.arguments
         sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), e.lugre_slip,
                               e.exact_slip, e.trocar_friction)
         at, u = sleeve.size, self.u[0]
-        currents = [] if e.inductance is None else [u[0] / p.resistance, u[1] / p.resistance]
+        currents = [] if e.inductance is None else [e.inductance.start_current] * 2
         state = np.array([*sleeve, *np.zeros(4), *currents, *([] if e.shaft_friction is None else [0.0, 0.0])])
         if e.shaft_friction is not None:
             *drives, first, second = shafts(self.t, state, u, p, e)

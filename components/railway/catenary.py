@@ -261,6 +261,14 @@ class Catenary(Component):
             tension = np.maximum(tension, 0.0)
         return float(total + np.sum((tension**2 - mesh.preload**2) / (2.0 * mesh.dropper_stiffness) - mesh.preload * stretch))
 
+    def left_range(self) -> str:
+        """The contact points, their speeds, and the part of the wire on which they may be."""
+        names = [n for n in self.inputs if n.endswith("contact_position")]
+        points = [f"{n} = {self.get(n):g} m moving at {self.u[1, i]:g} m/s"
+                  for n, i in zip(names, self.input_positions(names), strict=True)]
+        low, high = self.mesh.position[[1, -2]]
+        return f"{', '.join(points)}, expected from {low:g} to {high:g} m"
+
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
         if self.parameters["method"] == "implicit":

@@ -73,6 +73,11 @@ class AveragedConverter(Transmission):
         """Energy of the driven shaft's rotation, J."""
         return 0.5 * self.arguments[0].driven_inertia * float(self.x[0]) ** 2
 
+    def left_range(self) -> str:
+        """The turbine's speed and its limit."""
+        limit = self.get("largest_turbine_speed")
+        return f"turbine_speed = {self.get('turbine_speed'):g} rad/s, expected within -{limit:g} and {limit:g} rad/s"
+
     def stable_step(self) -> float:
         """RK4's limit, radius / |eigenvalue| at the largest turbine speed, s."""
         p = self._declared_arguments()[0]

@@ -157,6 +157,12 @@ class InertialConverter(Transmission):
         return 0.5 * float(p.shaft_stiffness * twist**2 + p.crank_inertia * rate**2 + p.lever_mass * mass_velocity**2
                            + p.slider_mass * velocity**2 + p.driven_inertia * speed**2)
 
+    def left_range(self) -> str:
+        """The crank's speed and how fast it may turn for the internal step."""
+        limit = MOST_TURN / self._substep
+        return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the crank at {self.x[RATE]:.4g} rad/s, expected "
+                f"within -{limit:.4g} and {limit:.4g} rad/s for internal steps of {self._substep:g} s")
+
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
         p, e = self._declared_arguments()

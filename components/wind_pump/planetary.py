@@ -124,6 +124,12 @@ class PlanetaryTransmission(Transmission):
         p, (twist, speed, third) = self.arguments[0], self.x[:3]
         return 0.5 * float(p.stiffness * twist**2 + p.driven_inertia * speed**2 + p.third_inertia * third**2)
 
+    def left_range(self) -> str:
+        """The third shaft's speed and its limit."""
+        limit = self.get("centrifugal_brake.largest_speed")
+        return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the third shaft at {self.x[THIRD]:g} rad/s, "
+                f"expected within -{limit:g} and {limit:g} rad/s (centrifugal_brake.largest_speed)")
+
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
         p, e = self.kernel_arguments()

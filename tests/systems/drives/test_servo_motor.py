@@ -135,14 +135,15 @@ def test_power_in_is_power_out_heat_and_change_of_energy(effects):
         assert made["electrical_power"] == pytest.approx(gain + out, rel=1e-12, abs=1e-10)
 
 
-def test_the_current_is_settled_at_the_start():
-    for effects in ((), ("inductance",)):
-        made = motor(effects, {"voltage": 5.0}, start_rate=3.0)
-        assert made["current"] == pytest.approx((5.0 - K * N * 3.0) / R, rel=1e-14)
+def test_the_current_at_the_start_is_the_steady_one_without_inductance_and_the_given_one_with_it():
+    made = motor((), {"voltage": 5.0}, start_rate=3.0)
+    assert made["current"] == pytest.approx((5.0 - K * N * 3.0) / R, rel=1e-14)
+    assert motor(("inductance",), {"voltage": 5.0}, start_rate=3.0)["current"] == 0.0
+    assert motor(("inductance",), {"voltage": 5.0}, **{"inductance.start_current": 1.5})["current"] == 1.5
 
 
 def test_energy_is_that_of_inertia_and_winding():
-    made = motor(("inductance",), {"voltage": 5.0}, start_rate=3.0)
+    made = motor(("inductance",), {"voltage": 5.0}, start_rate=3.0, **{"inductance.start_current": 1.5})
     assert made.energy() == pytest.approx(0.5 * (361e-6 + 1e-6) * 9.0 + 0.5 * L * made["current"] ** 2, rel=1e-14)
 
 

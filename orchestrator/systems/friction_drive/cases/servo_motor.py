@@ -22,8 +22,8 @@ READ = {"rate": (1e-3, 5e-3, 2e-2), "current": (2e-4, 1e-3, 5e-3)}  # s
 
 
 def scene() -> Scene:
-    """Motors side by side, let go at 12 V with the settled current; but those that run out, and that friction holds."""
-    fine = {"substep": 1e-5, "voltage": VOLTAGE}
+    """Motors side by side, let go at 12 V with the current of standstill; but those that run out, and that friction holds."""
+    fine = {"substep": 1e-5, "voltage": VOLTAGE, "inductance.start_current": VOLTAGE / RESISTANCE}
     shaft = {"effects": ["shaft_friction"]}
     units = {
         "bare": {**BARE, "parameters": fine},
