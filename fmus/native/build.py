@@ -54,9 +54,9 @@ def compiler(target: str) -> list[str]:
         raise BadInput("build --native", f"target {target!r}", "one of " + ", ".join(TARGETS), nearest(target, TARGETS))
     if find_spec("ziglang") is not None:
         return [sys.executable, "-m", "ziglang", "cc", "-target", TARGETS[target].zig]
-    found = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
-    if target == own_target() and found:
-        return [found, "-Wl,--build-id=none"]
+    compiler = next((c for c in ("cc", "gcc", "clang") if shutil.which(c)), None)
+    if target == own_target() and compiler:
+        return [compiler, "-Wl,--build-id=none"]
     raise BadInput("build --native", f"no C compiler for {target}", "zig, which compiles for all targets" +
                    (", or cc" if target == own_target() else ""), "Install it: pip install 'cosimo[native]'.")
 
@@ -110,18 +110,18 @@ def build_native(name: str, make: Callable[[], Any], directory: Path, targets: I
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.
     """
-    return [pack(found, directory, version) for found in [library(name, make, targets)] for version in versions]
+    return [pack(built, directory, version) for built in [library(name, make, targets)] for version in versions]
 
 
-def pack(found: Library, directory: Path, version: int) -> Path:
+def pack(built: Library, directory: Path, version: int) -> Path:
     """One FMU file of a compiled component."""
     describe = {2: description2, 3: description3}[version]
-    scalars = tuple(v.scalar for v in found.variables if v.role != "ABSENT")
+    scalars = tuple(v.scalar for v in built.variables if v.role != "ABSENT")
     members = {
-        "modelDescription.xml": describe(found.name, type(found.component), found.variables, found.token),
-        "documentation/index.html": documentation(found.name, type(found.component), scalars, HOST),
+        "modelDescription.xml": describe(built.name, type(built.component), built.variables, built.token),
+        "documentation/index.html": documentation(built.name, type(built.component), scalars, HOST),
     }
-    for target, content in found.binaries.items():
+    for target, content in built.binaries.items():
         folder = TARGETS[target].folder2 if version == 2 else TARGETS[target].folder3
-        members[f"binaries/{folder}/{found.name}{TARGETS[target].suffix}"] = content
-    return write(members, Path(directory) / f"{found.name}{'.fmi3' if version == 3 else ''}.fmu")
+        members[f"binaries/{folder}/{built.name}{TARGETS[target].suffix}"] = content
+    return write(members, Path(directory) / f"{built.name}{'.fmi3' if version == 3 else ''}.fmu")

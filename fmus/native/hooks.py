@@ -56,8 +56,8 @@ class Hooks:
         """(name, translation) of a method, translated at the first call."""
         if function not in self._done:
             name = f"_{owner.__name__}_{function.__name__}_{len(self._done)}"
-            found = self._done[function] = (name, _Method(self, owner, function))
-            self._functions[name] = self.compiled(found[1].translated(name))
+            entry = self._done[function] = (name, _Method(self, owner, function))
+            self._functions[name] = self.compiled(entry[1].translated(name))
         return self._done[function]
 
     def function_named(self, name: str) -> Any:
@@ -124,12 +124,12 @@ class _Method(ast.NodeTransformer):
     # -- statements --------------------------------------------------------------------------------------------------
     def sequence(self, nodes: list[Any]) -> list[Any]:
         """Translated statements, up to the first that leaves in any case."""
-        found: list[Any] = []
+        translated: list[Any] = []
         for node in nodes:
-            found += self.statements(node)
-            if found and isinstance(found[-1], ast.Return):
+            translated += self.statements(node)
+            if translated and isinstance(translated[-1], ast.Return):
                 break
-        return found
+        return translated
 
     def statements(self, node: Any) -> list[Any]:
         """The statements that stand for one."""
@@ -196,7 +196,7 @@ class _Method(ast.NodeTransformer):
 
     def unpacked(self, node: ast.Assign, targets: list[Any], length: int) -> list[Any]:
         """`a, *_, b = self.items`, item by item, so that items which nothing reads can go."""
-        found, skipped = [], length - len(targets)
+        assignments, skipped = [], length - len(targets)
         for k, target in enumerate(targets):
             if isinstance(target, ast.Starred):
                 if not (isinstance(target.value, ast.Name) and target.value.id == "_"):
@@ -205,8 +205,8 @@ class _Method(ast.NodeTransformer):
             place = k if not any(isinstance(t, ast.Starred) for t in targets[:k]) else k + skipped
             if isinstance(target, ast.Name) and self.stored.count(target.id) == 1:
                 self.aliases[target.id] = self.attribute(node.value)[place]
-            found.append(ast.Assign([target], ast.Subscript(self.visit(node.value), ast.Constant(place), ast.Load())))
-        return [ast.copy_location(statement, node) for statement in found]
+            assignments.append(ast.Assign([target], ast.Subscript(self.visit(node.value), ast.Constant(place), ast.Load())))
+        return [ast.copy_location(statement, node) for statement in assignments]
 
     def each_element(self, node: Any) -> list[Any]:
         """`array += number`, element by element: an array expression would allocate."""
@@ -350,7 +350,7 @@ def fixed(value: Any) -> bool:
 
 def assigned_in_run(cls: type) -> set[str]:
     """Attributes that the hooks of a run set, or methods that they call."""
-    found: set[str] = set()
+    names: set[str] = set()
     seen, todo = set(), ["_start", "_step", "_outputs"]
     while todo:
         name = todo.pop()
@@ -359,9 +359,9 @@ def assigned_in_run(cls: type) -> set[str]:
             if isinstance(function, types.FunctionType):
                 tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
                 nodes = [n for n in ast.walk(tree) if isinstance(n, ast.Attribute)]
-                found |= {n.attr for n in nodes if isinstance(n.ctx, ast.Store)}
+                names |= {n.attr for n in nodes if isinstance(n.ctx, ast.Store)}
                 todo += [n.attr for n in nodes if n.attr not in seen and n.attr not in todo]
-    return found
+    return names
 
 
 def drop_unread(body: list[Any]) -> None:

@@ -50,16 +50,16 @@ def compiled_with_image(make: Callable[[], Any]) -> tuple[Any, Code, Image]:
 
 def _contents(component: Any) -> list[np.ndarray]:
     """All arrays and numbers of an initialized component, but for inputs, outputs and the time."""
-    found: list[np.ndarray] = []
+    arrays: list[np.ndarray] = []
     seen: set[int] = set()
 
     def add(value: Any) -> None:
         if isinstance(value, np.ndarray):
             if id(value) not in seen:
                 seen.add(id(value))
-                found.append(np.array(value))
+                arrays.append(np.array(value))
         elif isinstance(value, bool | int | float | np.number):
-            found.append(np.array(value))
+            arrays.append(np.array(value))
         elif isinstance(value, tuple | list):
             for item in value:
                 add(item)
@@ -67,7 +67,7 @@ def _contents(component: Any) -> list[np.ndarray]:
     for name, value in vars(component).items():
         if name not in ("t", "u", "y", "inputs", "outputs", "parameters"):
             add(value)
-    return found
+    return arrays
 
 
 def _same(first: list[np.ndarray], second: list[np.ndarray]) -> bool:

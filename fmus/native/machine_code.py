@@ -201,8 +201,8 @@ def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str
             item.linkage = "internal"
     before = str(module)
     _optimize(module, TARGETS["linux64"])
-    found = [f.name for f in [*module.functions, *module.global_variables] if f.is_declaration]
-    foreign = sorted(n for n in found if not n.startswith("llvm.") and n not in ALLOWED)
+    declared = [f.name for f in [*module.functions, *module.global_variables] if f.is_declaration]
+    foreign = sorted(n for n in declared if not n.startswith("llvm.") and n not in ALLOWED)
     if foreign:
         needed = ", ".join(foreign) + _users(before, foreign[0], kernels)
         remedy = "Give the kernel workspace, or write a loop."
@@ -271,6 +271,6 @@ def _plain(error: Exception) -> str:
 
 def _place(text: str) -> str:
     """The deepest line outside of Numba that a message of it names: it goes from the inside to the outside."""
-    found = re.findall(r'File "([^"]+)", line (\d+)|at (\S+\.py) \((\d+)\)', text)
-    places = [(a or c, b or d) for a, b, c, d in found if "/numba/" not in a + c and not (a + c).startswith(("<", "unknown"))]
+    frames = re.findall(r'File "([^"]+)", line (\d+)|at (\S+\.py) \((\d+)\)', text)
+    places = [(a or c, b or d) for a, b, c, d in frames if "/numba/" not in a + c and not (a + c).startswith(("<", "unknown"))]
     return f" ({places[0][0]}, line {places[0][1]})" if places else ""

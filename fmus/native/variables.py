@@ -62,19 +62,19 @@ def _variable(scalar: Scalar, component: Any, places: dict[str, tuple[int, float
 
 def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
     """Elements `name[1]`, `name[2]` ... that follow one another are one array in FMI 3."""
-    found: list[NativeVariable] = []
+    merged: list[NativeVariable] = []
     first = 0
     for k, variable in enumerate(variables):
         base, bracket, _ = variable.scalar.name.partition("[")
         of_array = bool(bracket) and variable.scalar.name.endswith("]")
         before = variables[first]
         if k and of_array and before.role == variable.role and before.scalar.name == f"{base}[1]":
-            found[first] = replace(found[first], size=found[first].size + 1)
-            found.append(replace(variable, size=0))
+            merged[first] = replace(merged[first], size=merged[first].size + 1)
+            merged.append(replace(variable, size=0))
         else:
             first = k
-            found.append(variable)
-    return tuple(found)
+            merged.append(variable)
+    return tuple(merged)
 
 
 def tables(component: Any, code: Code, image: Image, variables: tuple[NativeVariable, ...], token: str) -> str:
@@ -123,10 +123,12 @@ def reasons_of(component: Any, code: Code) -> list[tuple[int, str]]:
     from ...components.core.kernels import REASONS
     from .hooks import FIRST_RAISED
 
-    found = []
+    reasons = []
+    component.left_range = str  # the values of a run are not known when a message is written into the binary
     for status in REASONS:
         try:
             component._check(status)
         except StepFailed as failure:
-            found.append((status, failure.reason + (f". {failure.remedy}" if failure.remedy else "")))
-    return found + [(FIRST_RAISED + k, text) for k, text in enumerate(code.messages)]
+            reasons.append((status, failure.reason + (f". {failure.remedy}" if failure.remedy else "")))
+    del component.left_range
+    return reasons + [(FIRST_RAISED + k, text) for k, text in enumerate(code.messages)]

@@ -26,7 +26,9 @@ ALLOWED = {  # other things of the same name
     "orchestrator/units": {"settle"},  # discrete states of a foreign model
 }
 MEANINGLESS = {"found", "made", "told", "said", "heard", "settled", "came", "things"}
-CLEAN = ("orchestrator/engine", "orchestrator/advice", "orchestrator/run.py", "orchestrator/checkpoint.py",
+FORMER_OF_COMPONENTS = {"settle": "kernel_arguments", "asked_only": "explicit_only", "RK4_REACH": "RK4_STABILITY_RADIUS",
+                        "ROUNDING": "a name of what is rounded"}
+CLEAN = ("components", "fmus", "orchestrator/engine", "orchestrator/advice", "orchestrator/run.py", "orchestrator/checkpoint.py",
          "orchestrator/open_all.py")  # where no name may be one of these; a folder that is clean is added
 
 
@@ -58,6 +60,7 @@ def _allowed(path: Path) -> set[str]:
 
 def test_former_names_do_not_return():
     assert offences("orchestrator", set(FORMER)) == set()
+    assert offences("components", set(FORMER_OF_COMPONENTS)) == set()
 
 
 @pytest.mark.parametrize("place", CLEAN)
