@@ -56,15 +56,15 @@ def _grid(shape, half, area) -> Grid:
 
 def _cells(edges) -> tuple[np.ndarray, ...]:
     """Lower and upper edges along three axes, shaped to broadcast against each other."""
-    edges = []
+    cells = []
     for axis, e in enumerate(edges):
         e = np.asarray(e, dtype=float)
         if e.size < 2 or not (np.diff(e) > 0.0).all():
             raise BadInput("finite volumes", f"edges of axis {axis}: {e}", "at least two growing numbers")
         shape = [1, 1, 1]
         shape[axis] = -1
-        edges += [e[:-1].reshape(shape), e[1:].reshape(shape)]
-    return tuple(edges)
+        cells += [e[:-1].reshape(shape), e[1:].reshape(shape)]
+    return tuple(cells)
 
 
 def _faces(edges, axis: int) -> np.ndarray:
