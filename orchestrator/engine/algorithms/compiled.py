@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
-from ....components.core.kernels import kernel_tuple
+from ....components.core.kernels import kernel, kernel_tuple
 from ...units.call_table import COMPANIONS, DERIVATIVES, MEAN
 
 GET, SET, SET_DERIVATIVES, DO_STEP, INSTANCE, INPUT_REFERENCES, OUTPUT_REFERENCES, ORDERS = range(8)
@@ -22,7 +22,6 @@ FIRST_LINK, LINKS, FIRST_SIGNAL, SIGNALS, WAY, LATE, LED = range(7)
 WARNING = 1
 POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
-compiled = njit(cache=True, error_model="numpy")
 
 
 @kernel_tuple
@@ -95,7 +94,7 @@ def call_step(typing, address, instance, t, h, no_return):
     return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
 
 
-@compiled
+@kernel
 def _gather(plan, now, unit, values):
     """Present values of a unit's inputs, into values[first link ...]."""
     first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
@@ -104,7 +103,7 @@ def _gather(plan, now, unit, values):
         values[k] = plan.factor[k] * v + plan.offset[k] if plan.converted[k] else v
 
 
-@compiled
+@kernel
 def _terms(plan, now, unit, late, h):
     """Inputs over the coming step, into now.inputs (values, slopes, halves one behind the other); returns their degree."""
     first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
@@ -134,7 +133,7 @@ def _terms(plan, now, unit, late, h):
     return highest
 
 
-@compiled
+@kernel
 def _drive(plan, now, unit, degree, h):
     """Hand the polynomials of `_terms` to the FMU; returns its status."""
     calls, shape = plan.calls[unit], plan.shape[unit]
@@ -162,7 +161,7 @@ def _drive(plan, now, unit, degree, h):
     return status
 
 
-@compiled
+@kernel
 def _read(plan, now, unit):
     """Outputs of a unit into the table of signals; returns the FMU's status."""
     first, n = plan.shape[unit, FIRST_SIGNAL], plan.shape[unit, SIGNALS]
@@ -172,7 +171,7 @@ def _read(plan, now, unit):
     return call_values(calls[GET], calls[INSTANCE], calls[OUTPUT_REFERENCES], n, now.signals.ctypes.data + 8 * first)
 
 
-@compiled
+@kernel
 def _stands(plan, now, unit):
     """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are in now.known."""
     if now.interpolates[unit]:
@@ -185,7 +184,7 @@ def _stands(plan, now, unit):
     return True
 
 
-@compiled
+@kernel
 def _follow(plan, now):
     """Outputs follow their inputs within the instant, unit by unit; returns (a unit that failed, its status)."""
     updated = False
@@ -208,7 +207,7 @@ def _follow(plan, now):
     return -1, 0
 
 
-@compiled
+@kernel
 def _push(plan, now, h):
     """Keep the inputs of the new instant."""
     for unit in range(plan.shape.shape[0]):
@@ -222,7 +221,7 @@ def _push(plan, now, h):
             now.samples[unit] += 1
 
 
-@compiled
+@kernel
 def run_steps(plan, now, times, h, limit, halt, rows):
     """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S).
 
