@@ -12,6 +12,7 @@ from typing import Any
 
 from ..components.core.errors import StepFailed
 from .advice.limits import beyond_limit, remedy
+from .advice.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import master_of
 from .engine.algorithms.energy import EnergyAccount, metered
@@ -22,7 +23,6 @@ from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, reading
-from .engine.stepping.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
 from .open_all import open_units
 from .results import Result, Snapshot
 from .run_info import CompileTime, describe_run

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +13,6 @@ from .common import COMPONENT, AsJson, Changes, app, change, changed, listed, pa
 
 if TYPE_CHECKING:
     from ..harness.studies.accuracy import Accuracy
-    from ..scene.scene import Scene
 
 
 @app.command()
@@ -116,40 +114,3 @@ def print_front(measured: Accuracy) -> None:
         print(f"{sum(p.outcome == outcome for p in bad)} settings {outcome}")
     if measured.refused_times:
         print(f"{measured.refused_times} times refused, as no two measurements agree: the machine is busy, or throttles")
-
-
-def chosen(scene: Scene, tolerance: float) -> tuple[Scene, dict[str, Any]]:
-    """The scene at the quickest setting known to keep the tolerance, and what run.json says of it; measured first if need be."""
-    from ..harness.studies.accuracy import accuracy as measure
-    from ..harness.studies.fronts import choose, keep, known, why
-    from ..harness.studies.quantities import percent
-
-    front = known(scene)
-    if front is None or front.stale:
-        reason = front.stale if front else f"nothing is known of the accuracy of {scene.name} with these settings"
-        print(f"{reason}: measuring first", file=sys.stderr)
-        with status_spinner() as on_message:
-            keep(scene, measure(scene, on_message=on_message))
-        front = known(scene)
-        assert front is not None
-    point = choose(front.measured, tolerance)
-    reasons = why(point, front, tolerance)
-    print(f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)}; "
-          f"{reasons['reason']}")
-    print(f"  from: {front.origin}")
-    return (scene.with_changes(point.changes) if point.changes else scene), reasons
-
-
-def verified(scene: Scene, tolerance: float) -> bool:
-    """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
-    from ..harness.studies.fronts import verify
-    from ..harness.studies.quantities import percent
-
-    found = verify(scene)
-    print_table("against half the macro step and half the internal steps", ("quantity", "difference"),
-                [(name, percent(value)) for name, value in found.items()])
-    worst = max(found.values())
-    print(f"verified: {percent(worst)} is within {percent(tolerance)}" if worst <= tolerance else
-          f"NOT verified: {percent(worst)} is more than {percent(tolerance)}")
-    return worst <= tolerance
-

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
-from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,16 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
+from .choices import TOLERANCE
 from .common import AsJson, Changes, app, change, changed, listed, print_table, share, status_spinner, warn
 
 if TYPE_CHECKING:
-    from ..harness.studies.chosen import Choice
     from ..harness.studies.effects import Effects
-    from ..results import Result
-    from ..scene.scene import Scene
 
-AUTO = "auto"
-TOLERANCE = "1%"
 
 
 @app.command()
@@ -109,33 +103,3 @@ def print_found(found: Effects) -> None:
     for name, cost in (("all effects", found.full), ("the scene's own effects", found.given), ("smallest set", found.least)):
         print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
     print(f"{found.runs} models were run")
-
-
-def called_for(scene: Scene, tolerance: float) -> tuple[Scene, Choice]:
-    """The scene with exactly the effects that it calls for, and why; measured first where nothing is kept."""
-    from ..harness.studies.chosen import choose
-    from ..harness.studies.quantities import percent
-
-    with status_spinner() as on_message:
-        choice = choose(scene, tolerance, on_message)
-    names = [f"{unit}.{e}" for unit, on in choice.on.items() for e in on]
-    print(f"effects within {percent(tolerance)}: {', '.join(names) or 'none'}; error {percent(choice.error)}")
-    print(f"  {'measured now, kept in' if choice.fresh else 'as kept in'} {choice.kept}", file=sys.stderr)
-    return choice.applied(scene), choice
-
-
-def said(result: Result, choice: Choice, tolerance: float) -> Result:
-    """The result with the reasons of the choice in what run.json holds."""
-    return replace(result, info=choice.on_message(result.info, tolerance))
-
-
-def tolerance_of(effects: list[str] | None, tolerance: str | None) -> float | None:
-    """The share within which effects are to be chosen; None where they are not. Raises `BadInput` for half of it."""
-    auto = AUTO in (listed("--effects", effects) if effects else ())
-    if not auto:
-        if tolerance is not None:
-            raise BadInput("--tolerance", repr(tolerance), "none without --effects auto; it would have no effect", "Remove it.")
-        return None
-    if effects != [AUTO]:
-        raise BadInput("--effects", repr(",".join(effects or ())), "auto alone", "What else there is, it finds.")
-    return share("--tolerance", tolerance or TOLERANCE)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...components.core.errors import BadInput
-from .accuracy import chosen, verified
+from .choices import differences_to_finer, effects_within, setting_within, tolerance_of_effects
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
@@ -23,10 +23,10 @@ from .common import (
     listed,
     print_table,
     share,
+    status_spinner,
     switched_on,
     warn,
 )
-from .effects import called_for, said, tolerance_of
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -58,7 +58,7 @@ def run(
     verify: Annotated[bool, typer.Option("--verify", help=(
         "With --accuracy: a second, finer run, and how far it differs."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
-        "Do not run: show how the scene is settled, how long its macro step may be, and what a run costs."))] = False,
+        "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs."))] = False,
 ) -> None:
     """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
 
@@ -73,16 +73,21 @@ def run(
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
              "record.signals": listed("--record", record) if record else None}
     changes = {place: value for place, value in given.items() if value is not None}
-    within = tolerance_of(effects, tolerance)
+    within = tolerance_of_effects(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
     changes |= dict(change(loaded, text) for text in values or [])
     loaded = changed(loaded, changes)
     choice = None
     if within is not None:
-        loaded, choice = called_for(loaded, within)
+        with status_spinner() as on_message:
+            loaded, choice, messages = effects_within(loaded, within, on_message)
+        print(messages[0])
+        print(messages[1], file=sys.stderr)
     asked, reason = _tolerance(accuracy, verify, step, algorithm), None
     if asked is not None:
-        loaded, reason = chosen(loaded, asked)
+        with status_spinner() as on_message:
+            loaded, reason, messages = setting_within(loaded, asked, on_message, lambda text: print(text, file=sys.stderr))
+        print(*messages, sep="\n")
     if in_process and all(unit.fmu for unit in loaded.units.values()):
         raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
@@ -101,7 +106,7 @@ def run(
     if reason is not None:
         result = replace(result, info={**result.info, "accuracy": reason})
     if choice is not None and within is not None:
-        result = said(result, choice, within)
+        result = replace(result, info=choice.on_message(result.info, within))
     if output is not None:
         from ..harness import report
         from ..systems import SYSTEMS
@@ -122,7 +127,7 @@ def run(
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(FAILED_RUN)
-    if verify and asked is not None and not verified(loaded, asked):
+    if verify and asked is not None and not _verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
 
 
@@ -136,6 +141,19 @@ def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm
         if value is not None:
             raise BadInput(option, repr(value), "none with --accuracy, which chooses it", "Remove one of them.")
     return share("--accuracy", accuracy)
+
+
+def _verified(scene: Scene, tolerance: float) -> bool:
+    """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
+    from ..harness.studies.quantities import percent
+
+    differences = differences_to_finer(scene)
+    print_table("against half the macro step and half the internal steps", ("quantity", "difference"),
+                [(name, percent(value)) for name, value in differences.items()])
+    worst = max(differences.values())
+    print(f"verified: {percent(worst)} is within {percent(tolerance)}" if worst <= tolerance else
+          f"NOT verified: {percent(worst)} is more than {percent(tolerance)}")
+    return worst <= tolerance
 
 
 def _dry_run(scene: Scene, in_process: bool) -> None:

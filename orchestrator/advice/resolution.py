@@ -18,19 +18,19 @@ from typing import Any
 
 import numpy as np
 
-from ...units.interface import Signal
-from ..algorithms.gauss_seidel import GaussSeidel
-from ..algorithms.jacobi import Jacobi
-from ..algorithms.master import Master
-from ..coupling import Coupling
-from ..coupling.graph import Endpoint, is_discrete
-from .observers import BatchObserver
+from ..engine.algorithms.gauss_seidel import GaussSeidel
+from ..engine.algorithms.jacobi import Jacobi
+from ..engine.algorithms.master import Master
+from ..engine.coupling import Coupling
+from ..engine.coupling.graph import Endpoint, is_discrete
+from ..engine.stepping.observers import BatchObserver
+from ..units.interface import Signal
 
 CHUNK = 2048  # steps that are added up together
 TAIL = 3  # rows that the differences of the next ones need
 NEGLIGIBLE = 1e-9  # of the largest value, or of the nominal one: a spread below it is rounding
 PARTS = 4  # of a run, whose second differences are compared
-# Measured over all shipped scenes at their own settings: e up to 0.34, q up to 0.3; docs/stability-hunt.md has the table.
+# Set above what half of the shipped scenes have at their own settings, e up to 0.34 and q up to 0.32; docs/stability-hunt.md.
 INACCURATE = 0.5  # e from which an extrapolation is no approximation of its signal
 UNRESOLVED = 0.4  # q from which samples do not show a signal: fewer than 4.6 of them in a period
 SUSPICIOUS = 0.02  # e from which a coupling that does not die out is compared with its closed-form limit,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.engine.stepping.resolution import SUMS, StepResolution, _differences
+from cosimo.orchestrator.advice.resolution import SUMS, StepResolution, _differences
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
