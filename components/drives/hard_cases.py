@@ -18,8 +18,8 @@ HARD_CASES = {
     ),
     "ServoMotor": (
         HardCase("stall", "A load above what 4 A give: it stands, within its current, and is not driven back.",
-                 (AtMost("rate", 0.0), Ends("current", 1e-8, value=4.0)), ("saturation", "shaft_friction", "inductance"), {},
-                 {"voltage": 12.0, "load_torque": 2.0}, duration=0.05),
+                 (AtMost("rate", 0.0), Ends("current", 1e-8, value=4.0)), ("saturation", "shaft_friction", "inductance"),
+                 {"inductance.start_current": 4.0}, {"voltage": 12.0, "load_torque": 2.0}, duration=0.05),
         HardCase("a load at the static level", "Just below what friction holds the shaft does not move by a bit.",
                  (AtMost("angle", 0.0),), ("shaft_friction",), {"shaft_friction.gear_loss": 0.0},
                  {"load_torque": jumps(0.0, (0.01, 0.999999 * HOLD), (0.05, -0.999999 * HOLD))}),

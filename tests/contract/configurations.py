@@ -75,7 +75,7 @@ def excite(component: Component, share: float = 0.3) -> None:
 
 def slope_inputs(component: Component, rate: float = 0.5, half: float = -0.2) -> None:
     """Give every input a first and a second derivative for the next step: nominal values per s and s²."""
-    nominal = np.array([component.variables[n].nominal for n in component.inputs])
+    nominal = np.array([component.variables[n].nominal for n in component.inputs]) * FACTS[type(component).__name__].slopes
     component.u[1], component.u[2] = rate * nominal, half * nominal
 
 

@@ -63,6 +63,7 @@ FACTS: dict[str, Facts] = {
                         "radiation.inner_temperature", "radiation.outer_temperature"}),
     ),
     "BearingTemperatures": Facts(
+        slopes=0.01,  # temperatures above zero kelvin
         plain=(("housing", "oil_flow", "radiation", "shaft_heat"), {"friction_power": 20.0}, 20),
         disturbance={"friction_power": 20.0, "ambient": 300.0},
         step=10.0,
