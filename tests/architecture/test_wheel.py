@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = (".py", ".toml", ".csv", ".html", ".css", ".js")
+SHIPPED = (".py", ".toml", ".csv", ".html", ".css", ".js", ".c", ".h")
 PARTS = ("components", "fmus", "orchestrator")
 
 

@@ -20,6 +20,7 @@ class Facts:
     For the tests of vanishing effects:
     disturbance: inputs after the initialization.  step: s.
     strengths: number that makes an effect vanish -> the effect's other numbers, and a value whose next order does not show.
+    roots: strengths whose effect grows with their square root.
     structural: effects that change what the model is and have no such number.  form: numbers that are none of strength.
     """
 
@@ -31,6 +32,7 @@ class Facts:
     disturbance: Mapping[str, float] = field(default_factory=dict)
     step: float = 1e-3
     strengths: Mapping[str, tuple[Mapping[str, Any], float]] = field(default_factory=dict)
+    roots: frozenset[str] = frozenset()
     structural: frozenset[str] = frozenset()
     form: frozenset[str] = frozenset()
 

@@ -134,10 +134,9 @@ def test_one_step_is_two_of_half_its_length(configuration):
     h = span(whole)
     for component in (whole, halves):
         slope_inputs(component, rate=2.0, half=-30.0)
-    nominal = np.array([whole.variables[n].nominal for n in whole.inputs])
     whole.step(0.0, 2 * h)
     halves.step(0.0, h)
-    halves.u[1], halves.u[2] = (2.0 - 2 * 30.0 * h) * nominal, -30.0 * nominal
+    slope_inputs(halves, rate=2.0 - 2 * 30.0 * h, half=-30.0)
     halves.step(h, h)
     if "substep" in whole.parameters:  # else every macro step is one of its own
         assert whole.work["steps"] == halves.work["steps"]
