@@ -56,7 +56,7 @@ def bearings(result: Result) -> list[BearingRecord]:
     scene = result.scene
     given = scene.analysis_as(BearingKeys).bearing
     wanted = (given,) if isinstance(given, str) else given or tuple(scene.units)
-    found = []
+    records = []
     for unit in wanted:
         if unit not in scene.units:
             raise BadInput(f"{scene.name}: analysis.bearing", repr(unit), "a unit of the scene", nearest(unit, scene.units))
@@ -64,8 +64,8 @@ def bearings(result: Result) -> list[BearingRecord]:
         if {"displacement_x", "displacement_y"} <= columns.keys():
             component: Any = component_of(scene, unit)
             if hasattr(component, "geometry"):
-                found.append(_bearing(result, unit, component, columns))
-    return found
+                records.append(_bearing(result, unit, component, columns))
+    return records
 
 
 def _bearing(result: Result, unit: str, component: Any, columns: Mapping[str, str]) -> BearingRecord:

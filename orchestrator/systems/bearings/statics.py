@@ -14,7 +14,7 @@ from ....components.core.kernels import DONE, REASONS
 
 def at_rest(bearing: DeepGrooveBearing, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
     """`DeepGrooveBearing.equilibrium`; raises `StepFailed` unless it was found within the model's range."""
-    found = bearing.equilibrium(forces, held)
-    if found.status != DONE:
-        raise StepFailed(bearing.name, bearing.t, *REASONS[found.status])
-    return found
+    loads = bearing.equilibrium(forces, held)
+    if loads.status != DONE:
+        raise StepFailed(bearing.name, bearing.t, *REASONS[loads.status])
+    return loads

@@ -64,7 +64,7 @@ class Drive:
 class Move:
     """A change of a set point and what followed, up to the next one or the end; in the axis's unit, times in s from its begin.
 
-    lasts: of the change itself, 0 for a step.  settled: until the error stays within the band, None if it does not.
+    lasts: of the change itself, 0 for a step.  settling_time: until the error stays within the band, None if it does not.
     overshoot: beyond the new set point, 0 if none.  left: error at the end.
     """
 
@@ -72,7 +72,7 @@ class Move:
     begin: float
     lasts: float
     way: float
-    settled: float | None
+    settling_time: float | None
     overshoot: float
     left: float
 
@@ -128,7 +128,7 @@ def _levels(result: Result, unit: str) -> tuple[float, float]:
 
 def moves(drive: Drive, bands: Mapping[str, float] = BANDS) -> list[Move]:
     """Every change of a set point, axis by axis; rows of a table that follow at once are one change."""
-    found = []
+    records = []
     for axis, wanted in drive.wanted.items():
         size = float(np.abs(wanted).max(initial=0.0))
         changing = np.flatnonzero(np.abs(np.diff(wanted)) > NEGLIGIBLE_CHANGE * size)
@@ -140,8 +140,8 @@ def moves(drive: Drive, bands: Mapping[str, float] = BANDS) -> list[Move]:
         for k, (first, last) in enumerate(zip(firsts, lasts, strict=True)):
             end = int(firsts[k + 1]) if k + 1 < firsts.size else wanted.size - 1
             if abs(wanted[last] - wanted[first]) > SHARE * size:
-                found.append(_move(drive, axis, int(first), int(last), end, bands[axis]))
-    return sorted(found, key=lambda m: (m.begin, m.axis))
+                records.append(_move(drive, axis, int(first), int(last), end, bands[axis]))
+    return sorted(records, key=lambda m: (m.begin, m.axis))
 
 
 def _move(drive: Drive, axis: str, first: int, last: int, end: int, band: float) -> Move:
@@ -150,13 +150,14 @@ def _move(drive: Drive, axis: str, first: int, last: int, end: int, band: float)
     begin = float(time[last]) if last == first + 1 else float(time[first])  # a step is there at its sample
     section = slice(last, end + 1)
     outside = np.flatnonzero(np.abs(error[section]) > band)
-    settled = None
+    lasts = 0.0 if last == first + 1 else float(time[last]) - begin
+    settling_time = None
     if not outside.size:
-        settled = 0.0 if last == first + 1 else float(time[last]) - begin
+        settling_time = lasts
     elif outside[-1] < error[section].size - 1:
-        settled = float(time[last + outside[-1] + 1]) - begin
+        settling_time = float(time[last + outside[-1] + 1]) - begin
     overshoot = max(0.0, float(np.max(-np.sign(way) * error[section])))
-    return Move(axis, begin, 0.0 if last == first + 1 else float(time[last]) - begin, way, settled, overshoot, float(error[end]))
+    return Move(axis, begin, lasts, way, settling_time, overshoot, float(error[end]))
 
 
 def standing(drive: Drive) -> float:

@@ -60,11 +60,11 @@ class RobotRecord:
 
 def robots(result: Result) -> list[RobotRecord]:
     """The robots of a run whose position and velocity were recorded, in the order of the scene."""
-    found = []
+    records = []
     for unit in result.scene.units:
         if {f"{unit}.position", f"{unit}.velocity"} <= result.columns.keys():
-            found.append(_robot(result, unit))
-    return found
+            records.append(_robot(result, unit))
+    return records
 
 
 def _robot(result: Result, unit: str) -> RobotRecord:

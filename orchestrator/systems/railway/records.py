@@ -77,7 +77,7 @@ def analysis_window(result: Result) -> tuple[float, float]:
 
 def passages(result: Result) -> list[Passage]:
     """The pantographs of a run, foremost first: units whose contact force and wire height are recorded."""
-    found = []
+    all_passages = []
     for connection in result.scene.arrows:
         source, target = (part.strip() for part in connection.split("->"))
         unit, _, name = target.rpartition(".")
@@ -91,8 +91,8 @@ def passages(result: Result) -> list[Passage]:
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
-        found.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
-    return sorted(found, key=lambda p: -p.record.position[0])
+        all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
+    return sorted(all_passages, key=lambda p: -p.record.position[0])
 
 
 def _support_positions(result: Result, catenary: str, watched: list[str]) -> tuple[float, ...]:
@@ -109,12 +109,12 @@ def _support_positions(result: Result, catenary: str, watched: list[str]) -> tup
 
 def statistics(result: Result, low_pass: Filter | None = None, pantograph: int = 0) -> ContactStatistics:
     """Statistics of a pantograph (0: the foremost) over the scene's window; uplifts of the supports in it, ends included."""
-    found = passages(result)
-    if not found:
+    all_passages = passages(result)
+    if not all_passages:
         raise BadInput(
             result.scene.name, "no recorded contact force with its wire height", "a run of a pantograph under a catenary"
         )
-    passage = found[pantograph]
+    passage = all_passages[pantograph]
     start, end = analysis_window(result)
     inside = [u for u, x in zip(passage.record.uplifts, passage.supports, strict=True) if start - 1e-6 <= x <= end + 1e-6]
     r = passage.record

@@ -66,8 +66,9 @@ def ac_simple_run(speed: float, options: Options) -> tuple[Result, float, float]
     if trial.outcome != "done":
         return trial, guess, float("nan")
     mean = statistics(trial).mean
-    settled = guess * target / mean
-    return run(at_speed(scene, speed, {force: settled}), in_process=options.in_process, progress=options.progress), settled, mean
+    static_force = guess * target / mean
+    scaled = at_speed(scene, speed, {force: static_force})
+    return run(scaled, in_process=options.in_process, progress=options.progress), static_force, mean
 
 
 def numbers(result: Result, low_pass: Filter | None = None) -> dict[str, float]:

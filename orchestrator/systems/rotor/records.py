@@ -32,14 +32,14 @@ class RotorRecord:
 
 def rotors(result: Result) -> list[RotorRecord]:
     """The rotors of a run: units with ports for bearings or a place that is watched, whose speed was recorded."""
-    found = []
+    records = []
     for unit in result.scene.units:
         own = {k: result.columns[f"{unit}.{n}"] for k, n in ROTOR.items() if f"{unit}.{n}" in result.columns}
         if "speed" in own:
             component = component_of(result.scene, unit)
             ports = {p: _port(result, unit, p) for p in (component.on if component else ()) if p.startswith("bearing_")}
-            found.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
-    return found
+            records.append(RotorRecord(unit, result.time, own, {p: s for p, s in ports.items() if s}))
+    return records
 
 
 def _port(result: Result, unit: str, port: str) -> dict[str, np.ndarray]:

@@ -101,16 +101,16 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
 
 def _arrived(result: Result, values: np.ndarray, ends: set[str]) -> np.ndarray:
     """What arrives of a signal that is recorded where it begins: faults change it on its way from one of `ends` to the other."""
-    made, t = values.copy(), np.asarray(result.time)
+    arrived, t = values.copy(), np.asarray(result.time)
     for fault in result.scene.faults:
         inside = (t >= fault.begin) & (t < (np.inf if fault.end is None else fault.end))
         if fault.signal not in ends or not inside.any():
             continue
         if fault.kind == "offset":
-            made[inside] += fault.value
+            arrived[inside] += fault.value
         else:  # a dropped thrust is that of an input nobody drives
-            made[inside] = {"override": fault.value, "freeze": made[np.argmax(inside)], "drop": 0.0}[fault.kind]
-    return made
+            arrived[inside] = {"override": fault.value, "freeze": arrived[np.argmax(inside)], "drop": 0.0}[fault.kind]
+    return arrived
 
 
 def _axes(w: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -65,14 +65,14 @@ class JointRecord:
 
 def joints(result: Result) -> list[JointRecord]:
     """The joints of a run whose angles and rates were recorded, in the order of the scene."""
-    found, links = [], []
+    records, links = [], []
     for unit in result.scene.units:
         own = {n.removeprefix(f"{unit}."): c for n, c in result.columns.items() if n.startswith(f"{unit}.")}
         pair = next((p for p in PAIRS if all(f"{n}_{what}" in own for n in p for what in ("angle", "rate"))), None)
         if pair is not None:
             what = "axis" if pair == PAIRS[0] else "link"
             axes = tuple(Axis(f"{n} {what}", own[f"{n}_angle"], own[f"{n}_rate"]) for n in pair)
-            found.append(_joint(result, unit, axes, own))
+            records.append(_joint(result, unit, axes, own))
         elif {"angle", "rate", "tip_x", "tip_y"} <= own.keys():
             links.append((unit, own))
     if links:
@@ -81,8 +81,8 @@ def joints(result: Result) -> list[JointRecord]:
         stored = [own[ENERGY] for _, own in links if ENERGY in own]
         kept = {"energy": np.sum(stored, axis=0)} if len(stored) == len(links) else {}
         tip = np.array([last["tip_x"], last["tip_y"]])
-        found.append(JointRecord("links", result.time, axes, None, tip, 0.0, kept, frozenset()))
-    return found
+        records.append(JointRecord("links", result.time, axes, None, tip, 0.0, kept, frozenset()))
+    return records
 
 
 def _joint(result: Result, unit: str, axes: tuple[Axis, ...], own: Mapping[str, np.ndarray]) -> JointRecord:

@@ -64,14 +64,14 @@ class Running:
 def chains(result: Result) -> list[Chain]:
     """The wind pumps of a run whose pump speed was recorded, in the order of the scene."""
     sources = {link.target: link.source for link in result.scene.coupling.links}
-    found = []
+    records = []
     for unit in result.scene.units:
         turbine = sources.get((unit, "turbine_speed"), ("", ""))[0]
         if turbine and f"{unit}.speed" in result.columns:
             load = sources.get((unit, "load_torque"), ("", ""))[0]
             pipe = next((target[0] for target, source in sources.items() if source == (load, "flow")), "")
-            found.append(_chain(result, unit, turbine, load, pipe))
-    return found
+            records.append(_chain(result, unit, turbine, load, pipe))
+    return records
 
 
 def _chain(result: Result, unit: str, turbine: str, load: str, pipe: str) -> Chain:
@@ -128,13 +128,13 @@ def runnings(chain: Chain, standstill: float = STANDSTILL, pause: float = PAUSE)
             joined[-1][1] = after
         else:
             joined.append([first, after])
-    found = []
+    records = []
     for first, after in joined:
         turns = float(angle[after - 1] - angle[first]) / TURN
         if turns >= 1.0:
             begin, end = first if first > 0 else None, after if after < time.size else None
-            found.append(Running(_at(time, begin), _at(time, end), _at(chain.wind, begin), _at(chain.wind, end), turns))
-    return found
+            records.append(Running(_at(time, begin), _at(time, end), _at(chain.wind, begin), _at(chain.wind, end), turns))
+    return records
 
 
 def _at(values: np.ndarray | None, sample: int | None) -> float | None:
@@ -163,10 +163,10 @@ def branches(time: np.ndarray, wind: np.ndarray) -> list[tuple[str, slice]]:
 
 def efficiencies(chain: Chain, start: int = 0) -> list[tuple[str, float, float | None]]:
     """(stage, energy in J from the sample `start` on, share of the recorded stage before it); None for the first stage."""
-    found: list[tuple[str, float, float | None]] = []
+    rows: list[tuple[str, float, float | None]] = []
     for stage in STAGES:
         if stage in chain.powers:
             energy = float(accumulated(chain.time[start:], chain.powers[stage][start:])[-1])
-            before = found[-1][1] if found else 0.0
-            found.append((stage, energy, energy / before if before > 0.0 else None))
-    return found
+            before = rows[-1][1] if rows else 0.0
+            rows.append((stage, energy, energy / before if before > 0.0 else None))
+    return rows

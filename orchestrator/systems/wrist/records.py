@@ -93,13 +93,13 @@ class LinkageRecord:
 
 def wrists(result: Result) -> list[WristRecord]:
     """The wrists of a run whose angles were recorded, in the order of the scene."""
-    found = []
+    records = []
     for unit in result.scene.units:
         own = {n: np.asarray(result.columns[f"{unit}.{n}"], dtype=float) for n in WRIST if f"{unit}.{n}" in result.columns}
         if {"flexion", "deviation"} <= own.keys() and own.keys() & {"proximal_angle", "roll"}:
-            found.append(WristRecord(unit, result.time, own))
-    outer = [r.unit.rpartition(".")[0] for r in found]
-    return [replace(r, unit=name) for r, name in zip(found, outer, strict=True)] if distinct(outer) else found
+            records.append(WristRecord(unit, result.time, own))
+    outer = [r.unit.rpartition(".")[0] for r in records]
+    return [replace(r, unit=name) for r, name in zip(records, outer, strict=True)] if distinct(outer) else records
 
 
 def distinct(names: Sequence[str]) -> bool:
@@ -149,26 +149,26 @@ def postures(record: WristRecord, instants: Sequence[float] = (), start: int = 0
 
 def muscles(result: Result) -> list[Muscles]:
     """The units of muscles of a run whose activations were recorded."""
-    found = []
+    records = []
     for unit in result.scene.units:
         activation = _elements(result, f"{unit}.activation", [n.upper() for n in MUSCLES])
         if activation:
             torques = {n: result.columns[c] for n in HAND[:2] if (c := f"{unit}.{n}_torque") in result.columns}
             force = _elements(result, f"{unit}.force", [n.upper() for n in MUSCLES])
-            found.append(Muscles(unit, result.time, activation, force, torques))
-    return found
+            records.append(Muscles(unit, result.time, activation, force, torques))
+    return records
 
 
 def bundles(result: Result) -> list[Bundle]:
     """The ligaments of a run whose strains or tensions were recorded: of units of their own, and of wrists that have them."""
     names = [n.replace("_", "-") for n in LIGAMENTS]
-    found = []
+    records = []
     for unit in result.scene.units:
         for owner in (unit, f"{unit}.constraint"):
             tension, strain = (_elements(result, f"{owner}.{what}", names) for what in ("tension", "strain"))
             if tension or strain:
-                found.append(Bundle(unit, result.time, tension, strain))
-    return found
+                records.append(Bundle(unit, result.time, tension, strain))
+    return records
 
 
 def _elements(result: Result, array: str, names: Sequence[str]) -> dict[str, np.ndarray]:
@@ -179,10 +179,10 @@ def _elements(result: Result, array: str, names: Sequence[str]) -> dict[str, np.
 
 def linkages(result: Result) -> list[LinkageRecord]:
     """The four-bar linkages of a run whose rocker angle and crank angle, or what drives it, were recorded."""
-    found = []
+    records = []
     for unit in result.scene.units:
         own = {n: np.asarray(result.columns[f"{unit}.{n}"], dtype=float) for n in LINKAGE if f"{unit}.{n}" in result.columns}
         crank = recorded(result, unit, "input_angle") if "output_angle" in own else ""
         if crank:
-            found.append(LinkageRecord(unit, np.asarray(result.columns[crank], dtype=float), own))
-    return found
+            records.append(LinkageRecord(unit, np.asarray(result.columns[crank], dtype=float), own))
+    return records

@@ -28,19 +28,19 @@ def test_moves_have_their_times_and_errors():
     drive = drives(drive_run())[0]
     feed, rotation = moves(drive)
     assert (feed.axis, feed.begin, feed.lasts, feed.way) == ("feed", pytest.approx(AT), 0.0, STEP)
-    assert feed.settled == pytest.approx(math.log(STEP / 1e-4) / RATE, abs=1e-3)
+    assert feed.settling_time == pytest.approx(math.log(STEP / 1e-4) / RATE, abs=1e-3)
     assert feed.overshoot == 0.0
     assert feed.left == pytest.approx(0.0, abs=1e-12)
     assert (rotation.axis, rotation.begin, rotation.lasts) == ("rotation", pytest.approx(0.2), pytest.approx(0.3))
     assert rotation.left == pytest.approx(0.02 * TURN)
-    assert rotation.settled == pytest.approx(0.3)  # 8 mrad behind are within the band of 10: from the end of the ramp on
-    assert moves(drive, {"feed": 1e-4, "rotation": 5e-3})[1].settled is None
+    assert rotation.settling_time == pytest.approx(0.3)  # 8 mrad behind are within the band of 10: from the end of the ramp on
+    assert moves(drive, {"feed": 1e-4, "rotation": 5e-3})[1].settling_time is None
 
 
 def test_an_overshoot_that_stays_is_not_settled():
     feed = moves(drives(drive_run(overshoot=0.1))[0])[0]
     assert feed.overshoot == pytest.approx(0.1 * STEP, rel=1e-6)
-    assert feed.settled is None
+    assert feed.settling_time is None
     (row, _) = tables(SYSTEMS["friction_drive"].figures(drive_run(overshoot=0.1)))["Moves"].rows
     assert row[-1] == "not"
     wide = drive_run({"feed_band": 3e-3, "rotation_band": 0.1}, overshoot=0.1)

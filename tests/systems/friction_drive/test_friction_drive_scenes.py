@@ -31,7 +31,7 @@ def test_steps_in_both_axes_settle_without_overshoot_and_stand(step):
     found = moves(drive)
     assert [(m.axis, m.begin, round(m.way, 9)) for m in found] == [
         ("feed", 0.1, 0.03), ("rotation", 0.1, 1.0), ("feed", 1.0, -0.01), ("rotation", 1.0, -1.5)]  # fmt: skip
-    assert all(m.settled is not None and m.settled < 0.5 for m in found)
+    assert all(m.settling_time is not None and m.settling_time < 0.5 for m in found)
     assert all(m.overshoot < (1e-5 if m.axis == "feed" else 2e-3) for m in found)
     late = step.time > 1.8
     for name in ("first", "second"):

@@ -40,8 +40,8 @@ def findings(options: Options) -> Findings:
             measured[f"rise.{name}"] = float(np.diff(curves[:, i]).max())
     for name, parameters in BEARINGS.items():
         for c in (0, 15):
-            made = _bearing(c, parameters)
-            measured[f"{name}.{c}"] = -1e6 * at_rest(made, 1000.0 * DOWN, (*PLANE, "x")).displacement[1]
+            model = _bearing(c, parameters)
+            measured[f"{name}.{c}"] = -1e6 * at_rest(model, 1000.0 * DOWN, (*PLANE, "x")).displacement[1]
     (free_low, free_high), (sideways, upright) = free[fine == 15.0][0], held[fine == 15.0][0]
     notes = (
         "Nine balls with one on the horizontal axis are no mirror image of themselves about the vertical: under its weight "
@@ -56,19 +56,19 @@ def findings(options: Options) -> Findings:
 
 def _bearing(clearance: float, parameters: dict[str, Any]) -> DeepGrooveBearing:
     given = {"hertz": "brewe-hamrock", "diametral_clearance": 1e-6 * clearance, "linearisation.idle_stiffness": 0.0} | parameters
-    made = DeepGrooveBearing(["linearisation"], given)
-    made.initialize(0.0)
-    return made
+    model = DeepGrooveBearing(["linearisation"], given)
+    model.initialize(0.0)
+    return model
 
 
 def frequencies(clearance: float, held: Collection[str]) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies along x and y alone, and of both together, ascending, Hz; of the weight at rest, clearance in um."""
-    made = _bearing(clearance, {})
-    rest = at_rest(made, MASS * GRAVITY * DOWN, (*PLANE, *held)).displacement
+    model = _bearing(clearance, {})
+    rest = at_rest(model, MASS * GRAVITY * DOWN, (*PLANE, *held)).displacement
     for name, value in zip(DISPLACEMENT, rest, strict=True):
-        made.set(name, value)
-    made.refresh()
-    K = np.array([[made[f"linearisation.stiffness[{5 * i + j + 1}]"] for j in (0, 1)] for i in (0, 1)])
+        model.set(name, value)
+    model.refresh()
+    K = np.array([[model[f"linearisation.stiffness[{5 * i + j + 1}]"] for j in (0, 1)] for i in (0, 1)])
     squares = np.diag(K) / MASS, np.maximum(np.linalg.eigvalsh(K), 0.0) / MASS
     along, together = (np.sqrt(s) / (2.0 * np.pi) for s in squares)
     return along, together

@@ -104,7 +104,7 @@ def _contrast(spectra: dict[tuple[str, str], Spectrum], bearing: str, pit: str) 
 
 def _measured(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, float]:
     fr, near = BEARINGS["6205"][1] / 60.0, _expected("6205", "ball")
-    found = {
+    measured = {
         "6205.outer": spectra["6205", "outer"].line(near["outer"]) / fr,
         "6205.inner": spectra["6205", "inner"].line(near["inner"]) / fr,
         "6205.ball": spectra["6205", "ball"].line(2.0 * near["ball"]) / fr,
@@ -113,8 +113,8 @@ def _measured(spectra: dict[tuple[str, str], Spectrum]) -> dict[str, float]:
     inner, near = spectra["6306", "inner"], _expected("6306", "inner")
     turn = BEARINGS["6306"][1] / 60.0
     beside = [inner.line(near["inner"] + k * turn) for k in (-2, -1, 0, 1, 2)]
-    found |= {f"{bearing}.{pit}.contrast": _contrast(spectra, bearing, pit) for bearing, pit in RUNS if pit}
-    return found | {
+    measured |= {f"{bearing}.{pit}.contrast": _contrast(spectra, bearing, pit) for bearing, pit in RUNS if pit}
+    return measured | {
         "6306.outer": spectra["6306", "outer"].highest(),
         "6306.turn": inner.highest(),
         "6306.inner": inner.line(near["inner"]),
@@ -129,12 +129,12 @@ def _charts(spectra: dict[tuple[str, str], Spectrum]) -> tuple[Chart, ...]:
     charts = []
     for bearing, (preset, rpm) in BEARINGS.items():
         panels = []
-        for (of, pit), found in spectra.items():
+        for (of, pit), spectrum in spectra.items():
             if of != bearing or not pit:
                 continue
-            cut = found.frequency <= SHOWN
+            cut = spectrum.frequency <= SHOWN
             panels.append(Panel(
-                "m/s²", (Series(f"pit: {pit}", found.frequency[cut], found.amplitude[cut]),), title=f"pit: {pit}",
+                "m/s²", (Series(f"pit: {pit}", spectrum.frequency[cut], spectrum.amplitude[cut]),), title=f"pit: {pit}",
                 lines=tuple(Lines(name, tuple((k * f, f"{k}×") for k in (1, 2, 3) if k * f < SHOWN))
                             for name, f in _lines(bearing, pit).items()),
             ))  # fmt: skip

@@ -38,31 +38,31 @@ def _fit_error(ratio: float) -> float:
 
 
 def _ellipses() -> dict[str, float]:
-    found: dict[str, float] = {}
+    measured: dict[str, float] = {}
     for ratio in RATIOS:
         shape = exact_ellipse(ratio)
-        found |= {f"{ratio:g}.k": shape.k, f"{ratio:g}.second": shape.second, f"{ratio:g}.first": shape.first,
-                  f"{ratio:g}.fit": _fit_error(ratio)}  # fmt: skip
-    return found
+        measured |= {f"{ratio:g}.k": shape.k, f"{ratio:g}.second": shape.second, f"{ratio:g}.first": shape.first,
+                     f"{ratio:g}.fit": _fit_error(ratio)}  # fmt: skip
+    return measured
 
 
 def _harris() -> dict[str, float]:
-    found: dict[str, float] = {}
+    measured: dict[str, float] = {}
     for name, bearing in HARRIS.items():
         for race in ("inner", "outer"):
             total, difference = bearing.curvature(race)
-            found[f"{name}.sum_{race}"], found[f"{name}.difference_{race}"] = 1e-3 * total, difference
-            found[f"{name}.{race}"] = bearing.contact(race, HARRIS_MODULUS).stiffness
-        found[f"{name}.both"] = bearing.stiffness(HARRIS_MODULUS)
-        found[f"{name}.millimetre"] = found[f"{name}.both"] / NEWTON_PER_MM
-    return found
+            measured[f"{name}.sum_{race}"], measured[f"{name}.difference_{race}"] = 1e-3 * total, difference
+            measured[f"{name}.{race}"] = bearing.contact(race, HARRIS_MODULUS).stiffness
+        measured[f"{name}.both"] = bearing.stiffness(HARRIS_MODULUS)
+        measured[f"{name}.millimetre"] = measured[f"{name}.both"] / NEWTON_PER_MM
+    return measured
 
 
 def _hamrock() -> dict[str, float]:
     inner = HAMROCK.contact("inner", HAMROCK_MODULUS)
     short, long = inner.axes(HAMROCK_LOAD)
     speed = entrainment_speed(HAMROCK, HAMROCK_SPEED)
-    found = {
+    measured = {
         "k": inner.ellipse.k,
         "second": inner.ellipse.second,
         "first": inner.ellipse.first,
@@ -75,10 +75,10 @@ def _hamrock() -> dict[str, float]:
     }
     for race in ("inner", "outer"):
         contact, (rx, ry) = HAMROCK.contact(race, HAMROCK_MODULUS), HAMROCK.radii(race)
-        found[race], found[f"ratio_{race}"] = contact.stiffness, ry / rx
+        measured[race], measured[f"ratio_{race}"] = contact.stiffness, ry / rx
         for name, thinnest in (("central", False), ("least", True)):
-            found[f"{name}_{race}"] = 1e6 * film_thickness(contact, rx, HAMROCK_LOAD, speed, HAMROCK_OIL, thinnest=thinnest)
-    return {f"hamrock.{name}": value for name, value in found.items()}
+            measured[f"{name}_{race}"] = 1e6 * film_thickness(contact, rx, HAMROCK_LOAD, speed, HAMROCK_OIL, thinnest=thinnest)
+    return {f"hamrock.{name}": value for name, value in measured.items()}
 
 
 def _fit_chart() -> Chart:

@@ -21,9 +21,9 @@ RADIAL, AXIAL = np.array([1.0, 0, 0, 0, 0]), np.array([0, 0, 1.0, 0, 0])
 
 def bearing(clearance: float) -> DeepGrooveBearing:
     """The example with a diametral clearance in m, ready for its equilibrium."""
-    made = DeepGrooveBearing(preset=PRESET, parameters={"diametral_clearance": clearance})
-    made.initialize(0.0)
-    return made
+    model = DeepGrooveBearing(preset=PRESET, parameters={"diametral_clearance": clearance})
+    model.initialize(0.0)
+    return model
 
 
 def findings(options: Options) -> Findings:
@@ -53,8 +53,8 @@ def _curves(tight: DeepGrooveBearing, loose: DeepGrooveBearing) -> Chart:
     panels = []
     for title, direction, i in (("radial load", RADIAL, 0), ("axial load", AXIAL, 2)):
         series = []
-        for name, made in (("no clearance", tight), ("10 um", loose)):
-            moved = [1e6 * at_rest(made, f * direction).displacement[i] for f in loads]
+        for name, model in (("no clearance", tight), ("10 um", loose)):
+            moved = [1e6 * at_rest(model, f * direction).displacement[i] for f in loads]
             series.append(Series(name, loads, np.array(moved)))
         panels.append(Panel("displacement, um", tuple(series), title=title))
     return Chart(

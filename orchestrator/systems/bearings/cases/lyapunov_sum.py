@@ -26,9 +26,9 @@ SAME = 1e-9  # m, of two places; the motion repeats to rounding, and different p
 def bearing(clearance: float, damping: float = 200.0) -> BallBearing:
     """The JIS 6306 set at 1000 rpm, initialized; clearance: radial, um."""
     parameters = {"clearance.radial_clearance": 1e-6 * clearance, "speed": SPEED, "damping": damping}
-    made = BallBearing(["clearance"], parameters)
-    made.initialize(0.0)
-    return made
+    model = BallBearing(["clearance"], parameters)
+    model.initialize(0.0)
+    return model
 
 
 def exponents(clearance: float, damping: float = 200.0) -> Lyapunov:
@@ -39,9 +39,9 @@ def exponents(clearance: float, damping: float = 200.0) -> Lyapunov:
 
 def passages(clearance: float) -> np.ndarray:
     """Position, (300, 2) m, at 300 passages of a ball, after 200 more."""
-    made = bearing(clearance)
-    period = 1.0 / made.geometry.defect_frequencies(SPEED / (2.0 * math.pi))["outer"]
-    return stroboscopic_points(made, period, 300, ("displacement_x", "displacement_y"), transient=200)
+    model = bearing(clearance)
+    period = 1.0 / model.geometry.defect_frequencies(SPEED / (2.0 * math.pi))["outer"]
+    return stroboscopic_points(model, period, 300, ("displacement_x", "displacement_y"), transient=200)
 
 
 def places(clearance: float) -> int:
@@ -51,30 +51,30 @@ def places(clearance: float) -> int:
 
 def findings(options: Options) -> Findings:
     """Components stepped alone; a scene would add nothing but time."""
-    found = {gap: exponents(gap) for gap in STUDY}
+    by_gap = {gap: exponents(gap) for gap in STUDY}
     measured: dict[str, float] = {"damped.sum": exponents(30.0, 600.0).sum}
     for gap in (0.0, 2.0, 5.0, 30.0):
-        measured |= {f"{gap:g}.sum": found[gap].sum, f"{gap:g}.largest": found[gap].largest, f"{gap:g}.places": places(gap)}
+        measured |= {f"{gap:g}.sum": by_gap[gap].sum, f"{gap:g}.largest": by_gap[gap].largest, f"{gap:g}.places": places(gap)}
     rows = compare(load_table("lyapunov-sum").rows, measured)
-    return Findings(rows, charts=(_chart(found), _diagram(found)), notes=(
+    return Findings(rows, charts=(_chart(by_gap), _diagram(by_gap)), notes=(
         "Between order and chaos, around 20 um, the largest exponent depends on the length of the run and on the start: no "
         "number of it is held against anything.",
     ))  # fmt: skip
 
 
-def _chart(found: dict[float, Lyapunov]) -> Chart:
-    series = tuple(Series(f"exponent {i + 1}", tuple(found), [e.exponents[i] for e in found.values()], "line+points")
+def _chart(by_gap: dict[float, Lyapunov]) -> Chart:
+    series = tuple(Series(f"exponent {i + 1}", tuple(by_gap), [e.exponents[i] for e in by_gap.values()], "line+points")
                    for i in range(4))
     quarter = Band("a quarter of the sum, -c/(2m)", -5.05, -4.95)
     return Chart("Lyapunov exponents over the clearance", "radial clearance, µm", (Panel("1/s", series, (quarter,)),),
                  "1000 rpm, c = 200 N s/m, m = 20 kg. Above zero: chaos.")
 
 
-def _diagram(found: dict[float, Lyapunov]) -> Chart:
-    across = [1e6 * passages(gap)[:, 1] for gap in found]
+def _diagram(by_gap: dict[float, Lyapunov]) -> Chart:
+    across = [1e6 * passages(gap)[:, 1] for gap in by_gap]
     return bifurcation_chart(
         "Section of the motion over the clearance, and its largest exponent", "radial clearance, µm", "across the load, µm",
-        tuple(found), across, [e.largest for e in found.values()],
+        tuple(by_gap), across, [e.largest for e in by_gap.values()],
         text="Position across the load at 300 passages of a ball. What the exponent says of a motion shows in the points: one or "
         "few below zero, a cloud above.",
     )  # fmt: skip

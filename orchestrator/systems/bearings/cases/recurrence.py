@@ -75,12 +75,12 @@ NOTES = (
 
 def logistic(r: float, start: float, settle: int = 1000, states: int = STATES) -> np.ndarray:
     """Orbit (states, 1) of x -> r x (1 - x) after `settle` steps."""
-    x, found = start, np.empty((states, 1))
+    x, orbit = start, np.empty((states, 1))
     for k in range(-settle, states):
         if k >= 0:
-            found[k] = x
+            orbit[k] = x
         x = r * x * (1.0 - x)
-    return found
+    return orbit
 
 
 def uniform(x: np.ndarray) -> np.ndarray:

@@ -42,9 +42,9 @@ def _largest(balls: int, first: float, clearance: float = 0.0, load: float = LOA
     """Z Qmax / Fr of a bearing in equilibrium under a load along x, ball 1 at `first` rad from it."""
     small = {"ball_diameter": 2e-3, "pitch_diameter": 60e-3} if balls != 9 or not clearance else {}
     parameters = {"balls": balls, "first_ball": first, "diametral_clearance": clearance, **small}
-    made = DeepGrooveBearing(parameters=parameters)
-    made.initialize(0.0)
-    return balls * float(at_rest(made, np.array([load, 0, 0, 0, 0]), ("tilt_x", "tilt_y")).ball_loads.max()) / load
+    model = DeepGrooveBearing(parameters=parameters)
+    model.initialize(0.0)
+    return balls * float(at_rest(model, np.array([load, 0, 0, 0, 0]), ("tilt_x", "tilt_y")).ball_loads.max()) / load
 
 
 def _over_clearance() -> Chart:

@@ -64,20 +64,20 @@ def bearing(preset: str, effects: tuple[str, ...], axial: float, radial: float =
     given: dict[str, Any] = {"axial_force": axial, "radial_force": radial, **(more or {})}
     if "ring_walls" in effects:
         given |= dict(zip(("ring_walls.bore", "ring_walls.outside_diameter"), BEARINGS[preset], strict=True))
-    made = AngularContactConductance(effects, given, preset=preset)
-    made.initialize(0.0)
-    return made
+    model = AngularContactConductance(effects, given, preset=preset)
+    model.initialize(0.0)
+    return model
 
 
 def _contacts() -> dict[str, float]:
-    found = {}
+    measured = {}
     for preset in BEARINGS:
         loads = [(fa, 0) for fa in AXIAL] + [(1000, fr) for fr in RADIAL[1:]]
         for axial, radial in loads:
-            made = bearing(preset, CONTACTS_ONLY, axial, radial)
-            found[f"{preset}.{axial}.{radial}"] = 1.0 / made["conductance"]
-            found[f"{preset}.balls.{radial}"] = made["loaded_balls"]
-    return found
+            model = bearing(preset, CONTACTS_ONLY, axial, radial)
+            measured[f"{preset}.{axial}.{radial}"] = 1.0 / model["conductance"]
+            measured[f"{preset}.balls.{radial}"] = model["loaded_balls"]
+    return measured
 
 
 def _laws() -> dict[str, float]:
@@ -97,32 +97,33 @@ def _laws() -> dict[str, float]:
 
 
 def _against_finite_volumes() -> list[Study]:
-    found = []
+    studies = []
     for preset, axial, radial in SOLID_LOADS:
-        made = bearing(preset, SOLID, axial, radial)
-        reference = 1.0 / solve_bearing(made, *BEARINGS[preset])
+        model = bearing(preset, SOLID, axial, radial)
+        reference = 1.0 / solve_bearing(model, *BEARINGS[preset])
         text = f"{preset}, {axial:g} N axial" + (f", {radial:g} N radial" if radial else "")
-        found.append(Study(text, CONTACT_BAND, 1.0 / made["conductance"], reference))
+        studies.append(Study(text, CONTACT_BAND, 1.0 / model["conductance"], reference))
     gap = AIR, GAP["closest_gap"], GAP["gas_path.widest_gap"]
     air = Surroundings(*gap)
     for axial in (0.0, 50.0, 1000.0):
-        made = bearing("7008C", (*SOLID, "gas_path"), axial, 0.0, GAP)
-        reference = 1.0 / solve_bearing(made, *BEARINGS["7008C"], air)
-        found.append(Study(f"7008C, {axial:g} N axial, air beside the contacts", AIR_BAND, 1.0 / made["conductance"], reference))
+        model = bearing("7008C", (*SOLID, "gas_path"), axial, 0.0, GAP)
+        reference = 1.0 / solve_bearing(model, *BEARINGS["7008C"], air)
+        text = f"7008C, {axial:g} N axial, air beside the contacts"
+        studies.append(Study(text, AIR_BAND, 1.0 / model["conductance"], reference))
     for width in MENISCI:
         oil = {"closest_gap": GAP["closest_gap"], "lubricant_path.conductivity": OIL, "lubricant_path.meniscus_height": width}
-        made = bearing("7008C", (*SOLID, "lubricant_path"), 1000.0, 0.0, oil)
-        reference = 1.0 / solve_bearing(made, *BEARINGS["7008C"], Surroundings(OIL, GAP["closest_gap"], width))
+        model = bearing("7008C", (*SOLID, "lubricant_path"), 1000.0, 0.0, oil)
+        reference = 1.0 / solve_bearing(model, *BEARINGS["7008C"], Surroundings(OIL, GAP["closest_gap"], width))
         text = f"7008C, 1000 N axial, oil up to a gap of {1e6 * width:g} um"
-        found.append(Study(text, OIL_BAND, 1.0 / made["conductance"], reference))
+        studies.append(Study(text, OIL_BAND, 1.0 / model["conductance"], reference))
     # ring - node - ring: half of each coefficient, as of the emissivity; temperatures as in the finite volumes
     warm = {"radiation.inner_temperature": 303.15, "radiation.outer_temperature": 293.15}
     rings = {"radiation.emissivity": 0.5 * EMISSIVITY, **warm}
-    made = bearing("7008C", (*SOLID, "gas_path", "convection", "radiation"), 50.0, 0.0, GAP | rings)
+    model = bearing("7008C", (*SOLID, "gas_path", "convection", "radiation"), 50.0, 0.0, GAP | rings)
     everything = Surroundings(*gap, CONVECTION, EMISSIVITY)
-    reference = 1.0 / solve_bearing(made, *BEARINGS["7008C"], everything)
-    found.append(Study(ALL_TOGETHER, AIR_BAND, 1.0 / made["conductance"], reference))
-    return found
+    reference = 1.0 / solve_bearing(model, *BEARINGS["7008C"], everything)
+    studies.append(Study(ALL_TOGETHER, AIR_BAND, 1.0 / model["conductance"], reference))
+    return studies
 
 
 def _chart() -> Chart:

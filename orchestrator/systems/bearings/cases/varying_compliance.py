@@ -32,9 +32,9 @@ TOLERANCES = tuple(10.0 ** -k for k in range(3, 11))
 def bearing(clearance: float, rpm: float, start_cage_angle: float = 0.0) -> BallBearing:
     """The JIS 6306 set, initialized; clearance: radial, m."""
     parameters = {"clearance.radial_clearance": clearance, "start_cage_angle": start_cage_angle, "speed": rpm * RPM}
-    made = BallBearing(["clearance"], parameters, preset="JIS 6306")
-    made.initialize(0.0)
-    return made
+    model = BallBearing(["clearance"], parameters, preset="JIS 6306")
+    model.initialize(0.0)
+    return model
 
 
 def findings(options: Options) -> Findings:
@@ -56,37 +56,37 @@ def findings(options: Options) -> Findings:
 
 def peak_to_peak(clearance: float, rpm: float) -> tuple[float, float]:
     """Range of the motion along and across the load after the transient, m."""
-    made = bearing(clearance, rpm)
-    made.step(0.0, TRANSIENT)
-    at = made.output_positions(("displacement_x", "displacement_y"))
+    model = bearing(clearance, rpm)
+    model.step(0.0, TRANSIENT)
+    at = model.output_positions(("displacement_x", "displacement_y"))
     rows = []
     for k in range(round(SEEN / SAMPLE)):
-        made.step(TRANSIENT + k * SAMPLE, SAMPLE)
-        rows.append(made.y[at])
+        model.step(TRANSIENT + k * SAMPLE, SAMPLE)
+        rows.append(model.y[at])
     return tuple(np.ptp(rows, axis=0))
 
 
-def ball_passage(made: BallBearing) -> float:
+def ball_passage(model: BallBearing) -> float:
     """Time between two balls at one place, s."""
-    return 1.0 / made.geometry.defect_frequencies(made["speed"] / (2.0 * math.pi))["outer"]
+    return 1.0 / model.geometry.defect_frequencies(model["speed"] / (2.0 * math.pi))["outer"]
 
 
 def off_lines(clearance: float, rpm: float) -> float:
     """Share of the amplitude of the motion across the load that is no multiple of the ball-pass frequency, %."""
-    made, passages, samples = bearing(clearance, rpm), 50, 64
-    h = ball_passage(made) / samples
-    made.step(0.0, 4.0)
+    model, passages, samples = bearing(clearance, rpm), 50, 64
+    h = ball_passage(model) / samples
+    model.step(0.0, 4.0)
     y = []
     for k in range(passages * samples):
-        made.step(4.0 + k * h, h)
-        y.append(made["displacement_y"])
+        model.step(4.0 + k * h, h)
+        y.append(model["displacement_y"])
     power = np.abs(np.fft.rfft(y)[1:]) ** 2
     return 100.0 * math.sqrt(1.0 - power[passages - 1 :: passages].sum() / power.sum())
 
 
 def _measured(swept: dict[int, np.ndarray]) -> dict[str, float]:
     at = {(gap, v): row / MICRO for gap, rows in swept.items() for v, row in zip(SPEEDS, rows, strict=True)}
-    found = {
+    measured = {
         "static.on": bearing(0.0, 0.0)["displacement_x"] / MICRO,
         "static.between": bearing(0.0, 0.0, math.pi / 8.0)["displacement_x"] / MICRO,
         "speed.x": float(SPEEDS[int(np.argmax(swept[0][:, 0]))]),
@@ -96,7 +96,7 @@ def _measured(swept: dict[int, np.ndarray]) -> dict[str, float]:
         "1.y.greatest": max(at[1, v][1] for v in SPEEDS),
         "off.lines": off_lines(2.0 * MICRO, 1000.0),
     }
-    return found | {f"{gap}.y.1000": peak_to_peak(gap * MICRO, 1000.0)[1] / MICRO for gap in (5, 15)}
+    return measured | {f"{gap}.y.1000": peak_to_peak(gap * MICRO, 1000.0)[1] / MICRO for gap in (5, 15)}
 
 
 def _resonances(swept: dict[int, np.ndarray]) -> Chart:
@@ -115,9 +115,9 @@ def diagram(rpm: float) -> Bifurcation:
 
 def _clearances(diagrams: dict[float, Bifurcation]) -> Chart:
     panels = []
-    for rpm, found in diagrams.items():
-        x = np.repeat(found.values / MICRO, found.points.shape[1])
-        panels.append(Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, found.points.ravel() / MICRO, "dots"),),
+    for rpm, sweep in diagrams.items():
+        x = np.repeat(sweep.values / MICRO, sweep.points.shape[1])
+        panels.append(Panel("across the load, µm", (Series(f"{rpm:g} rpm", x, sweep.points.ravel() / MICRO, "dots"),),
                             title=f"{rpm:g} rpm"))
     return Chart(
         "Bifurcation over the clearance", "radial clearance, µm", tuple(panels),
@@ -133,8 +133,8 @@ def _trap() -> Chart:
     exact = _solved(other, END / by.time, method="DOP853", rtol=1e-12, atol=1e-12)
     swing = np.ptp(exact, axis=1).max()
 
-    def errors(made: TwoDofBearing, end: float, unit: float) -> list[float]:
-        return [float(np.abs(_solved(made, end, method="LSODA", rtol=r) / unit - exact).max() / swing) for r in TOLERANCES]
+    def errors(model: TwoDofBearing, end: float, unit: float) -> list[float]:
+        return [float(np.abs(_solved(model, end, method="LSODA", rtol=r) / unit - exact).max() / swing) for r in TOLERANCES]
 
     asked = np.log10(TOLERANCES)
     series = (Series("in metres", asked, errors(metres, END, by.length), "line+points"),
@@ -148,15 +148,15 @@ def _trap() -> Chart:
     )  # fmt: skip
 
 
-def _solved(made: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
+def _solved(model: TwoDofBearing, end: float, **options: Any) -> np.ndarray:
     """Displacements found by SciPy on a fixed grid of times, (2, 400)."""
-    dx = np.empty(made.x.size)
+    dx = np.empty(model.x.size)
 
     def right_hand_side(t: float, x: np.ndarray) -> np.ndarray:
-        bearing_derivatives(t, x, made.u[0], dx, *made.arguments)
+        bearing_derivatives(t, x, model.u[0], dx, *model.arguments)
         return dx.copy()
 
-    return solve_ivp(right_hand_side, (0.0, end), made.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]
+    return solve_ivp(right_hand_side, (0.0, end), model.x, t_eval=np.linspace(0.0, end, 400), **options).y[:2]
 
 
 CASE = Case(

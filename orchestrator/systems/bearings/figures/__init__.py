@@ -26,24 +26,24 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of every bearing of a run whose displacement was recorded; none without one."""
-    found = bearings(result)
-    made: list[Block] = []
-    for record in found:
-        made += _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")
+    records = bearings(result)
+    content: list[Block] = []
+    for record in records:
+        content += _of_one(result, record, f"{record.unit}: " if len(records) > 1 else "")
     heat = heat_chart(result)
-    return [*made, draw_chart(heat)] if heat is not None else made
+    return [*content, draw_chart(heat)] if heat is not None else content
 
 
 def _of_one(result: Result, record: BearingRecord, who: str) -> list[Block]:
     analysis = result.scene.analysis_as(BearingKeys)
     begin = float(result.time[after_transient(result).start])
     points = section_points(result, record, begin)
-    made: list[Block] = [draw_chart(history_chart(record, begin, who))]
-    made.append(draw_chart(spectrum_chart(record, begin, analysis, who)))
+    content: list[Block] = [draw_chart(history_chart(record, begin, who))]
+    content.append(draw_chart(spectrum_chart(record, begin, analysis, who)))
     envelope = envelope_chart(record, begin, analysis, who)
-    made += [draw_chart(envelope)] if envelope is not None else []
-    made.append(draw_chart(orbit_chart(record, begin, points, who)))
+    content += [draw_chart(envelope)] if envelope is not None else []
+    content.append(draw_chart(orbit_chart(record, begin, points, who)))
     recurrence = quantified(record, begin, analysis)
-    made.append(draw_chart(recurrence_chart(recurrence, record, who)))
-    made += [recurrence_table(recurrence, record, who), motion_table(record, begin, points, who)]
-    return made
+    content.append(draw_chart(recurrence_chart(recurrence, record, who)))
+    content += [recurrence_table(recurrence, record, who), motion_table(record, begin, points, who)]
+    return content

@@ -24,9 +24,9 @@ def heat_chart(result: Result) -> Chart | None:
     """Recorded temperatures, changes of clearance, friction powers and conductances over time; None without a temperature."""
     panels = []
     for ending, label, factor, offset in GROUPS:
-        found = {n: np.asarray(c, dtype=float) for n, c in result.columns.items() if n.endswith(ending)}
-        if found:
-            series = tuple(Series(n.replace("_", " "), result.time, factor * c + offset) for n, c in found.items())
+        signals = {n: np.asarray(c, dtype=float) for n, c in result.columns.items() if n.endswith(ending)}
+        if signals:
+            series = tuple(Series(n.replace("_", " "), result.time, factor * c + offset) for n, c in signals.items())
             panels.append(Panel(label, series))
     if not panels or not panels[0].y_label.startswith("temperature"):
         return None

@@ -80,12 +80,12 @@ def section_points(result: Result, record: BearingRecord, begin: float) -> dict[
         angle, turns = record.signals.get("inner_angle"), 1.0
     motion = {n: v[kept] for n, v in record.signals.items() if n.startswith(("displacement", "velocity"))}
     if angle is not None:
-        found = section(angle[kept], TURN / turns, *motion.values())
+        sampled = section(angle[kept], TURN / turns, *motion.values())
     elif "velocity_x" in motion:
-        found = crossings(record.time[kept], motion["velocity_x"], *motion.values())
+        sampled = crossings(record.time[kept], motion["velocity_x"], *motion.values())
     else:
         return {}
-    return dict(zip(motion, found, strict=True))
+    return dict(zip(motion, sampled, strict=True))
 
 
 def period_of(points: dict[str, np.ndarray], record: BearingRecord, begin: float) -> int:
@@ -127,9 +127,9 @@ def orbit_chart(record: BearingRecord, begin: float, points: dict[str, np.ndarra
             panels.append(Panel(title(v), curve(n, v), title=f"Phase plane {n[-1]}", x_label=title(n)))
     text = f"Pale: the last {count / record.rate:.3g}{' s' if scales.dimensional else ''} of the run."
     if points:
-        found, size = period_of(points, record, begin), points[x].size
+        groups, size = period_of(points, record, begin), points[x].size
         text += f" Dots: section, {size} instants after the transient, "
-        text += "all at one place." if found == 1 else f"in {found} groups."
+        text += "all at one place." if groups == 1 else f"in {groups} groups."
     return Chart(f"{who}Orbit and phase planes", "", tuple(panels), text, columns=len(panels), height=330)
 
 

@@ -48,32 +48,33 @@ def quantified(record: BearingRecord, begin: float, keys: BearingKeys) -> Recurr
     return Recurrence(matrix, quantify(matrix, theiler=theiler), interval, start, threshold, theiler, names)
 
 
-def recurrence_chart(found: Recurrence, record: BearingRecord, who: str = "") -> Chart:
+def recurrence_chart(recurrence: Recurrence, record: BearingRecord, who: str = "") -> Chart:
     """The recurrence plot, and how many of its diagonal lines have at least a length."""
-    scales, n = Scales(record), min(len(found.matrix), DRAWN)
-    t = found.begin + found.interval * np.arange(n)
-    plot = Panel(scales.time, (), picture=Picture(t, t, found.matrix[:n, :n], palette="binary"), title="Recurrence plot",
+    scales, n = Scales(record), min(len(recurrence.matrix), DRAWN)
+    t = recurrence.begin + recurrence.interval * np.arange(n)
+    plot = Panel(scales.time, (), picture=Picture(t, t, recurrence.matrix[:n, :n], palette="binary"), title="Recurrence plot",
                  x_label=scales.time, equal=True)  # fmt: skip
-    survival = line_survival(found.matrix, found.theiler)
+    survival = line_survival(recurrence.matrix, recurrence.theiler)
     panels = [plot]
     if survival.size > 1:
-        lengths = found.interval * np.arange(1, survival.size + 1)
+        lengths = recurrence.interval * np.arange(1, survival.size + 1)
         unit = "s" if scales.dimensional else "1"
         line = Series("diagonal lines", lengths, survival)
         panels.append(Panel("number of at least that length", (line,), title="Lengths of the diagonal lines",
                             x_label=f"length, {unit}", logarithmic=True))  # fmt: skip
-    coordinates = ", ".join(c.replace("_", " ") for c in found.coordinates)
+    coordinates = ", ".join(c.replace("_", " ") for c in recurrence.coordinates)
     text = (
-        f"Dark: the states at the two times are at most {found.threshold:g} σ apart ({coordinates}, each over its standard "
-        f"deviation σ; Euclidean distance). The first {n} of {len(found.matrix)} states. Long diagonals: the motion repeats; "
-        "broken ones: it diverges. Their number falls exponentially, as a straight line here, where the motion is chaotic."
+        f"Dark: the states at the two times are at most {recurrence.threshold:g} σ apart ({coordinates}, each over its standard "
+        f"deviation σ; Euclidean distance). The first {n} of {len(recurrence.matrix)} states. Long diagonals: the motion "
+        "repeats; broken ones: it diverges. Their number falls exponentially, as a straight line here, where the motion is "
+        "chaotic."
     )
     return Chart(f"{who}Recurrence", "", tuple(panels), text, columns=2, height=440)
 
 
-def recurrence_table(found: Recurrence, record: BearingRecord, who: str = "") -> Cells:
+def recurrence_table(recurrence: Recurrence, record: BearingRecord, who: str = "") -> Cells:
     """The measures with the settings they depend on."""
-    q, dt = found.measures, found.interval
+    q, dt = recurrence.measures, recurrence.interval
     unit = "s" if Scales(record).dimensional else "1"
     rows = [
         ("recurrence rate", "RR", number(100.0 * q.rate), "%"),
@@ -86,8 +87,8 @@ def recurrence_table(found: Recurrence, record: BearingRecord, who: str = "") ->
         ("trapping time", "TT", number(dt * q.trapping_time), unit),
     ]
     text = (
-        f"{len(found.matrix)} states every {dt:.4g}{' s' if unit == 's' else ''}, threshold {found.threshold:g} σ, "
-        f"lines of two points or more, Theiler window {found.theiler}. The measures depend on all of these: compare "
+        f"{len(recurrence.matrix)} states every {dt:.4g}{' s' if unit == 's' else ''}, threshold {recurrence.threshold:g} σ, "
+        f"lines of two points or more, Theiler window {recurrence.theiler}. The measures depend on all of these: compare "
         "only what has the same."
     )
     return Cells(f"{who}Measures of recurrence", ("measure", "", "value", "unit"), rows, text, frozenset({2}))

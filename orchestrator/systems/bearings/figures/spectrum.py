@@ -43,22 +43,22 @@ def families(record: BearingRecord, keys: BearingKeys) -> list[Family]:
     return [known[name] for name in wanted]
 
 
-def marked(found: list[Family], highest: float) -> tuple[Lines, ...]:
+def marked(line_families: list[Family], highest: float) -> tuple[Lines, ...]:
     """The families as lines of a chart: the fundamental carries the short name, harmonics their order."""
-    made = []
-    for family in found:
+    marks = []
+    for family in line_families:
         short = family.name.partition("(")[2].rstrip(")") or family.name
         lines = family.lines(highest)
         at = tuple((x.frequency, "" if x.side else (short if x.order == 1 else f"{x.order}×")) for x in lines)
         if at:
-            made.append(Lines(family.name, at))
-    return tuple(made)
+            marks.append(Lines(family.name, at))
+    return tuple(marks)
 
 
 def spectrum_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: str = "") -> Chart:
     """Amplitude spectra of displacement and acceleration after the transient."""
     scales, kept = Scales(record), after(record, begin)
-    found = families(record, keys)
+    line_families = families(record, keys)
     highest = 0.5 * record.rate
     if record.frequencies:
         highest = min(highest, SHOWN_HARMONICS * record.frequencies["outer"])
@@ -75,24 +75,25 @@ def spectrum_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: 
         if series:
             ends = (top * 10.0**-DECADES, top * 10.0**0.7) if top > 0.0 else None
             label = f"{what}, {scales.unit(f'{what}_x')}"
-            lines = marked(found, highest)
+            lines = marked(line_families, highest)
             panels.append(Panel(label, tuple(series), lines=lines, logarithmic=True, x_range=(0.0, highest), y_range=ends))
     text = "Amplitudes: mean removed, Hann window, single-sided, a sine of amplitude A reads A."
-    return Chart(f"{who}Amplitude spectrum", scales.frequency, tuple(panels), text + _strongest(record, begin, found))
+    return Chart(f"{who}Amplitude spectrum", scales.frequency, tuple(panels), text + _strongest(record, begin, line_families))
 
 
-def _strongest(record: BearingRecord, begin: float, found: list[Family]) -> str:
+def _strongest(record: BearingRecord, begin: float, line_families: list[Family]) -> str:
     """Where the lines of the first family were found, as a sentence."""
     name = "acceleration_x" if "acceleration_x" in record.signals else "displacement_x"
     x = record.signals[name][after(record, begin)]
     f, a = amplitude_spectrum(x, record.rate)
-    if not found or found[0].frequency >= 0.45 * record.rate or not a.any():
+    if not line_families or line_families[0].frequency >= 0.45 * record.rate or not a.any():
         return ""
     scales = Scales(record)
-    at, height = peak(f, a, found[0].frequency, max(0.02 * found[0].frequency, 2.5 * f[1]))
+    expected = line_families[0].frequency
+    at, height = peak(f, a, expected, max(0.02 * expected, 2.5 * f[1]))
     signal, unit = name.replace("_", " "), f" {scales.unit(name)}" if scales.dimensional else ""
     return (
-        f" The {found[0].name} is expected at {found[0].frequency:.5g}{scales.hertz}; the highest line of {signal} thereabouts "
+        f" The {line_families[0].name} is expected at {expected:.5g}{scales.hertz}; the highest line of {signal} thereabouts "
         f"is at {at:.5g}{scales.hertz}, {scales.factor(name) * height:.3g}{unit}."
     )
 
@@ -114,9 +115,9 @@ def envelope_chart(record: BearingRecord, begin: float, keys: BearingKeys, who: 
     f, a = envelope_spectrum(scales.factor(name) * x, record.rate, low, high)
     highest = SHOWN_ENVELOPE * top
     shown = (f > 0.0) & (f <= highest)
-    found = families(record, keys)
+    line_families = families(record, keys)
     series = (Series("envelope", f[shown], a[shown]),)
-    panel = Panel(f"envelope of {name.replace('_', ' ')}, {scales.unit(name)}", series, lines=marked(found, highest),
+    panel = Panel(f"envelope of {name.replace('_', ' ')}, {scales.unit(name)}", series, lines=marked(line_families, highest),
                   x_range=(0.0, highest))  # fmt: skip
     chosen = "given" if keys.envelope_band is not None else "the most impulsive of the signal (kurtogram)"
     text = (

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of every drive whose feed and rotation were recorded; several share the figure of their way."""
-    found = drives(result)
-    if not found:
+    records = drives(result)
+    if not records:
         return []
     keys = result.scene.analysis_as(FrictionDriveKeys)
     bands = {"feed": keys.feed_band, "rotation": keys.rotation_band}
-    charts = [way_chart(found, bands), rest_chart(found)]
-    for drive in found:
-        who = f"{drive.unit}: " if len(found) > 1 else ""
+    charts = [way_chart(records, bands), rest_chart(records)]
+    for drive in records:
+        who = f"{drive.unit}: " if len(records) > 1 else ""
         charts += [wheels_chart(drive, who), contacts_chart(drive, who), plane_chart(drive, who)]
-    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
-    tables = [moves_table(found, bands), rests_table(found), energies_table(found)]
-    return made[:1] + [t for t in tables if t is not None][:1] + made[1:] + [t for t in tables if t is not None][1:]
+    drawn: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    tables = [moves_table(records, bands), rests_table(records), energies_table(records)]
+    return drawn[:1] + [t for t in tables if t is not None][:1] + drawn[1:] + [t for t in tables if t is not None][1:]

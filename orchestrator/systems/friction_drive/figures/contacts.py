@@ -62,5 +62,5 @@ def circle(radius: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _levels(drive: Drive) -> list[tuple[str, float]]:
-    found = [("kinetic friction", drive.level), ("static friction", drive.static)]
-    return [(n, v) for n, v in found if math.isfinite(v)][: 1 if drive.static == drive.level else 2]
+    levels = [("kinetic friction", drive.level), ("static friction", drive.static)]
+    return [(n, v) for n, v in levels if math.isfinite(v)][: 1 if drive.static == drive.level else 2]

@@ -20,14 +20,14 @@ def moves_table(drives: Sequence[Drive], bands: Mapping[str, float]) -> Cells | 
     """Every change of a set point, with the time to settle, overshoot and the error that is left; None without one."""
     rows: list[tuple[str, ...]] = []
     for d in drives:
-        found = moves(d, bands)
-        for m in found[:MOST]:
+        drive_moves = moves(d, bands)
+        for m in drive_moves[:MOST]:
             factor, unit = SCALES[m.axis]
-            settled = "not" if m.settled is None else number(m.settled)
+            settling_time = "not" if m.settling_time is None else number(m.settling_time)
             cells = (number(m.begin), number(m.lasts), *(f"{number(factor * v)} {unit}" for v in (m.way, m.overshoot, m.left)))
-            rows.append((d.unit, m.axis, *cells, settled))
-        if len(found) > MOST:
-            rows.append((d.unit, f"and {len(found) - MOST} more", *[""] * 6))
+            rows.append((d.unit, m.axis, *cells, settling_time))
+        if len(drive_moves) > MOST:
+            rows.append((d.unit, f"and {len(drive_moves) - MOST} more", *[""] * 6))
     if not rows:
         return None
     limits = " and ".join(f"{number(SCALES[a][0] * b)} {SCALES[a][1]}" for a, b in bands.items())

@@ -60,8 +60,8 @@ def rest_chart(drives: Sequence[Drive]) -> Chart | None:
     if not panels:
         return None
     counts = [sum(starts(rest[kept]) for name, rest in d.rests.items() if "shaft" in name) for d in drives]
-    said = [f"{d.unit}: the shafts break loose {n} time{'' if n == 1 else 's'}" for d, n in zip(drives, counts, strict=True)]
-    text = f"From {time[first]:.4g} s on, when all shafts have come to rest. In {'; in '.join(said)}."
+    phrases = [f"{d.unit}: the shafts break loose {n} time{'' if n == 1 else 's'}" for d, n in zip(drives, counts, strict=True)]
+    text = f"From {time[first]:.4g} s on, when all shafts have come to rest. In {'; in '.join(phrases)}."
     if max(counts) > 1:
         text += (" A drive that seeks its set point by an integral, and whose friction falls once it moves, goes past it again "
                  "and again: it hunts.")  # fmt: skip

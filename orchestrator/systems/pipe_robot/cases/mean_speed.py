@@ -106,13 +106,13 @@ def _distances(result: Result) -> list[float]:
     ratio = WEAK["backward_friction"] / WEAK["forward_friction"]
     averaged = solve_ivp(lambda s, w: (1.0 + ratio) * np.arccos(w) / np.pi - 1.0, (0.0, SLOW), [0.0], rtol=1e-10, atol=1e-12,
                          dense_output=True).sol  # fmt: skip
-    found = []
+    distances = []
     for scale in FROM_REST:
         slow = WEAK["forward_friction"] * scale / MASS / B * result.time
         kept = slow <= SLOW
         velocity = result[f"{_name(scale)}.velocity"] + B * np.cos(FREQUENCY * result.time)
-        found.append(float(np.abs(velocity[kept] / B - averaged(slow[kept])[0]).max()))
-    return found
+        distances.append(float(np.abs(velocity[kept] / B - averaged(slow[kept])[0]).max()))
+    return distances
 
 
 def _slope(scales: tuple[float, ...], sizes: list[float]) -> float:
@@ -127,26 +127,26 @@ def _forced() -> dict[str, dict[str, float]]:
 
 def _prescribed(runs: Mapping[str, Result]) -> dict[str, float]:
     speeds = [last_speed(runs["weak friction"], _name(s), 100) for s in SCALES]
-    found = {f"weak.{s:g}": v for s, v in zip(SCALES, speeds, strict=True)}
-    found["limit"] = speeds[-1] + (speeds[-1] - speeds[-2]) / 3.0  # Richardson, second order
+    measured = {f"weak.{s:g}": v for s, v in zip(SCALES, speeds, strict=True)}
+    measured["limit"] = speeds[-1] + (speeds[-1] - speeds[-2]) / 3.0  # Richardson, second order
     limit = B * math.cos(0.25 * math.pi)
-    found["order"] = _slope(SCALES, [limit - v for v in speeds])
+    measured["order"] = _slope(SCALES, [limit - v for v in speeds])
     on_slopes = {s: last_speed(runs["slope"], _name(s), 50) for s in SINES}
-    found |= {f"slope.{s:g}": v for s, v in on_slopes.items()}
+    measured |= {f"slope.{s:g}": v for s, v in on_slopes.items()}
     low, high = 0.098, 0.102
-    found["turns"] = low + (high - low) * on_slopes[low] / (on_slopes[low] - on_slopes[high])
-    return found
+    measured["turns"] = low + (high - low) * on_slopes[low] / (on_slopes[low] - on_slopes[high])
+    return measured
 
 
 def _by_force(runs: Mapping[str, Result]) -> dict[str, float]:
-    found = {f"force.{n}": last_speed(runs["force"], n) for n in ("level", "weak", "turns", "stronger", "towing")}
-    found |= {f"force.{s:g}": last_speed(runs["force"], _name(s)) for s in FORCED}
+    measured = {f"force.{n}": last_speed(runs["force"], n) for n in ("level", "weak", "turns", "stronger", "towing")}
+    measured |= {f"force.{s:g}": last_speed(runs["force"], _name(s)) for s in FORCED}
     late = slice(-10 * SEEN, None)
     modes = np.round(runs["two robots"]["weak.mode"][late])
-    found |= {"rest": float(np.mean(modes == 0.0)), "backwards": float(np.mean(modes < 0.0))}
+    measured |= {"rest": float(np.mean(modes == 0.0)), "backwards": float(np.mean(modes < 0.0))}
     strong = np.round(runs["two robots"]["strong.mode"][late])
-    found["switches"] = float(np.count_nonzero(np.diff(strong))) / 10.0
-    return found
+    measured["switches"] = float(np.count_nonzero(np.diff(strong))) / 10.0
+    return measured
 
 
 def _limit_chart(measured: Mapping[str, float], distances: list[float]) -> Chart:

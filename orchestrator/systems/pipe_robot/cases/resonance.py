@@ -74,13 +74,13 @@ def _at(frequency: float) -> Scene:
 
 
 def _response(result: Result, frequency: float) -> dict[str, float]:
-    found = {"speed": last_speed(result, "rubbing", SEEN)}
+    measured = {"speed": last_speed(result, "rubbing", SEEN)}
     last = slice(-1 - SEEN, -1)
     for name in ("free", "stuck"):
         stretch = result[f"{name}.inner_position"] - result[f"{name}.position"]
-        found[name] = abs(component_at(result.time[last], stretch[last], frequency))
-    found["rest"] = float(np.ptp(result["stuck.position"]))
-    return {f"{n}.{frequency:g}": v for n, v in found.items()}
+        measured[name] = abs(component_at(result.time[last], stretch[last], frequency))
+    measured["rest"] = float(np.ptp(result["stuck.position"]))
+    return {f"{n}.{frequency:g}": v for n, v in measured.items()}
 
 
 def _motors() -> Scene:

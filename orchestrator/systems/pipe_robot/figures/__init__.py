@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of the robots whose position and velocity were recorded; none without one."""
-    found = robots(result)
-    if not found:
+    records = robots(result)
+    if not records:
         return []
     transient = result.scene.analysis.transient
     kept = slice(int(np.searchsorted(result.time, transient)), None)
     part = result.scene.analysis_as(PipeRobotKeys).detail
-    charts = [course_chart(found, transient), frequency_chart(found), pipe_chart(found), creep_chart(found),
-              detail_chart(found, part)]  # fmt: skip
-    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    charts = [course_chart(records, transient), frequency_chart(records), pipe_chart(records), creep_chart(records),
+              detail_chart(records, part)]  # fmt: skip
+    content: list[Block] = [draw_chart(c) for c in charts if c is not None]
     if result.time[kept].size < 2:
-        return [*made, Text([f"There are no tables: the run ends before its transient of {transient:g} s."], "note")]
-    made.append(travel_table(found, kept))
-    energy = energy_table(found, kept)
-    return made if energy is None else [*made, energy]
+        return [*content, Text([f"There are no tables: the run ends before its transient of {transient:g} s."], "note")]
+    content.append(travel_table(records, kept))
+    energy = energy_table(records, kept)
+    return content if energy is None else [*content, energy]

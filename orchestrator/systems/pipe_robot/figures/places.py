@@ -15,9 +15,9 @@ DEGREES = 180.0 / np.pi
 SWING = 0.2  # of the largest frequency, from which on a stretch is a sweep, and not a motor that swings about its speed
 
 
-def frequency_chart(found: Sequence[RobotRecord]) -> Chart | None:
+def frequency_chart(records: Sequence[RobotRecord]) -> Chart | None:
     """Mean speed and amplitude over a frequency that changes, rising and falling; None where none does."""
-    turning = [r for r in found if r.frequency is not None and changes(r.frequency)]
+    turning = [r for r in records if r.frequency is not None and changes(r.frequency)]
     if not turning:
         return None
     speeds, amplitudes = [], []
@@ -48,9 +48,9 @@ def ways(frequency: np.ndarray) -> list[tuple[str, slice]]:
     return [(way, p) for way, p in parts if np.ptp(frequency[p]) > SWING * frequency[top]]
 
 
-def pipe_chart(found: Sequence[RobotRecord]) -> Chart | None:
+def pipe_chart(records: Sequence[RobotRecord]) -> Chart | None:
     """Mean speed and slope over the place in the pipe; None where the slope was not recorded or is the same everywhere."""
-    sloping = [r for r in found if "route.slope" in r.signals and np.ptp(r.signals["route.slope"]) > 0.0]
+    sloping = [r for r in records if "route.slope" in r.signals and np.ptp(r.signals["route.slope"]) > 0.0]
     if not sloping:
         return None
     speeds = [Series(r.unit, r.signals["position"], mean_speed(r)) for r in sloping]

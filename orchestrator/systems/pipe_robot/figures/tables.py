@@ -12,10 +12,10 @@ PERCENT = 100.0
 ENERGIES = {"exciter": "exciter gave, J", "lost": "lost, J", "lifted": "lifted its weight, J", "towed": "pulled a load, J"}
 
 
-def travel_table(found: Sequence[RobotRecord], kept: slice) -> Cells:
+def travel_table(records: Sequence[RobotRecord], kept: slice) -> Cells:
     """Way, mean speed and the modes of the friction after the transient."""
     rows = []
-    for r in found:
+    for r in records:
         x = r.signals["position"][kept]
         share = shares(r, kept)
         numbers = (float(x[-1] - x[0]), steady_speed(r, kept), *(PERCENT * share[m] for m in (1, 0, -1)), switches(r, kept))
@@ -25,9 +25,9 @@ def travel_table(found: Sequence[RobotRecord], kept: slice) -> Cells:
     return Cells("Travel", header, rows, text, frozenset(range(1, len(header))))
 
 
-def energy_table(found: Sequence[RobotRecord], kept: slice) -> Cells | None:
+def energy_table(records: Sequence[RobotRecord], kept: slice) -> Cells | None:
     """Energies after the transient, and what a metre costs; None where no power was recorded."""
-    known = [(r, energies(r, kept)) for r in found]
+    known = [(r, energies(r, kept)) for r in records]
     names = [n for n in ENERGIES if any(n in e for _, e in known)]
     if not names:
         return None

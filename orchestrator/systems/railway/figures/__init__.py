@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """The figures and, where no reference table takes its place, a table of the statistics."""
-    made: list[Block] = list(figures(result, rows))
-    if made and not rows:
+    content: list[Block] = list(figures(result, rows))
+    if content and not rows:
         try:
-            made.append(statistics_table(result))
+            content.append(statistics_table(result))
         except BadInput as error:
-            made.append(Text([f"No statistics; the figures show the run as far as it goes: {error}"], "warning"))
-    return made
+            content.append(Text([f"No statistics; the figures show the run as far as it goes: {error}"], "warning"))
+    return content
 
 
 def statistics_table(result: Result) -> Cells:
@@ -60,27 +60,27 @@ QUANTITIES = (
 
 def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = None) -> list[Figure]:
     """All figures the run has the data for; none if no contact force was recorded."""
-    found = passages(result)
-    if not found:
+    all_passages = passages(result)
+    if not all_passages:
         return []
     low_pass = low_pass or Filter()
-    made: list[Figure | None] = [_with_faults(result, found, force_figure(result, found, rows, low_pass))]
-    if found[0].supports:
-        made.append(uplift_figure(result, found, rows))
-    made.append(spectrum_figure(result, found, low_pass))
-    name = f"{found[0].catenary}.wire_profile.height"
+    candidates: list[Figure | None] = [_with_faults(result, all_passages, force_figure(result, all_passages, rows, low_pass))]
+    if all_passages[0].supports:
+        candidates.append(uplift_figure(result, all_passages, rows))
+    candidates.append(spectrum_figure(result, all_passages, low_pass))
+    name = f"{all_passages[0].catenary}.wire_profile.height"
     if name in result.snapshots:
-        made += [wire_figure(result, found[0], name), waves_figure(result, found[0], name)]
-    return [figure for figure in made if figure is not None]
+        candidates += [wire_figure(result, all_passages[0], name), waves_figure(result, all_passages[0], name)]
+    return [figure for figure in candidates if figure is not None]
 
 
-def _with_faults(result: Result, found: Sequence[Passage], figure: Figure) -> Figure:
+def _with_faults(result: Result, all_passages: Sequence[Passage], figure: Figure) -> Figure:
     """The force with the windows of faults, at the positions where the pantograph then is; with several, it has no one place."""
-    if len(found) > 1:
+    if len(all_passages) > 1:
         return figure
     axis = figure.figure["layout"]["xaxis"]
     low, high = axis["range"]
-    record, windows = found[0].record, []
+    record, windows = all_passages[0].record, []
     for window in fault_windows(result):
         begin, end = np.interp((window.begin, window.end), record.time, record.position).clip(low, high).tolist()
         if begin < end:

@@ -43,12 +43,12 @@ SAMPLES = 16  # below which a spectrum shows nothing
 HIGHEST = 35.0  # Hz, end of the spectrum's axis: the band of the filter and something beyond
 
 
-def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_pass: Filter) -> Figure:
+def force_figure(result: Result, passages: list[Passage], rows: Sequence[Row], low_pass: Filter) -> Figure:
     """Contact force against position: raw thin, filtered strong; beside it where the numbers lie in their ranges."""
     start, end = analysis_window(result)
     track = track_of(result)
     span = track.span or end - start
-    low, high = _shown(found, start - span, end + span)
+    low, high = _shown(passages, start - span, end + span)
     ladder = [(heading, [r for r in rows if r.reference.measure in names and _closed(r)]) for heading, names in LADDER]
     ladder = [(heading, members) for heading, members in ladder if members]
     right = 0.80 if ladder else 1.0
@@ -57,7 +57,7 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
     shapes.append(rectangle((start, end), (0, 1), BLUE, 0.045, xref="x", yref="paper"))
     notes.append(label("analysis window", start, 0.0, xref="x", xanchor="left", yanchor="bottom"))
     shapes += [_band(r, (0, 1), 0.13, "x domain") for r in rows if r.reference.measure in ("mean", "max", "min") and _closed(r)]
-    traces, thinned = _force_traces(found, low_pass)
+    traces, thinned = _force_traces(passages, low_pass)
     data = [*traces]
     axes: dict[str, Any] = {}
     if ladder:
@@ -100,26 +100,26 @@ def force_figure(result: Result, found: list[Passage], rows: Sequence[Row], low_
             **axes,
         ),
     }
-    return Figure(f"Contact force at {3.6 * found[0].speed:.0f} km/h", figure, caption)
+    return Figure(f"Contact force at {3.6 * passages[0].speed:.0f} km/h", figure, caption)
 
 
-def _shown(found: list[Passage], low: float, high: float) -> tuple[float, float]:
+def _shown(passages: list[Passage], low: float, high: float) -> tuple[float, float]:
     """What there is of a stretch of the track, m; all of it where the pantographs have not come so far together."""
-    first, last = max(low, found[0].record.position[0]), min([high, *(p.record.position[-1] for p in found)])
+    first, last = max(low, passages[0].record.position[0]), min([high, *(p.record.position[-1] for p in passages)])
     if first < last:
         return float(first), float(last)
-    return float(min(p.record.position[0] for p in found)), float(max(p.record.position[-1] for p in found))
+    return float(min(p.record.position[0] for p in passages)), float(max(p.record.position[-1] for p in passages))
 
 
 def _closed(row: Row) -> bool:
     return row.reference.low is not None and row.reference.high is not None
 
 
-def _force_traces(found: list[Passage], low_pass: Filter) -> tuple[list[dict[str, Any]], bool]:
+def _force_traces(passages: list[Passage], low_pass: Filter) -> tuple[list[dict[str, Any]], bool]:
     data, thinned = [], False
-    for i, p in enumerate(found):
+    for i, p in enumerate(passages):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
-        who = f"{p.pantograph}: " if len(found) > 1 else ""
+        who = f"{p.pantograph}: " if len(passages) > 1 else ""
         pale = RAW if i == 0 else tint(CYCLE[i], 0.35)
         for y, name, colour, width in (
             (force, "contact force at the macro step", pale, 1.0),
@@ -174,7 +174,7 @@ def _dot(i: int, row: Row) -> dict[str, Any]:
     }
 
 
-def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> Figure | None:
+def spectrum_figure(result: Result, passages: list[Passage], low_pass: Filter) -> Figure | None:
     """Amplitude spectrum of the unfiltered contact force, with the frequencies of passing spans and droppers.
 
     None for a run that ends before it has passed a whole span behind its run-in.
@@ -182,18 +182,18 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
     track = track_of(result)
     span = track.span
     data, start, end = [], 0.0, 0.0
-    for i, p in enumerate(found):
+    for i, p in enumerate(passages):
         rate, _, (x, force) = uniform(p.record.time, p.record.position, p.record.force)
         start, end = _whole_spans(x, span, analysis_window(result)[0])
         if np.count_nonzero((x >= start) & (x < end)) < SAMPLES:
             return None
         f, a = amplitude_spectrum(force[window(x, start, end)], rate)
         kept = (f > 0.0) & (f <= HIGHEST)
-        fill = {"fill": "tozeroy", "fillcolor": tint(CYCLE[i], 0.12)} if len(found) == 1 else {}
+        fill = {"fill": "tozeroy", "fillcolor": tint(CYCLE[i], 0.12)} if len(passages) == 1 else {}
         data.append(line(f[kept], a[kept], p.pantograph, CYCLE[i], 1.6, hover="%{x:.2f} Hz: %{y:.1f} N", **fill))
     shapes = [vertical(low_pass.cutoff, colour=MUTED, dash="dash")]
     notes = [_frequency_label(f"filter {low_pass.cutoff:g} Hz", low_pass.cutoff, MUTED) | {"yanchor": "top"}]
-    speed = found[0].speed
+    speed = passages[0].speed
     for what, length, multiples, colour in (("span", span, 5, GREEN), ("dropper", track.dropper_spacing, 3, VERMILION)):
         if length > 0.0:  # false for NaN too
             for k in range(1, multiples + 1):
@@ -206,7 +206,7 @@ def spectrum_figure(result: Result, found: list[Passage], low_pass: Filter) -> F
             330,
             shapes=shapes,
             annotations=notes,
-            showlegend=len(found) > 1,
+            showlegend=len(passages) > 1,
             legend={"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "top"},
             xaxis=axis("frequency, Hz", range=[0, HIGHEST]),
             yaxis=axis("amplitude, N", grid=True, rangemode="tozero"),

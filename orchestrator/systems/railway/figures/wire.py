@@ -38,12 +38,12 @@ SHAPES = 40  # of the slider
 STRIPES = 300  # times of the picture of the waves
 
 
-def uplift_figure(result: Result, found: list[Passage], rows: Sequence[Row]) -> Figure:
+def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) -> Figure:
     """Uplift of the contact wire at the supports over time, with the instants of passing."""
     start, end = analysis_window(result)
     shapes, notes, data = [], [], []
-    record = found[0].record
-    for k, (x, uplift) in enumerate(zip(found[0].supports, record.uplifts, strict=True)):
+    record = passages[0].record
+    for k, (x, uplift) in enumerate(zip(passages[0].supports, record.uplifts, strict=True)):
         colour, inside = CYCLE[k % len(CYCLE)], start - 1e-6 <= x <= end + 1e-6
         t, u, _ = thin_out(record.time, 1e3 * uplift, 4000)
         data.append(
@@ -57,7 +57,7 @@ def uplift_figure(result: Result, found: list[Passage], rows: Sequence[Row]) -> 
                 hover="%{x:.3f} s: %{y:.1f} mm",
             )
         )
-        for p in found:
+        for p in passages:
             if p.record.position[0] < x < p.record.position[-1]:
                 passing = float(np.interp(x, p.record.position, p.record.time))
                 shapes.append(vertical(passing, colour=tint(colour, 0.45), dash="dot"))

@@ -34,15 +34,15 @@ def findings(options: Options) -> Findings:
     runs: dict[str, Result] = {}
     lines: dict[float, np.ndarray] = {}
     for rpm in SPEEDS:
-        found = modes(matrices, rpm * RPM, MODES)
-        measured |= {f"modal.{rpm:g}.{k + 1}": float(w) for k, w in enumerate(found.frequency)}
+        whirl_modes = modes(matrices, rpm * RPM, MODES)
+        measured |= {f"modal.{rpm:g}.{k + 1}": float(w) for k, w in enumerate(whirl_modes.frequency)}
         if rpm == 0.0:
             continue
         result = run(scene(rpm * RPM), in_process=options.in_process)
         if result.outcome != "done":
             return Findings((), {f"{rpm:g} rpm": result}, notes=(result.message,), complete=False)
         runs[f"{rpm:g} rpm"] = result
-        lines[rpm] = whirl_lines(result, np.where(found.direction < 0, -found.frequency, found.frequency))
+        lines[rpm] = whirl_lines(result, np.where(whirl_modes.direction < 0, -whirl_modes.frequency, whirl_modes.frequency))
         measured |= {f"motion.{rpm:g}.{k + 1}": abs(w) for k, w in enumerate(lines[rpm])}
     measured |= {f"critical.{k + 1}": float(w) for k, w in enumerate(critical_speeds(matrices)[:CRITICAL])}
     notes = (
@@ -81,7 +81,7 @@ def _diagram(matrices, lines: Mapping[float, np.ndarray]) -> Chart:
             continue
         x = np.concatenate([[*speed, np.nan] for _ in columns])
         series.append(Series(f"{name}, from the matrices", x, np.concatenate([[*frequency[:, k], np.nan] for k in columns])))
-        points = np.array([(rpm, abs(w)) for rpm, found in lines.items() for w in found if np.sign(w) == sign])
+        points = np.array([(rpm, abs(w)) for rpm, frequencies in lines.items() for w in frequencies if np.sign(w) == sign])
         series.append(Series(f"{name}, from the motion", points[:, 0], points[:, 1], "points"))
     return Chart("Campbell diagram", "speed, rpm", (Panel("whirl frequency, rad/s", tuple(series)),),
                  "Lines: eigenvalues. Points: lines in the spectrum of x + i y of the runs.")  # fmt: skip

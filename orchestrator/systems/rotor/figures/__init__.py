@@ -33,10 +33,10 @@ TURNS = 8  # in the record, below which nothing is followed; of an orbit
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures of every rotor of a run whose speed was recorded; none without one."""
-    found = rotors(result)
-    made = [b for record in found for b in _of_one(result, record, f"{record.unit}: " if len(found) > 1 else "")]
+    records = rotors(result)
+    content = [b for record in records for b in _of_one(result, record, f"{record.unit}: " if len(records) > 1 else "")]
     heat = heat_chart(result)
-    return [*made, draw_chart(heat)] if heat is not None else made
+    return [*content, draw_chart(heat)] if heat is not None else content
 
 
 def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
@@ -51,20 +51,20 @@ def _of_one(result: Result, record: RotorRecord, who: str) -> list[Block]:
     varies = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     moves = {"x", "y"} <= record.signals.keys()
     turns = "angle" in record.signals and _turns(record.signals["angle"][record.time >= begin]) >= TURNS
-    made: list[Block] = []
+    content: list[Block] = []
     if moves:
-        made.append(draw_chart(history_chart(record, begin, who)))
+        content.append(draw_chart(history_chart(record, begin, who)))
     if moves and turns and varies:
-        made.append(draw_chart(run_up_chart(record, begin, critical, who)))
-        made.append(draw_chart(waterfall_chart(record, begin, critical, analysis.orders, who)))
+        content.append(draw_chart(run_up_chart(record, begin, critical, who)))
+        content.append(draw_chart(waterfall_chart(record, begin, critical, analysis.orders, who)))
     elif moves and speed.any():
-        made.append(draw_chart(spectrum_chart(record, begin, who)))
+        content.append(draw_chart(spectrum_chart(record, begin, who)))
     if diagram is not None:
-        made.append(draw_chart(campbell_chart(diagram, who)))
-    made += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.orbit_windows, record), who)]
+        content.append(draw_chart(campbell_chart(diagram, who)))
+    content += [draw_chart(c) for c in orbits_chart(record, _windows(analysis.orbit_windows, record), who)]
     if any("force_x" in p for p in record.ports.values()):
-        made.append(draw_chart(forces_chart(record, begin, who)))
-    return made
+        content.append(draw_chart(forces_chart(record, begin, who)))
+    return content
 
 
 def _turns(angle: np.ndarray) -> float:

@@ -17,7 +17,7 @@ def orbits_chart(record: RotorRecord, windows: Sequence[tuple[float, float]], wh
     """For every window (from, to) in s the orbits at the watched place and at the bearings, all in one scale each."""
     places = {"watched place": record.signals} | {p.replace("_", " "): s for p, s in record.ports.items()}
     places = {name: s for name, s in places.items() if {"x", "y"} <= s.keys()}
-    made = []
+    charts = []
     for start, end in windows:
         kept = (record.time >= start) & (record.time <= end)
         if not places or kept.sum() < 2:
@@ -30,8 +30,8 @@ def orbits_chart(record: RotorRecord, windows: Sequence[tuple[float, float]], wh
         speed = RPM * record.signals["speed"][kept]
         turning = f"{speed.mean():.0f} rpm" if np.ptp(speed) < 1.0 else f"{speed[0]:.0f} to {speed[-1]:.0f} rpm"
         text = f"{start:.4g} to {end:.4g} s, {turning}. x horizontal, y upwards; the same scale in both directions."
-        made.append(Chart(f"{who}Orbits", "", tuple(panels), text, columns=max(2, len(panels)), height=340))
-    return made
+        charts.append(Chart(f"{who}Orbits", "", tuple(panels), text, columns=max(2, len(panels)), height=340))
+    return charts
 
 
 def forces_chart(record: RotorRecord, begin: float, who: str = "") -> Chart:

@@ -57,19 +57,19 @@ def findings(options: Options) -> Findings:
 def scenes() -> dict[str, Scene]:
     """Every run by its name."""
     surge = ["added_mass", "linear_drag", "quadratic_drag", "external"]
-    made = {f"{force:g} N ahead": _scene(40.0, 0.05, surge, {**LEVEL, "external.force_x": force}, ["surge"]) for force in FORCES}
+    cases = {f"{force:g} N ahead": _scene(40.0, 0.05, surge, {**LEVEL, "external.force_x": force}, ["surge"]) for force in FORCES}
     plain = {n: v for n, v in BENZON.items() if "drag" not in n}
     for name in ("roll", "pitch"):
-        made[name] = _scene(40.0, 0.01, ["added_mass", "restoring"], {**plain, f"start_{name}": 1e-5, "substep": 2e-3}, [name])
+        cases[name] = _scene(40.0, 0.01, ["added_mass", "restoring"], {**plain, f"start_{name}": 1e-5, "substep": 2e-3}, [name])
     hanging = {**LEVEL, "restoring.buoyancy": 112.8, "restoring.centre_of_buoyancy_z": -0.02, "substep": 2e-3}
     for degrees, label in ((90.0, "90"), (1e-4, "10^-4")):
         start = {**hanging, "start_roll": math.radians(degrees)}
-        made[f"roll from {label} degrees"] = _scene(
+        cases[f"roll from {label} degrees"] = _scene(
             30.0, 0.01, ["added_mass", "coriolis", "restoring"], start,
             ["roll", "pitch", "yaw", "roll_rate", *QUATERNION, "position_north", "position_east", "depth"])
-    made["tumbling"] = load_scene("rov-tumbling")
+    cases["tumbling"] = load_scene("rov-tumbling")
     rate, small = _munk_rate(), 1e-7
-    made["ahead, slightly disturbed"] = _scene(
+    cases["ahead, slightly disturbed"] = _scene(
         2.0, 0.01, ["added_mass", "coriolis"], {**LEVEL, "start_surge": 1.0, "start_pitch_rate": small, "substep": 2e-3,
                                                "start_heave": small * 17.0 / (26.07 * rate)}, ["pitch_rate"])
     pose = {"start_roll": 0.0, "start_pitch": 0.0, "start_yaw": 0.0, "start_yaw_rate": 1.0, "thrust": THRUSTS, "substep": 2e-3}
@@ -77,10 +77,10 @@ def scenes() -> dict[str, Scene]:
     still = _unit(list(WATER), pose)
     drift = {"start_surge": FLOW["north"], "start_sway": FLOW["east"], "start_heave": FLOW["down"]}
     moved = _unit([*WATER, "current"], {**pose, **drift, **{f"current.velocity_{n}": v for n, v in FLOW.items()}})
-    made["in still and in moving water"] = read_scene(
+    cases["in still and in moving water"] = read_scene(
         {"title": "The same thrusts in still and in moving water", "stop_time": 20.0, "units": {"still": still, "moved": moved},
          "master": {"step": 0.02}, "record": {"signals": [f"{u}.{s}" for u in ("still", "moved") for s in signals]}}, "rov")
-    return made
+    return cases
 
 
 def _unit(effects: Sequence[str], parameters: Mapping[str, Any]) -> dict[str, Any]:

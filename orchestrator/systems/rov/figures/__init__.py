@@ -28,20 +28,20 @@ MARKS = 20  # of the heading on a track, where the scene does not say
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of every vehicle whose position was recorded; several share the figures of their motion."""
-    found = vehicles(result)
-    if not found:
+    records = vehicles(result)
+    if not records:
         return []
     interval = result.scene.analysis_as(RovKeys).headings or float(result.time[-1] - result.time[0]) / MARKS
     start = int(np.searchsorted(result.time, result.scene.analysis.transient))
-    charts = [track_chart(found, interval), attitude_chart(found), motion_chart(found), current_chart(found)]
-    made: list[Block] = [draw_chart(c) for c in charts if c is not None]
-    for vehicle in found:
-        who = f"{vehicle.unit}: " if len(found) > 1 else ""
+    charts = [track_chart(records, interval), attitude_chart(records), motion_chart(records), current_chart(records)]
+    content: list[Block] = [draw_chart(c) for c in charts if c is not None]
+    for vehicle in records:
+        who = f"{vehicle.unit}: " if len(records) > 1 else ""
         if vehicle.thrusts:
-            made += [draw_chart(thrusts_chart(vehicle, who)), thrusts_table(vehicle, who)]
+            content += [draw_chart(thrusts_chart(vehicle, who)), thrusts_table(vehicle, who)]
         if vehicle.errors:
-            made.append(draw_chart(errors_chart(vehicle, who)))
-            made += [errors_table(vehicle, start, who)] if start < result.time.size else []
+            content.append(draw_chart(errors_chart(vehicle, who)))
+            content += [errors_table(vehicle, start, who)] if start < result.time.size else []
         if vehicle.constants:
-            made.append(draw_chart(constants_chart(vehicle, who)))
-    return made
+            content.append(draw_chart(constants_chart(vehicle, who)))
+    return content

@@ -62,10 +62,10 @@ def findings(options: Options) -> Findings:
         frequency = swing_frequency(swings.time, swings[f"{name}.angle"])
         measured[f"period.{name}"] = math.sqrt(1.5 * 9.81) / frequency  # against small swings of a uniform rod of 1 m
     rubbed = runs["swings with dry friction"]
-    found, closed = turns(rubbed), friction_turning_points(1.0, FRICTION, MOMENT)
-    measured["turns"] = float(len(found))
-    same = min(len(found), len(closed))
-    measured["turn"] = float(np.abs(np.abs(found[:same]) - np.abs(closed[:same])).max())
+    turning_points, closed = turns(rubbed), friction_turning_points(1.0, FRICTION, MOMENT)
+    measured["turns"] = float(len(turning_points))
+    same = min(len(turning_points), len(closed))
+    measured["turn"] = float(np.abs(np.abs(turning_points[:same]) - np.abs(closed[:same])).max())
     measured |= {"rest": rubbed["chain.first_angle"][-1], "rest.rate": abs(rubbed["chain.first_rate"][-1])}
     shown = {name: runs[name] for name in ("free motion", "swings with dry friction")}
     charts = (_damped_chart(exact), _friction_chart(rubbed, closed))
@@ -159,9 +159,9 @@ def _damped_chart(result: Result) -> Chart:
 
 
 def _friction_chart(result: Result, closed: list[float]) -> Chart:
-    found = turns(result)
+    points = turns(result)
     k = np.arange(len(closed))
-    series = (Series("closed form", k, np.abs(closed)), Series("run", np.arange(len(found)), np.abs(found), "points"))
+    series = (Series("closed form", k, np.abs(closed)), Series("run", np.arange(len(points)), np.abs(points), "points"))
     text = f"A pendulum of 9.81 N.m with {FRICTION:g} N.m of dry friction, released at 1 rad; it rests where friction bears it."
     return Chart("Turning points with dry friction", "half swings", (Panel("angle, rad", series),), text)
 

@@ -80,14 +80,14 @@ def _scene(kind: str, step: float, stiffness: float = STIFFNESS, changes: Mappin
 def _angles(scene: Scene) -> np.ndarray:
     """Both angles at all samples, (2, n); NaN where the run failed."""
     result = run(scene, in_process=True)
-    found = np.array([result["first.angle"], result["second.angle"]])
-    return found if result.outcome == "done" else np.full_like(found, math.nan)
+    angles = np.array([result["first.angle"], result["second.angle"]])
+    return angles if result.outcome == "done" else np.full_like(angles, math.nan)
 
 
 def _error(kind: str, step: float, exact: np.ndarray) -> float:
     """Largest difference of an angle, rad; NaN of a run that failed."""
-    found = _angles(_scene(kind, step))
-    return float(np.abs(found - exact).max()) if found.shape == exact.shape else math.nan
+    angles = _angles(_scene(kind, step))
+    return float(np.abs(angles - exact).max()) if angles.shape == exact.shape else math.nan
 
 
 def _slope(x: Any, y: Any) -> float:
@@ -158,8 +158,8 @@ def _grows(step: float) -> bool:
 
 def _step_chart(errors: Mapping[str, list[float]]) -> Chart:
     steps = [f"{1e3 * s:g} ms" for s in STEPS]
-    series = tuple(Series(kind, steps, [e if e < LOST else math.nan for e in found], "line+points")
-                   for kind, found in errors.items())  # fmt: skip
+    series = tuple(Series(kind, steps, [e if e < LOST else math.nan for e in by_step], "line+points")
+                   for kind, by_step in errors.items())  # fmt: skip
     panel = Panel("error, rad", series, logarithmic=True)
     text = f"Largest error of an angle over {SPAN:g} s, against a run with 50 µs. A point is missing where the motion was lost."
     return Chart("What the macro step costs", "macro step", (panel,), text, height=360)
@@ -167,7 +167,7 @@ def _step_chart(errors: Mapping[str, list[float]]) -> Chart:
 
 def _step_table(errors: Mapping[str, list[float]]) -> Grid:
     header = ("algorithm, inputs", *(f"{1e3 * s:g} ms" for s in STEPS))
-    rows = [(kind, *(f"{e:.1e} rad" if e < LOST else "lost" for e in found)) for kind, found in errors.items()]
+    rows = [(kind, *(f"{e:.1e} rad" if e < LOST else "lost" for e in by_step)) for kind, by_step in errors.items()]
     return Grid("Error over the macro step", header, tuple(rows), "Lost: failed, or off by more than 0.1 rad.")
 
 

@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures of the joints of a run whose angles and rates were recorded; none without one. Several are compared first."""
-    found = joints(result)
+    records = joints(result)
     begin = float(result.time[after_transient(result).start])
-    single = len(found) == 1
-    charts = [history_chart(found[0], begin)] if single else comparison_charts(found, begin)
-    for record in found:
+    single = len(records) == 1
+    charts = [history_chart(records[0], begin)] if single else comparison_charts(records, begin)
+    for record in records:
         charts += _of_one(result, record, begin, "" if single else f"{record.unit}: ")
-    constants = constants_chart(found)
+    constants = constants_chart(records)
     return [draw_chart(c) for c in (charts if constants is None else [*charts, constants])]
 
 

@@ -36,7 +36,7 @@ def comparison_charts(records: Sequence[JointRecord], begin: float) -> list[Char
     groups: dict[tuple[str, ...], list[JointRecord]] = {}
     for record in records:
         groups.setdefault(tuple(a.name for a in record.axes), []).append(record)
-    made = []
+    charts = []
     for names, group in groups.items():
         mark = ((begin, ""),) if begin > group[0].time[0] else ()
         panels, text = [], "Angles side by side."
@@ -51,8 +51,8 @@ def comparison_charts(records: Sequence[JointRecord], begin: float) -> list[Char
                 shown = (Series(r.unit, r.time, np.where(v > top * LEAST_RATE, v, np.nan)) for r, v in rates)
                 label = f"rate of the {name}, degrees/s"
                 panels.append(Panel(label, tuple(shown), logarithmic=True, y_range=(top * LEAST_RATE, top), x_marks=mark))
-        made.append(Chart("Motion", "time, s", tuple(panels), text))
-    return made
+        charts.append(Chart("Motion", "time, s", tuple(panels), text))
+    return charts
 
 
 def history_chart(record: JointRecord, begin: float) -> Chart:
@@ -85,10 +85,10 @@ def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart | Non
     return Chart(f"{who}Phase portraits", "", tuple(panels), text, columns=max(2, len(panels)), height=330)
 
 
-def section_chart(found: Sequence[tuple[str, Axis]], who: str = "") -> Chart | None:
+def section_chart(sections: Sequence[tuple[str, Axis]], who: str = "") -> Chart | None:
     """Poincaré sections: an axis at the instants that are said; None where those are too few."""
     panels, counts = [], []
-    for when, axis in found:
+    for when, axis in sections:
         if axis.angle.size >= LEAST:
             kind = "dots" if axis.angle.size > CLOUD else "points"
             series = (Series("passages", wrapped(axis.angle, gaps=False), DEGREES * axis.rate, kind),)

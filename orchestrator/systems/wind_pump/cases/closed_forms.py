@@ -101,7 +101,7 @@ def _pistons(measured: dict[str, float], options: Options) -> dict[str, Result]:
 
 def _centrifugal(measured: dict[str, float], options: Options) -> dict[str, Result]:
     """Half and full speed on a pipe that has friction only: head and flow answer each other."""
-    runs, found = {}, {}
+    runs, final_values = {}, {}
     for speed in (75.0, 150.0):
         curve = {"rated_speed": 150.0, "shutoff_head": 30.0, "linear_drop": 2e3, "curve_drop": 5.3e6}
         units = {"pump": {"component": "CentrifugalPump", "parameters": {"speed": speed, **curve}},
@@ -110,8 +110,8 @@ def _centrifugal(measured: dict[str, float], options: Options) -> dict[str, Resu
         signals = ["pump.flow", "pipe.head", "pump.torque"]
         connections = ("pump.flow -> pipe.flow", "pipe.head -> pump.head")
         runs[f"centrifugal pump at {speed:g} rad/s"] = result = _run(options, units, signals, 2.0, 0.1, connections)
-        found[speed] = [float(result[n][-1]) for n in signals]
-    (flow, head, torque), (flow_2, head_2, torque_2) = found.values()
+        final_values[speed] = [float(result[n][-1]) for n in signals]
+    (flow, head, torque), (flow_2, head_2, torque_2) = final_values.values()
     measured |= {"affinity.flow": flow_2 / flow, "affinity.head": head_2 / head, "affinity.power": 2.0 * torque_2 / torque}
     measured["centrifugal.flow"] = 1e3 * flow_2
     return runs

@@ -75,12 +75,12 @@ def _at_held_speeds(result: Result, crank: float) -> dict[str, float]:
     torque = np.asarray(result["stalled.driving_torque"])  # |sin|, with its corners at even samples: Simpson's rule
     weights = np.r_[1.0, np.tile([4.0, 2.0], torque.size // 2)]
     weights[-1] = 1.0
-    found = {f"stall.{crank:g}": float(np.average(torque, weights=weights))}
+    measured = {f"stall.{crank:g}": float(np.average(torque, weights=weights))}
     for s in SHARES:
         driving, braking = mean_torques(result, _name(s))
-        found[f"torque.{crank:g}.{s:g}"] = driving / (STALL * crank**2)
-        found[f"power.{crank:g}.{s:g}"] = braking / (driving * s * LARGEST)
-    return found
+        measured[f"torque.{crank:g}.{s:g}"] = driving / (STALL * crank**2)
+        measured[f"power.{crank:g}.{s:g}"] = braking / (driving * s * LARGEST)
+    return measured
 
 
 def _name(share: float) -> str:
@@ -163,8 +163,8 @@ def returning(result: Result) -> complex:
     seen = smooth[(result.time > 1.5) & (result.time < 9.0)]
     before = np.column_stack((seen[:-ahead], np.ones(len(seen) - ahead)))
     matrix = np.linalg.lstsq(before, seen[ahead:], rcond=None)[0][:2]
-    found = np.log(np.linalg.eigvals(matrix).astype(complex)) / (ahead * STEP)
-    return complex(max(found, key=lambda value: value.imag))
+    eigenvalues = np.log(np.linalg.eigvals(matrix).astype(complex)) / (ahead * STEP)
+    return complex(max(eigenvalues, key=lambda value: value.imag))
 
 
 def _pair(value: complex) -> str:

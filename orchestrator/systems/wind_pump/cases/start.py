@@ -40,10 +40,10 @@ def findings(options: Options) -> Findings:
     if loop.outcome != "done":
         return Findings((), {"rise and fall": loop}, notes=(loop.message,), complete=False)
     for chain in chains(loop):
-        found = runnings(chain)
-        if found:
-            measured[f"loop.start.{chain.name}"] = found[0].begin_wind or math.nan
-            measured[f"loop.stop.{chain.name}"] = found[-1].end_wind or math.nan
+        pump_runs = runnings(chain)
+        if pump_runs:
+            measured[f"loop.start.{chain.name}"] = pump_runs[0].begin_wind or math.nan
+            measured[f"loop.stop.{chain.name}"] = pump_runs[-1].end_wind or math.nan
         measured[f"loop.litres.{chain.name}"] = 1e3 * float(chain.signals["delivered"][-1])
     runs["rise and fall"] = loop
     notes = (
@@ -93,8 +93,8 @@ def turning_point(result: Result, what: str) -> float:
 def _chart(measured: dict[str, float]) -> Chart:
     places = {"start": "start, slow wind", "stop": "stop, slow wind"}
     places |= {f"loop.{n}": f"{n}, rise and fall" for n in ("start", "stop")}
-    found = {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}
-    series = [Series(kind, list(places.values()), values, "points") for kind, values in found.items()]
+    winds = {kind: [measured.get(f"{n}.{kind}", math.nan) for n in places] for kind in KINDS}
+    series = [Series(kind, list(places.values()), values, "points") for kind, values in winds.items()]
     text = "In the slow wind the start is against the peak torque, the stop against the mean; else piston and flywheel decide."
     return Chart("Winds at which the pumps start and stop", "", (Panel("wind, m/s", tuple(series)),), text)
 

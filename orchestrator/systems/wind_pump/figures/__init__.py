@@ -25,26 +25,26 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of every chain of turbine, transmission and pump whose speeds were recorded; none without one."""
-    found = chains(result)
-    if not found:
+    records = chains(result)
+    if not records:
         return []
     keys = result.scene.analysis_as(WindPumpKeys)
     average = keys.average
-    shown = [Shown.of(c, average, keys.standstill, keys.pause, f"{c.name}: " if len(found) > 1 else "") for c in found]
-    made: list[Block] = [draw_chart(course_chart(shown))]
-    wind = found[0].wind
+    shown = [Shown.of(c, average, keys.standstill, keys.pause, f"{c.name}: " if len(records) > 1 else "") for c in records]
+    content: list[Block] = [draw_chart(course_chart(shown))]
+    wind = records[0].wind
     if wind is not None:
         smooth = moving_mean(result.time, wind, average)
         start = after_transient(result).start
         followed = branches(result.time[start:], smooth[start:])
         if followed:
-            made.append(draw_chart(branches_chart(shown, followed, start)))
+            content.append(draw_chart(branches_chart(shown, followed, start)))
         elif (binned := bins_chart(shown, start)) is not None:
-            made.append(draw_chart(binned))
-    made.append(runs_table(shown))
+            content.append(draw_chart(binned))
+    content.append(runs_table(shown))
     water = water_chart(shown)
     if water is not None:
-        made.append(draw_chart(water))
-    if any(c.powers for c in found):
-        made.append(efficiency_table(result, shown, after_transient(result).start))
-    return made
+        content.append(draw_chart(water))
+    if any(c.powers for c in records):
+        content.append(efficiency_table(result, shown, after_transient(result).start))
+    return content

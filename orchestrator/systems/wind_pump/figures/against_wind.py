@@ -15,7 +15,7 @@ LEAST = 3  # means in a bin that is drawn
 
 def _quantities(s: Shown) -> list[tuple[str, np.ndarray]]:
     """(label of the axis, values (n,)) of what is drawn against the wind."""
-    found = [
+    quantities = [
         ("turbine speed, rad/s", s.signals.get("turbine_speed")),
         ("pump speed, rad/s", s.signals["pump_speed"]),
         ("pump speed over turbine speed, 1", s.ratio),
@@ -23,7 +23,7 @@ def _quantities(s: Shown) -> list[tuple[str, np.ndarray]]:
         ("power at the turbine, W", s.powers.get("aerodynamic")),
         ("power into the water, W", s.powers.get("hydraulic")),
     ]
-    return [(label, v) for label, v in found if v is not None]
+    return [(label, v) for label, v in quantities if v is not None]
 
 
 def _panels(shown: Sequence[Shown], series_of, lines: tuple[Lines, ...] = ()) -> tuple[Panel, ...]:
@@ -40,12 +40,12 @@ def branches_chart(shown: Sequence[Shown], followed: Sequence[tuple[str, slice]]
     """Every quantity over the wind while it rises and while it falls; the winds at which pumps start and stop are lines."""
     def lines_of(s: Shown, values: np.ndarray) -> list[Series]:
         wind, values = s.wind[start:], values[start:]  # type: ignore[index]
-        made: dict[str, tuple[list[np.ndarray], list[np.ndarray]]] = {}
+        branches: dict[str, tuple[list[np.ndarray], list[np.ndarray]]] = {}
         for way, part in followed:
-            x, y = made.setdefault(way, ([], []))
+            x, y = branches.setdefault(way, ([], []))
             x += [wind[part], np.array([np.nan])]
             y += [values[part], np.array([np.nan])]
-        return [Series(f"{s.who}wind {way}", np.concatenate(x), np.concatenate(y)) for way, (x, y) in made.items()]
+        return [Series(f"{s.who}wind {way}", np.concatenate(x), np.concatenate(y)) for way, (x, y) in branches.items()]
 
     marks: dict[str, list[tuple[float, str]]] = {}
     for s in shown:

@@ -25,18 +25,18 @@ if TYPE_CHECKING:
 
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """Figures and tables of the wrists and four-bar linkages of a run that were recorded; several wrists are compared."""
-    made: list[Block] = []
+    content: list[Block] = []
     begin = after_transient(result).start
-    found = wrists(result)
-    if found:
+    records = wrists(result)
+    if records:
         instants = result.scene.analysis_as(WristKeys).postures
-        made += [draw_chart(motion_chart(found, instants)), draw_chart(paths_chart(found, instants, begin))]
-        made.append(posture_table(found, instants, begin))
-        if len(found) > 1 and instants:
-            made.append(difference_table(found, instants))
+        content += [draw_chart(motion_chart(records, instants)), draw_chart(paths_chart(records, instants, begin))]
+        content.append(posture_table(records, instants, begin))
+        if len(records) > 1 and instants:
+            content.append(difference_table(records, instants))
     pulled, bound = muscles(result), bundles(result)
-    made += [draw_chart(muscles_chart(m, len(pulled) > 1)) for m in pulled[:1]]  # those of compared wrists have one programme
+    content += [draw_chart(muscles_chart(m, len(pulled) > 1)) for m in pulled[:1]]  # those of compared wrists have one programme
     if bound:
-        made.append(draw_chart(ligaments_chart(bound)))
-    made += [draw_chart(linkage_chart(record)) for record in linkages(result)]
-    return made
+        content.append(draw_chart(ligaments_chart(bound)))
+    content += [draw_chart(linkage_chart(record)) for record in linkages(result)]
+    return content
