@@ -27,11 +27,11 @@ def list_(
     kinds = {"components": _components, "fmus": _fmus, "scenes": _scenes, "cases": _cases}
     if kind and kind not in kinds:
         raise BadInput("list", repr(kind), "one of " + ", ".join(kinds), nearest(kind, kinds))
-    found = {name: entries() for name, entries in kinds.items() if kind in ("", name)}
+    listed = {name: entries() for name, entries in kinds.items() if kind in ("", name)}
     if as_json:
-        print(json.dumps(found, indent=2))
+        print(json.dumps(listed, indent=2))
         return
-    for name, entries in found.items():
+    for name, entries in listed.items():
         print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
 
 
@@ -103,8 +103,8 @@ def check(fmu: Annotated[Path, typer.Argument(help="an FMU file")], as_json: AsJ
         raise BadInput("check", repr(str(fmu)), "an FMU file")
     findings = check_fmu(fmu)
     if as_json:
-        found = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
-        print(json.dumps({"fmu": str(fmu), "findings": found}, indent=2))
+        records = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
+        print(json.dumps({"fmu": str(fmu), "findings": records}, indent=2))
     else:
         print_table(str(fmu), ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
     if not all(f.ok for f in findings):

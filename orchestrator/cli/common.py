@@ -145,16 +145,16 @@ def share(option: str, text: str) -> float:
 
 def parameters_of(texts: Sequence[str]) -> dict[str, Any]:
     """Parameters of a component alone, each given as "parameter=value"."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for text in texts:
         parameter, equals, value = text.partition("=")
         if not (parameter and equals and value):
             raise BadInput("--set", repr(text), "parameter=value")
         try:
-            found[parameter.strip()] = float(value)
+            values[parameter.strip()] = float(value)
         except ValueError:
-            found[parameter.strip()] = {"true": True, "false": False}.get(value, value)
-    return found
+            values[parameter.strip()] = {"true": True, "false": False}.get(value, value)
+    return values
 
 
 def range_of(text: str) -> tuple[str, Any]:

@@ -48,31 +48,31 @@ def effects(
     loaded = changed(loaded, changes)
     ensure_directory(output)  # now, not after many runs
     with status_spinner() as on_message:
-        found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
-    written = [found.save(output), for_effects(found, output)]
-    written += [write_scene(found.chosen, write, remarks(found))] if write is not None else []
+        study = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
+    written = [study.save(output), for_effects(study, output)]
+    written += [write_scene(study.chosen, write, remarks(study))] if write is not None else []
     if not more:
-        keep(found)
+        keep(study)
     if as_json:
-        print(json.dumps(summary(found), indent=2))
+        print(json.dumps(summary(study), indent=2))
         return
-    print_found(found)
-    warn(found.remarks)
+    print_effects(study)
+    warn(study.remarks)
     print(f"wrote {', '.join(map(str, written))}")
 
 
-def remarks(found: Effects) -> list[str]:
+def remarks(study: Effects) -> list[str]:
     """What stands above a scene that is written."""
     from ..harness.studies.chosen import reason
     from ..harness.studies.quantities import percent
 
-    lines = [f"Of the scene {found.scene.name}: the effects whose absence shows by more than {percent(found.tolerance)};",
-             f"error of this scene {percent(found.least.error)} against all effects."]
-    return lines + [f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(reason(f, found.tolerance).split())}"
-                    for f in found.findings if f.chosen or f.given]
+    lines = [f"Of the scene {study.scene.name}: the effects whose absence shows by more than {percent(study.tolerance)};",
+             f"error of this scene {percent(study.least.error)} against all effects."]
+    return lines + [f"{'with' if f.chosen else 'without'} {f.name}: {' '.join(reason(f, study.tolerance).split())}"
+                    for f in study.findings if f.chosen or f.given]
 
 
-def summary(found: Effects) -> dict[str, Any]:
+def summary(study: Effects) -> dict[str, Any]:
     """What was found as plain data."""
     from dataclasses import asdict
 
@@ -82,24 +82,24 @@ def summary(found: Effects) -> dict[str, Any]:
         return {k: v if not isinstance(v, float) or isfinite(v) else None for k, v in data.items()}
 
     return {
-        "scene": found.scene.name, "tolerance": found.tolerance, "quantities": list(found.quantities), "runs": found.runs,
-        "full": plain(asdict(found.full)), "given": plain(asdict(found.given)), "chosen": plain(asdict(found.least)),
-        "effects": [plain(asdict(f)) | {"why": reason(f, found.tolerance)} for f in found.findings],
+        "scene": study.scene.name, "tolerance": study.tolerance, "quantities": list(study.quantities), "runs": study.runs,
+        "full": plain(asdict(study.full)), "given": plain(asdict(study.given)), "chosen": plain(asdict(study.least)),
+        "effects": [plain(asdict(f)) | {"why": reason(f, study.tolerance)} for f in study.findings],
     }
 
 
-def print_found(found: Effects) -> None:
+def print_effects(study: Effects) -> None:
     """Every effect that was measured or is required, then what the models cost."""
     from ..harness.studies.chosen import reason
     from ..harness.studies.quantities import percent
 
-    order = sorted((f for f in found.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
-    print_table(f"{found.scene.title or found.scene.name}: effects within {percent(found.tolerance)}",
+    order = sorted((f for f in study.findings if f.standing != "left out"), key=lambda f: (not f.chosen, -f.actual))
+    print_table(f"{study.scene.title or study.scene.name}: effects within {percent(study.tolerance)}",
                 ("effect", "in the scene", "predicted", "actual", "states", "calls", "chosen", "why"),
                 [(f.name, "yes" if f.given else "no", percent(f.predicted), percent(f.actual), f.states, f.calls,
-                  "yes" if f.chosen else "no", reason(f, found.tolerance)) for f in order])
-    if left := [f.name for f in found.findings if f.standing == "left out"]:
+                  "yes" if f.chosen else "no", reason(f, study.tolerance)) for f in order])
+    if left := [f.name for f in study.findings if f.standing == "left out"]:
         print(f"not in the full model: {', '.join(left)}")
-    for name, cost in (("all effects", found.full), ("the scene's own effects", found.given), ("smallest set", found.least)):
+    for name, cost in (("all effects", study.full), ("the scene's own effects", study.given), ("smallest set", study.least)):
         print(f"{name}: error {percent(cost.error)}, {cost.calls} calls, {cost.seconds:.3g} s")
-    print(f"{found.runs} models were run")
+    print(f"{study.runs} models were run")

@@ -31,10 +31,10 @@ def sweep(
         changes["sweep"] = dict(map(range_of, over))
     loaded = changed(loaded, changes)
     ensure_directory(output)  # now, not after a long sweep
-    found = run_sweep(loaded, progress=True)
-    written = [found.save(output), report.for_sweep(found, output)]
-    failed = [o for o in found.outcomes if o != "done"]
-    print(f"{len(found.outcomes)} points, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    results = run_sweep(loaded, progress=True)
+    written = [results.save(output), report.for_sweep(results, output)]
+    failed = [o for o in results.outcomes if o != "done"]
+    print(f"{len(results.outcomes)} points, {len(failed)} failed; wrote {', '.join(map(str, written))}")
     for reason in dict.fromkeys(failed):
         print(f"cosimo: {reason}", file=sys.stderr)
     if failed:

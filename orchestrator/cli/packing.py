@@ -57,23 +57,23 @@ def _close_enough(scene: Scene, step: float | None, limit: float) -> bool:
     with status_spinner() as progress:
         progress("running the scene as other masters step it")
         masters = OtherMasters(scene)
-        found = masters.compare(step)
-    _print(found)
-    if found.difference <= limit:
+        comparison = masters.compare(step)
+    _print(comparison)
+    if comparison.difference <= limit:
         return True
     with status_spinner() as progress:
         progress("looking for a step that keeps the tolerance")
         better = masters.step_within(limit)
-    if better is not None and better.step < found.step:
+    if better is not None and better.step < comparison.step:
         print(f"With --step {better.step:g} other masters are within {100.0 * better.difference:.2g} %.")
     else:
         print("No macro step that was tried brings them within the tolerance.")
     return False
 
 
-def _print(found: Comparison) -> None:
-    print_table(f"held inputs, exchanged once per step of {found.step:g} s", (
+def _print(comparison: Comparison) -> None:
+    print_table(f"held inputs, exchanged once per step of {comparison.step:g} s", (
         "quantity", "unit", "this scene", "other masters", "difference / range"), [
-        (row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in found.rows])
-    if found.failure:
-        print(f"cosimo: warning: other masters will not reach the end: {found.failure}", file=sys.stderr)
+        (row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in comparison.rows])
+    if comparison.failure:
+        print(f"cosimo: warning: other masters will not reach the end: {comparison.failure}", file=sys.stderr)

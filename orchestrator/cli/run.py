@@ -106,7 +106,7 @@ def run(
     if reason is not None:
         result = replace(result, info={**result.info, "accuracy": reason})
     if choice is not None and within is not None:
-        result = replace(result, info=choice.on_message(result.info, within))
+        result = replace(result, info=choice.with_reasons(result.info, within))
     if output is not None:
         from ..harness import report
         from ..systems import SYSTEMS

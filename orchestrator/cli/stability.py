@@ -66,9 +66,9 @@ def stability(
                 raise BadInput(option, "a value", "none for a component alone", "Remove it.")
         _internal_steps(what.removeprefix(COMPONENT), effects, values, preset, steps, output)
         return
-    for option, came in (("--effects", ",".join(effects or [])), ("--preset", preset)):
-        if came:
-            raise BadInput(option, repr(came), "none for a scene, which names its own", "Remove it.")
+    for option, value in (("--effects", ",".join(effects or [])), ("--preset", preset)):
+        if value:
+            raise BadInput(option, repr(value), "none for a scene, which names its own", "Remove it.")
     _macro_steps(what, over, values, algorithm, extrapolation, steps, output)
 
 
@@ -84,14 +84,14 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, al
     if over:
         changes["study.stability"] = dict(map(range_of, over))
     scene = changed(scene, changes)
-    found = measure(scene, _schemes(scene, algorithm, extrapolation), steps=steps or STEPS, progress=True)
-    written = [found.save(output), for_stability(found, output)]
-    names = list(found.varied)
+    study = measure(scene, _schemes(scene, algorithm, extrapolation), steps=steps or STEPS, progress=True)
+    written = [study.save(output), for_stability(study, output)]
+    names = list(study.varied)
     print_table(f"{scene.title or scene.name}: longest stable macro step", (*names, "algorithm", "degree", "s", "closed form, s",
                                                                              "what the next longer step did"), [
         (*limit.point.values(), limit.algorithm, limit.extrapolation, _shown(limit.longest, limit.tried),
-         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in found.limits])
-    for remark in found.remarks:
+         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in study.limits])
+    for remark in study.remarks:
         print(remark)
     print("wrote " + ", ".join(map(str, written)))
 
@@ -112,13 +112,13 @@ def _internal_steps(name: str, effects: list[str] | None, values: list[str] | No
     from ..harness.studies.internal_steps import STEPS, internal_steps
 
     chosen = listed("--effects", effects) if effects else None
-    found = internal_steps(name, effects=chosen, parameters=parameters_of(values or []), preset=preset, steps=steps or STEPS,
+    study = internal_steps(name, effects=chosen, parameters=parameters_of(values or []), preset=preset, steps=steps or STEPS,
                            progress=True)
-    written = [found.save(output), for_internal_steps(found, output)]
-    print_table(f"{found.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
+    written = [study.save(output), for_internal_steps(study, output)]
+    print_table(f"{study.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
                                                                   "what the next longer step did"), [
         (", ".join(s.effects) or "none", _shown(s.longest, s.tried), "none" if s.own == inf else s.own,
-         "" if isnan(s.margin) else s.margin, s.seen) for s in found.steps])
+         "" if isnan(s.margin) else s.margin, s.seen) for s in study.steps])
     print("wrote " + ", ".join(map(str, written)))
 
 
@@ -128,16 +128,16 @@ def _hard_cases(names: list[str], output: Path) -> None:
     from ..harness.report.studies.hard_cases import for_hard_cases, margin_text
     from ..harness.studies.hard_cases import hard_cases
 
-    found = hard_cases(names, progress=True)
-    written = [found.save(output), for_hard_cases(found, output)]
+    study = hard_cases(names, progress=True)
+    written = [study.save(output), for_hard_cases(study, output)]
     print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), [
         (v.component, v.case.name, v.claim, "" if isnan(v.reached) else v.reached, "" if isnan(v.limit) else v.limit,
-         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in found.verdicts])
-    for verdict in found.failed:
-        print(f"{verdict.component}, {verdict.case.name}: {verdict.said or 'beyond its limit'}")
-    print(found.summary)
+         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in study.verdicts])
+    for verdict in study.failed:
+        print(f"{verdict.component}, {verdict.case.name}: {verdict.message or 'beyond its limit'}")
+    print(study.summary)
     print("wrote " + ", ".join(map(str, written)))
-    if found.failed:
+    if study.failed:
         raise SystemExit(FAILED_CHECK)
 
 

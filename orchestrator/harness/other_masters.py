@@ -80,11 +80,11 @@ class OtherMasters:
             if self._scene.stop_time > MOST_STEPS * step:
                 return None
             try:
-                found = self.compare(step)
+                comparison = self.compare(step)
             except BadInput:  # a unit with steps of its own length
                 return None
-            if found.difference <= tolerance:
-                return found
+            if comparison.difference <= tolerance:
+                return comparison
         return None
 
 

@@ -63,7 +63,7 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
     if not scene.sweep:
         raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
                        'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11.')
-    made = []
+    combinations = []
     for values in itertools.product(*scene.sweep.values()):
         point = dict(zip(scene.sweep, values, strict=True))
         places = {}
@@ -72,18 +72,18 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
             if not parameter:
                 raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
             places[f"units.{unit}.parameters.{parameter}"] = value
-        made.append((point, scene.with_changes(places)))
-    return made
+        combinations.append((point, scene.with_changes(places)))
+    return combinations
 
 
 def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on."""
-    made = points(scene)
+    combinations = points(scene)
     _check_analysis(scene)
     rows: list[dict[str, float]] = []
     outcomes, section = [], []
     units = {name: unit_of(scene, name) for name in scene.sweep}
-    for _, one in tracked(made, scene.title or scene.name, progress):
+    for _, one in tracked(combinations, scene.title or scene.name, progress):
         row, points_of, outcome = {}, np.zeros(0), ""
         try:
             result = run(one, in_process=True)
@@ -100,7 +100,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     names = dict.fromkeys(name for row in rows for name in row)
     return Sweep(
         scene,
-        {name: np.array([values[name] for values, _ in made]) for name in scene.sweep},
+        {name: np.array([values[name] for values, _ in combinations]) for name in scene.sweep},
         {name: np.array([row.get(name, np.nan) for row in rows]) for name in names},
         tuple(outcomes), tuple(section), units,
     )

@@ -30,16 +30,16 @@ def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
     added: dict[str, list[Any]] = {"connections": [], "contacts": []}
     remarks: list[str] = []
     for entry, unit in data["units"].items():
-        found = {entry: _located(unit, folder)}
+        entries = {entry: _located(unit, folder)}
         if isinstance(unit, Mapping) and "scene" in unit:
-            part, said = _part(entry, unit, name, folder, above)
-            found = {f"{entry}.{n}": u for n, u in part["units"].items()}
+            part, messages = _part(entry, unit, name, folder, above)
+            entries = {f"{entry}.{n}": u for n, u in part["units"].items()}
             added["connections"] += (_prefixed(c, entry) for c in part.get("connections", ()))
             added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
-            remarks += said
-        if twice := found.keys() & units.keys():
+            remarks += messages
+        if twice := entries.keys() & units.keys():
             raise BadInput(f"{name}: units", f"two units {min(twice)!r}", "names that are unique")
-        units |= found
+        units |= entries
     joined = {key: [*own, *more] for key, more in added.items() if more and isinstance(own := data.get(key, []), list | tuple)}
     return {**data, **joined, "units": units}, tuple(remarks)
 

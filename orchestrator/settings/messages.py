@@ -25,7 +25,7 @@ LONGEST = 200  # characters of a value that are shown
 def one_message(error: ValidationError, model: type[BaseModel], name: str, *table: str) -> BadInput:
     """The first finding in the data of `model`, which stands in a table of the scene `name`."""
     finding = _first(error)
-    kind, came, context = finding["type"], shown(finding["input"]), finding.get("ctx", {})
+    kind, actual, context = finding["type"], shown(finding["input"]), finding.get("ctx", {})
     path = [key for k, key in enumerate(finding["loc"]) if key != "[key]" and not _is_mark(finding["loc"], k)]
     places = [*table, *path]
     cause = context.get("error")
@@ -38,15 +38,15 @@ def one_message(error: ValidationError, model: type[BaseModel], name: str, *tabl
                         nearest(last, _model_at(model, path[:-1]).model_fields))
     if kind == "literal_error":
         remedy = nearest(finding["input"], LITERAL.findall(context["expected"])) if isinstance(finding["input"], str) else ""
-        return BadInput(where, came, context["expected"], remedy)
+        return BadInput(where, actual, context["expected"], remedy)
     if kind == "missing":
         return BadInput(where, "nothing", "a value", f"Add {path[-1]} = ...")
     if kind in BOUNDS:
         (limit,) = context.values()
-        return BadInput(where, came, f"a number {BOUNDS[kind]} {limit:g}")
+        return BadInput(where, actual, f"a number {BOUNDS[kind]} {limit:g}")
     if kind.endswith("_type") and "parameters" in path:
-        return BadInput(_where(name, *places[: places.index("parameters") + 1]), came, "a number, a text or a truth value")
-    return BadInput(where, came, EXPECTED.get(kind, finding["msg"]))
+        return BadInput(_where(name, *places[: places.index("parameters") + 1]), actual, "a number, a text or a truth value")
+    return BadInput(where, actual, EXPECTED.get(kind, finding["msg"]))
 
 
 def _first(error: ValidationError) -> Any:

@@ -36,9 +36,9 @@ def wanted(text: str) -> Wanted:
     signal, comma, kind = (part.strip() for part in text.rpartition(","))  # an element of an array has commas, too
     if not (signal and comma):
         raise BadInput("quantities", repr(text), '"unit.output, kind"', "Kinds: " + ", ".join(QUANTITY_KINDS) + ".")
-    if found := AMPLITUDE.fullmatch(kind):
+    if amplitude := AMPLITUDE.fullmatch(kind):
         try:
-            frequency = float(found[1])
+            frequency = float(amplitude[1])
         except ValueError:
             frequency = -1.0
         if not 0.0 < frequency < float("inf"):

@@ -38,8 +38,8 @@ class UnitSettings(Model):
     @model_validator(mode="after")
     def _one_kind(self) -> UnitSettings:
         if bool(self.component) == bool(self.fmu):
-            came = "both component and fmu" if self.fmu else "neither component nor fmu"
-            raise BadInput("", came, "one of them", 'Write component = "Name" or fmu = "path/to/file.fmu".')
+            actual = "both component and fmu" if self.fmu else "neither component nor fmu"
+            raise BadInput("", actual, "one of them", 'Write component = "Name" or fmu = "path/to/file.fmu".')
         if self.fmu and self.preset:
             raise BadInput("preset", repr(self.preset), "no preset for an FMU given by its path", "Give its parameters instead.")
         if self.time_limit is not None and self.isolation == "none":

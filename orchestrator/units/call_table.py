@@ -28,11 +28,11 @@ def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequ
     """The call table of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
     companions = has_companions(scalars, inputs)
     names = [*inputs, *(f"der({n})" for n in inputs), *(f"der({n},2)" for n in inputs)] if companions else inputs
-    found = [blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs)]
-    if any(len(part) > 1 or (part and not (part[0].type.suffix == "Real" and part[0].straight)) for part in found):
+    parts = [blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs)]
+    if any(len(part) > 1 or (part and not (part[0].type.suffix == "Real" and part[0].straight)) for part in parts):
         return None
     orders = (ctypes.c_int * (2 * len(inputs)))(*[1] * len(inputs), *[2] * len(inputs))
-    references = [ctypes.addressof(part[0].references) if part else 0 for part in found]
+    references = [ctypes.addressof(part[0].references) if part else 0 for part in parts]
     calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS]
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    return FmiCallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (found, orders))
+    return FmiCallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (parts, orders))

@@ -49,10 +49,10 @@ class Channel:
         return code, memoryview(message)[HEAD.size :]
 
     def _read(self, most: int) -> bytes:
-        found = os.read(self._from, most)
-        if not found:
+        content = os.read(self._from, most)
+        if not content:
             raise EOFError
-        return found
+        return content
 
 
 def packer(n: int) -> Callable[[PortValues], bytes]:

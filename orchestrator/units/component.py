@@ -22,16 +22,16 @@ def find(component: str, where: str) -> type[Component]:
         return component_class(component, where)
     module, _, name = component.partition(":")
     try:
-        found = getattr(import_module(module), name, None)
+        cls = getattr(import_module(module), name, None)
     except Exception as error:  # a module may raise anything while it is imported
         missing = isinstance(error, ModuleNotFoundError)
         remedy = "The folder of a module of your own belongs into PYTHONPATH." if missing else ""
         raise BadInput(where, f"component {component!r}", "module:Class that can be imported",
                        f"{type(error).__name__}: {error}. {remedy}".strip()) from None
-    if not (isinstance(found, type) and issubclass(found, Component)):
+    if not (isinstance(cls, type) and issubclass(cls, Component)):
         classes = [n for n, c in vars(import_module(module)).items() if isinstance(c, type) and issubclass(c, Component)]
         raise BadInput(where, f"component {component!r}", f"a component of {module}", nearest(name, classes))
-    return found
+    return cls
 
 
 def make(name: str, settings: UnitSettings) -> Component:

@@ -130,25 +130,25 @@ def read(path: str, where: str) -> Description:
 @lru_cache(maxsize=64)
 def _read(path: str, _changed: int, where: str) -> Description:
     try:
-        found = read_model_description(path, validate=False)
+        model = read_model_description(path, validate=False)
         with zipfile.ZipFile(path) as file:
             root = etree.fromstring(file.read("modelDescription.xml"))
     except Exception as error:  # FMPy raises bare exceptions and those of zipfile and lxml
         raise BadInput(where, repr(path), "an FMU", f"{error}.") from None
-    if not found.fmiVersion.startswith(("2.0", "3.0")):
-        raise BadInput(where, f"{path} (FMI {found.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
-    if found.coSimulation is None and found.modelExchange is None:
+    if not model.fmiVersion.startswith(("2.0", "3.0")):
+        raise BadInput(where, f"{path} (FMI {model.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
+    if model.coSimulation is None and model.modelExchange is None:
         raise BadInput(where, f"{path}, for scheduled execution only", "an FMU for co-simulation or model exchange")
-    for v in found.modelVariables:
+    for v in model.modelVariables:
         if v.type == "Clock" and v.causality == "input" and v.intervalVariability != "triggered":
             raise BadInput(where, f"{path} with the clock {v.name!r}, which its importer has to tick",
                            "an FMU without such clocks; it would stand still")
-    _check_numbers(found, where)
+    _check_numbers(model, where)
     flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
              for plural in ("", "s")]  # FMPy knows that of FMI 2
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, found, _scalars(found, {}, texts), any(f in ("true", "1") for f in flags), texts,
-                       _requested(found, root))
+    return Description(path, model, _scalars(model, {}, texts), any(f in ("true", "1") for f in flags), texts,
+                       _requested(model, root))
 
 
 def _check_numbers(model: ModelDescription, where: str) -> None:
@@ -176,7 +176,7 @@ def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
 
 def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:
     """Scalars by name; `sizes`: changed structural parameters; `texts`: start values of arrays of texts."""
-    found: dict[str, Scalar] = {}
+    scalars: dict[str, Scalar] = {}
     for v in model.modelVariables:
         if v.type in NEITHER:
             continue
@@ -184,8 +184,8 @@ def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[s
         size = prod(shape)
         starts = _starts(v, size, texts.get(v.name) or [])
         names = [f"{v.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in shape))] if shape else [v.name]
-        found.update((n, Scalar(n, v, k, size, starts[k])) for k, n in enumerate(names))
-    return found
+        scalars.update((n, Scalar(n, v, k, size, starts[k])) for k, n in enumerate(names))
+    return scalars
 
 
 def _starts(v: ModelVariable, size: int, texts: Sequence[str]) -> Sequence[Any]:

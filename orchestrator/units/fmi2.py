@@ -116,9 +116,9 @@ class Fmi2CoSimulation(Fmi2Unit):
         kind, place = ctypes.c_int, ctypes.c_void_p
         while status == PENDING:
             sleep(POLL)
-            found = ctypes.c_int(PENDING)
-            self._check(self._function("GetStatus", kind, place)(self._instance, STEP_STATUS, ctypes.addressof(found)))
-            status = found.value
+            answer = ctypes.c_int(PENDING)
+            self._check(self._function("GetStatus", kind, place)(self._instance, STEP_STATUS, ctypes.addressof(answer)))
+            status = answer.value
         if status == DISCARD:
             ended, last = ctypes.c_int(), ctypes.c_double(t)
             if self._function("GetBooleanStatus", kind, place)(self._instance, TERMINATED, ctypes.addressof(ended)) > WARNING:

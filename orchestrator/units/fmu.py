@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from .description import read
 from .fmu_interface import describe_fmu
-from .values import settled
+from .values import checked_values
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -17,25 +17,26 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     """The running FMU of a scene's entry; a component of the catalogue is built first if the cache has no FMU of it."""
     where = f"units.{name}"
     if settings.fmu:
-        found = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
-        given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects} | settled(found, settings.parameters, where)
-        if found.exchange:
+        description = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
+        given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}
+        given |= checked_values(description, settings.parameters, where)
+        if description.exchange:
             from .model_exchange import Fmi2ModelExchange
 
-            return Fmi2ModelExchange(name, found, given, settings.tolerance, settings.solver or "CVode")
-        return _class(found)(name, found, given, settings.tolerance)
+            return Fmi2ModelExchange(name, description, given, settings.tolerance, settings.solver or "CVode")
+        return _class(description)(name, description, given, settings.tolerance)
     from ...fmus.build import built
     from .component import make
 
     component = make(name, settings)
     starts = dict(zip(component.inputs, component.u[0].tolist(), strict=True))
     given = {f"effects.{e}": e in component.on for e in component.effects} | component.parameters | starts
-    found = read(str(built(settings.component)), where)
-    return _class(found)(name, found, given, None, component)
+    description = read(str(built(settings.component)), where)
+    return _class(description)(name, description, given, None, component)
 
 
-def _class(found: Any) -> type[FmuUnit]:
-    if found.fmi3:
+def _class(description: Any) -> type[FmuUnit]:
+    if description.fmi3:
         from .fmi3 import Fmi3CoSimulation
 
         return Fmi3CoSimulation

@@ -12,7 +12,7 @@ from ...components.core.measure import BASES, parse
 from ...components.core.measure import Unit as Measure
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
 from .interface import Interface, Signal
-from .values import settled
+from .values import checked_values
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -23,22 +23,22 @@ RECORDABLE = ("local", "calculatedParameter")  # causalities of variables that a
 def describe_fmu(name: str, settings: UnitSettings) -> Interface:
     """The interface an FMU's model description gives, with the scene's effects and parameters checked against it."""
     where = f"units.{name}"
-    found = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
-    known = [n.removeprefix("effects.") for n in found.scalars if n.startswith("effects.")]
+    description = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
+    known = [n.removeprefix("effects.") for n in description.scalars if n.startswith("effects.")]
     for effect in settings.effects:
         if effect not in known:
             raise BadInput(f"{where}.effects", repr(effect), "an effect of the FMU", nearest(effect, known))
-    off = [e for e in known if e not in settings.effects and not found.scalars[f"effects.{e}"].start]
-    settled(found, settings.parameters, where, off)
+    off = [e for e in known if e not in settings.effects and not description.scalars[f"effects.{e}"].start]
+    checked_values(description, settings.parameters, where, off)
     named = dict.fromkeys(settings.effects, "named in the scene")
-    there = {n: s for n, s in found.scalars.items() if n.partition(".")[0] not in off}
-    direct = {u.variable.name: u.dependencies for u in found.model.outputs}
-    measures = _measures(found.model)
+    there = {n: s for n, s in description.scalars.items() if n.partition(".")[0] not in off}
+    direct = {u.variable.name: u.dependencies for u in description.model.outputs}
+    measures = _measures(description.model)
     inputs = {n: _signal(s, (), measures) for n, s in there.items()
-              if s.variable.causality == "input" and not is_companion(n, found.scalars)}
+              if s.variable.causality == "input" and not is_companion(n, description.scalars)}
     real = [n for n, s in inputs.items() if s.kind == "real"]
     return Interface(
-        title=found.model.description or found.model.modelName,
+        title=description.model.description or description.model.modelName,
         inputs=inputs,
         outputs={n: _signal(s, _depends(direct.get((s.variable.alias or s.variable).name), inputs, there), measures)
                  for n, s in there.items() if s.variable.causality == "output"},
@@ -47,8 +47,8 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
         recordable={n: _signal(s, (), measures) for n, s in there.items()
                     if s.variable.causality in RECORDABLE and s.kind != "string"},
         arrays=_arrays(there),
-        refused={v.name: v.type for v in found.model.modelVariables if v.type in NEITHER},
-        **_capabilities(found, real),
+        refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
+        **_capabilities(description, real),
     )
 
 
@@ -61,16 +61,17 @@ def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
     return arrays
 
 
-def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
+def _capabilities(description: Description, inputs: Sequence[str]) -> dict[str, Any]:
     """What the FMU can beyond a step, as fields of `Interface`; `inputs`: the real ones."""
-    interface: Any = found.interface
+    interface: Any = description.interface
     saves = interface.canGetAndSetFMUstate
-    shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate, "gives_jacobian": found.directional}
-    if found.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
+    shared = {"saves_state": saves, "packs_state": saves and interface.canSerializeFMUstate,
+              "gives_jacobian": description.directional}
+    if description.exchange:  # inputs are evaluated wherever the solver looks, and every event is seen
         return shared | {"may_return_early": True}
-    follow = bool(inputs) and set(inputs) <= found.requested
+    follow = bool(inputs) and set(inputs) <= description.requested
     return shared | {
-        "input_degree": 2 if found.interpolates or has_companions(found.scalars, inputs) or follow else 0,
+        "input_degree": 2 if description.interpolates or has_companions(description.scalars, inputs) or follow else 0,
         "variable_step": interface.canHandleVariableCommunicationStepSize,
         "fixed_step": float(interface.fixedInternalStepSize or 0.0),
         "may_return_early": interface.hasEventMode or interface.mightReturnEarlyFromDoStep,
@@ -79,7 +80,7 @@ def _capabilities(found: Description, inputs: Sequence[str]) -> dict[str, Any]:
 
 def _measures(model: ModelDescription) -> dict[str, Measure]:
     """Units of measure that the FMU defines because nobody else does."""
-    found = {}
+    measures = {}
     for unit in model.unitDefinitions:
         if unit.name is None:
             continue
@@ -87,8 +88,8 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
             parse(unit.name)
         except BadInput:
             if (base := unit.baseUnit) is not None:
-                found[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
-    return found
+                measures[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
+    return measures
 
 
 def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:

@@ -22,19 +22,19 @@ def reader(names: Sequence[str], arrays: bool, inexact: Callable[[str, int], Non
     """
     if not names:
         return list
-    found = blocks([scalars[n] for n in names], fmi3)
-    calls = [(functions("Get" + b.type.suffix, *signature(fmi3)), (instance, *b.arguments), b.buffer) for b in found]
-    if len(found) == 1 and found[0].straight and found[0].type.c is ctypes.c_double:
-        return _of_reals(*calls[0], found[0], arrays, failed)
+    by_type = blocks([scalars[n] for n in names], fmi3)
+    calls = [(functions("Get" + b.type.suffix, *signature(fmi3)), (instance, *b.arguments), b.buffer) for b in by_type]
+    if len(by_type) == 1 and by_type[0].straight and by_type[0].type.c is ctypes.c_double:
+        return _of_reals(*calls[0], by_type[0], arrays, failed)
     picks, long, offset = [0] * len(names), {}, 0
-    for block in found:
+    for block in by_type:
         for row, at in zip(block.rows, block.at, strict=True):
             picks[row] = offset + at
             if block.type.high > EXACT:
                 long[names[row]] = offset + at
         offset += block.size
 
-    def read(_alive: list[Block] = found) -> PortValues:  # the arguments are addresses in them
+    def read(_alive: list[Block] = by_type) -> PortValues:  # the arguments are addresses in them
         raw: list[Any] = []
         for call, arguments, buffer in calls:
             status = call(*arguments)

@@ -148,9 +148,9 @@ class WorkerUnit:
             reason = f"its worker process was ended by signal {-code} ({signal.strsignal(-code)})"
         else:
             reason = f"its worker process ended itself with code {code}"
-        return StepFailed(self.name, self._time, reason + self._said())
+        return StepFailed(self.name, self._time, reason + self._log_tail())
 
-    def _said(self) -> str:
+    def _log_tail(self) -> str:
         lines = (self._folder / "log").read_text(errors="replace").splitlines()
         return "".join(f"\n  log: {line}" for line in lines[-LOG_LINES:])
 

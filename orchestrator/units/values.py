@@ -89,11 +89,11 @@ def decoded(block: Block) -> list[Any]:
 def blocks(scalars: Iterable[Scalar], fmi3: bool) -> list[Block]:
     """Scalars by C type, in the order in which the types come."""
     types = FMI3 if fmi3 else FMI2
-    found: dict[str, tuple[CType, list[tuple[int, Scalar]]]] = {}
+    by_type: dict[str, tuple[CType, list[tuple[int, Scalar]]]] = {}
     for k, scalar in enumerate(scalars):
         type_ = types[scalar.variable.type]
-        found.setdefault(type_.suffix, (type_, []))[1].append((k, scalar))
-    return [Block(type_, members, fmi3) for type_, members in found.values()]
+        by_type.setdefault(type_.suffix, (type_, []))[1].append((k, scalar))
+    return [Block(type_, members, fmi3) for type_, members in by_type.values()]
 
 
 def same(given: Any, actual: Any) -> bool:
@@ -109,12 +109,12 @@ def signature(fmi3: bool) -> tuple[Any, ...]:
     return (pointer, size, pointer, size) if fmi3 else (pointer, size, pointer)
 
 
-def settled(found: Description, values: Mapping[str, Any], where: str, off: Sequence[str] = ()) -> dict[str, Any]:
+def checked_values(description: Description, values: Mapping[str, Any], where: str, off: Sequence[str] = ()) -> dict[str, Any]:
     """A scene's values as the FMU takes them: checked, members of enumerations as their number. `off`: effects not chosen."""
-    return {n: _settled(f"{where}.parameters", n, v, found.scalars, off) for n, v in values.items()}
+    return {n: _checked_value(f"{where}.parameters", n, v, description.scalars, off) for n, v in values.items()}
 
 
-def _settled(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], off: Sequence[str]) -> Any:
+def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], off: Sequence[str]) -> Any:
     scalar, effect = scalars.get(name), name.partition(".")[0]
     if scalar is None or name.startswith("effects.") or is_companion(name, scalars) \
             or scalar.variable.causality not in ("parameter", "structuralParameter", "input"):

@@ -79,8 +79,8 @@ class Worker:
     def _answer(self, code: int, content: memoryview) -> tuple[int, bytes]:
         if code == CALL:
             name, arguments = pickle.loads(content)
-            found = getattr(self, name, None) or getattr(self._unit, name)
-            return OBJECT, pickle.dumps(found(*arguments))
+            method = getattr(self, name, None) or getattr(self._unit, name)
+            return OBJECT, pickle.dumps(method(*arguments))
         if code == READ:
             read, give = self._readers[INDEX.unpack(content)[0]]
             return OBJECT, give(read())
@@ -93,9 +93,9 @@ class Worker:
 
     def serve(self) -> None:
         """Answer requests until the pipe is closed; what fails is an answer, too."""
-        heard: list[str] = []
+        messages: list[str] = []
         warnings.simplefilter("always", UserWarning)
-        warnings.showwarning = lambda message, category, *_: heard.append(str(message)) \
+        warnings.showwarning = lambda message, category, *_: messages.append(str(message)) \
             if issubclass(category, UserWarning) else None
         while True:
             try:
@@ -114,9 +114,9 @@ class Worker:
                 traceback.print_exc()
                 reason = f"{type(error).__name__}: {error}"
                 code, answer = FAILED, pickle.dumps((StepFailed, (self._name, self._time, reason)))
-            if heard:
-                code, answer = WARNED, pickle.dumps((heard, code, answer))
-                heard.clear()
+            if messages:
+                code, answer = WARNED, pickle.dumps((messages, code, answer))
+                messages.clear()
             self._channel.send(code, answer)
 
 

@@ -28,8 +28,7 @@ ALLOWED = {  # other things of the same name
 MEANINGLESS = {"found", "made", "told", "said", "heard", "settled", "came", "things"}
 FORMER_OF_COMPONENTS = {"settle": "kernel_arguments", "asked_only": "explicit_only", "RK4_REACH": "RK4_STABILITY_RADIUS",
                         "ROUNDING": "a name of what is rounded"}
-CLEAN = ("components", "fmus", "orchestrator/engine", "orchestrator/advice", "orchestrator/systems", "orchestrator/run.py",
-         "orchestrator/checkpoint.py", "orchestrator/open_all.py")  # where no name may be one of these; what is clean is added
+CLEAN = ("components", "fmus", "orchestrator")  # where no name may be one of these
 
 
 def identifiers(path: Path) -> Iterator[str]:

@@ -21,7 +21,7 @@ FEWEST = 2
 @pytest.mark.parametrize(("name", "case"), in_plain_python(CASES), ids=lambda v: v if isinstance(v, str) else v.name)
 def test_hard_case(name, case):
     for verdict in verdicts(name, case):
-        assert verdict.holds, f"{verdict.claim}: {verdict.reached:.3g} of {verdict.limit:.3g}. {verdict.said}"
+        assert verdict.holds, f"{verdict.claim}: {verdict.reached:.3g} of {verdict.limit:.3g}. {verdict.message}"
         assert math.isnan(verdict.margin) or verdict.margin >= 1.0
 
 

@@ -51,8 +51,8 @@ def lyapunov_spectrum(
     """
     index, size = np.array(states, dtype=np.intp), np.array(scales, dtype=float)
     if index.shape != size.shape or index.size == 0 or not (size > 0.0).all():
-        came = f"{index.size} states with scales {size.tolist()}"
-        raise BadInput("Lyapunov exponents", came, "a positive scale for each state")
+        actual = f"{index.size} states with scales {size.tolist()}"
+        raise BadInput("Lyapunov exponents", actual, "a positive scale for each state")
     if intervals < 1 or not interval > 0.0:
         raise BadInput("Lyapunov exponents", f"{intervals} intervals of {interval:g}", "at least one of a positive length")
     directions = np.linalg.qr(np.random.default_rng(1).normal(size=(index.size, index.size)))[0]

@@ -59,14 +59,14 @@ class OperatingLine:
     eigenvalues: np.ndarray
 
     @property
-    def found(self) -> np.ndarray:
+    def exists(self) -> np.ndarray:
         """Where there is a point, (k,)."""
         return np.isfinite(self.states).all(axis=1)
 
     @property
     def stable(self) -> np.ndarray:
         """Where there is one that deviations return to, (k,)."""
-        return self.found & (np.nan_to_num(self.eigenvalues[:, 0].real, nan=1.0) < 0.0)
+        return self.exists & (np.nan_to_num(self.eigenvalues[:, 0].real, nan=1.0) < 0.0)
 
 
 def linearised(rates: Rates, state: np.ndarray, scales: np.ndarray | None = None) -> np.ndarray:
@@ -102,12 +102,12 @@ def operating_point(rates: Rates, start: Sequence[float] | np.ndarray, scales: n
         least = np.abs(value / size).max()
         for halving in range(HALVINGS):
             trial = state + 0.5**halving * change * size
-            found = np.asarray(rates(trial), dtype=float)
-            if np.abs(found / size).max() < least:
+            derivatives = np.asarray(rates(trial), dtype=float)
+            if np.abs(derivatives / size).max() < least:
                 break
         else:
             break  # nowhere along the step are the rates smaller
-        state, value = trial, found
+        state, value = trial, derivatives
     shown = ", ".join(f"{x:.4g}" for x in state)
     raise BadInput("operating point", f"rates up to {np.abs(value).max():.3g} at the state ({shown})",
                    "a state at which they vanish", "Start closer to it; there may be none.")

@@ -45,8 +45,8 @@ class Quantification:
 def embed(x: np.ndarray, dimension: int, delay: int = 1) -> np.ndarray:
     """States (n - (dimension - 1) delay, dimension) of a signal (n,) by delay coordinates, oldest first; delay in samples."""
     if dimension < 1 or delay < 1 or x.size <= (dimension - 1) * delay:
-        came = f"{dimension} coordinates, {delay} samples apart, of {x.size} samples"
-        raise BadInput("embedding", came, "positive numbers that leave at least one state")
+        actual = f"{dimension} coordinates, {delay} samples apart, of {x.size} samples"
+        raise BadInput("embedding", actual, "positive numbers that leave at least one state")
     n = x.size - (dimension - 1) * delay
     return np.stack([x[k * delay : k * delay + n] for k in range(dimension)], axis=1)
 
@@ -82,8 +82,8 @@ def quantify(matrix: np.ndarray, shortest: int = 2, theiler: int = 1) -> Quantif
     if matrix.shape != (n, n) or not np.array_equal(matrix, matrix.T):
         raise BadInput("recurrence", f"a matrix of shape {matrix.shape} that is not symmetric", "R[i, j] = R[j, i]")
     if shortest < 2 or not 1 <= theiler < n:
-        came = f"lines of at least {shortest}, Theiler window {theiler} of {n} samples"
-        raise BadInput("recurrence", came, "lines of two or more, and a window of at least one that leaves pairs")
+        actual = f"lines of at least {shortest}, Theiler window {theiler} of {n} samples"
+        raise BadInput("recurrence", actual, "lines of two or more, and a window of at least one that leaves pairs")
     diagonal = run_lengths(_diagonals(matrix, theiler))
     vertical = run_lengths(np.triu(matrix, theiler) | np.tril(matrix, -theiler))
     lines, columns = diagonal[diagonal >= shortest], vertical[vertical >= shortest]

@@ -25,8 +25,8 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
         raise BadInput("section", "an angle that stands or turns back", "one that always turns the same way",
                        "Leave out the part of the run in which it does not.")
     if np.diff(turned).max() > 0.5 * np.pi:
-        came = f"steps of {np.diff(turned).max():.2g} rad"
-        raise BadInput("section", came, "four samples a turn or more", "Record more often.")
+        actual = f"steps of {np.diff(turned).max():.2g} rad"
+        raise BadInput("section", actual, "four samples a turn or more", "Record more often.")
     at = spacing * np.arange(np.ceil(turned[0] / spacing), np.floor(turned[-1] / spacing) + 1)
     return [CubicSpline(turned, s)(at) for s in signals]
 

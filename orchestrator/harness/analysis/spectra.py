@@ -18,8 +18,8 @@ HELD = 64  # samples a turn on which a signal is followed; far above any order t
 def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
     """Amplitude (n,) of the oscillation of x between `low` and `high` Hz: modulus of the analytic signal of that band."""
     if not 0.0 < low < high < 0.5 * rate:
-        came = f"{low:g} to {high:g} Hz at {rate:g} samples per second"
-        raise BadInput("band of the envelope", came, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
+        actual = f"{low:g} to {high:g} Hz at {rate:g} samples per second"
+        raise BadInput("band of the envelope", actual, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
     return np.abs(dsp.hilbert(band(x, rate, low, high, Filter())))
 
 
@@ -35,18 +35,18 @@ def resonance_band(x: np.ndarray, rate: float, lowest: float, highest: float) ->
     Mechanical Systems and Signal Processing 20 (2006) 282-307 and 21 (2007) 108-124.
     """
     if not 0.0 < lowest < highest < 0.5 * rate:
-        came = f"{lowest:g} to {highest:g} Hz at {rate:g} samples per second"
-        raise BadInput("bounds of the envelope's band", came, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
+        actual = f"{lowest:g} to {highest:g} Hz at {rate:g} samples per second"
+        raise BadInput("bounds of the envelope's band", actual, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
     spectrum = np.fft.fft(x - x.mean())
     f = np.fft.fftfreq(x.size, 1.0 / rate)
-    found = []
+    candidates = []
     for parts in (1, 2, 3, 4, 6, 8):
         edges = np.linspace(lowest, highest, parts + 1)
         for low, high in pairwise(edges):
             power = np.abs(np.fft.ifft(np.where((f >= low) & (f < high), spectrum, 0.0))) ** 2
             mean = power.mean()
-            found.append((float((power**2).mean() / mean**2) if mean > 0.0 else 0.0, float(low), float(high)))
-    return max(found)[1:]
+            candidates.append((float((power**2).mean() / mean**2) if mean > 0.0 else 0.0, float(low), float(high)))
+    return max(candidates)[1:]
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,12 @@ class Family:
 
     def lines(self, highest: float) -> list[Line]:
         """The lines above zero and below `highest` Hz, those of the fundamental first."""
-        found = [
+        lines = [
             Line(k * self.frequency + m * self.spacing, k, m)
             for k in range(1, self.harmonics + 1)
             for m in range(-self.sidebands, self.sidebands + 1)
         ]
-        return [line for line in found if 0.0 < line.frequency < highest]
+        return [line for line in lines if 0.0 < line.frequency < highest]
 
 
 def peak(frequency: np.ndarray, amplitude: np.ndarray, near: float, within: float) -> tuple[float, float]:
@@ -131,8 +131,8 @@ def unwrapped(angle: np.ndarray) -> np.ndarray:
     """An angle (n,) rad that was recorded within one turn, without its jumps; refused where its direction cannot be told."""
     steps = np.abs((np.diff(angle) + np.pi) % TURN - np.pi)
     if steps.size and steps.max() > 0.9 * np.pi:
-        came = f"{np.degrees(steps.max()):.0f}° between two samples"
-        raise BadInput("angle", came, "less than half a turn", "Record more often.")
+        actual = f"{np.degrees(steps.max()):.0f}° between two samples"
+        raise BadInput("angle", actual, "less than half a turn", "Record more often.")
     return np.unwrap(angle)
 
 
@@ -176,8 +176,8 @@ def waterfall(x: np.ndarray, rate: float, duration: float, count: int) -> tuple[
     """
     n = round(duration * rate)
     if not 8 <= n <= x.size or count < 2:
-        came = f"{count} windows of {n} samples in {x.size}"
-        raise BadInput("waterfall", came, "two windows or more of at least 8 samples, no longer than the signal")
+        actual = f"{count} windows of {n} samples in {x.size}"
+        raise BadInput("waterfall", actual, "two windows or more of at least 8 samples, no longer than the signal")
     starts = np.linspace(0, x.size - n, count).round().astype(int)
     spectra = [amplitude_spectrum(x[k : k + n], rate) for k in starts]
     return (starts + 0.5 * n) / rate, spectra[0][0], np.array([a for _, a in spectra])

@@ -90,7 +90,7 @@ def draw_chart(chart: Chart) -> Figure:
         _panel(drawing, panel, "" if i == 0 else str(i + 1), place, chart.x_label if last else "", last)
     legend = {"orientation": "h", "x": 0, "y": 1 + (28 if titled else 8) / inner, "yanchor": "bottom"}
     more = LEGEND_ROW * _further_rows(drawing.shown)  # of the legend: without room for them they run under the figure's buttons
-    made = layout(
+    figure_layout = layout(
         inner + 112 + more,
         shapes=drawing.shapes,
         annotations=drawing.notes,
@@ -100,7 +100,7 @@ def draw_chart(chart: Chart) -> Figure:
         **drawing.axes,
     )
     text = chart.text + (" Drawn with fewer points than computed; extremes are kept." if drawing.thinned else "")
-    return Figure(chart.title, {"data": drawing.data, "layout": made}, text)
+    return Figure(chart.title, {"data": drawing.data, "layout": figure_layout}, text)
 
 
 def _further_rows(names: Iterable[str]) -> int:

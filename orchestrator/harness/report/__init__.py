@@ -32,8 +32,8 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     blocks: list[Block] = []
     if result.outcome != "done":
         blocks.append(Text([f"This run {_ENDED[result.outcome]} and is shown as far as it went: {result.message}"], "warning"))
-    said = result.info.get("warnings", ())
-    for texts, tone in (([s for s in said if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
+    warnings = result.info.get("warnings", ())
+    for texts, tone in (([s for s in warnings if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
     blocks += _of_system(result, systems)
     computed = numerics.blocks(result)
@@ -41,7 +41,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     if windows := fault_windows(result):
         span = (float(result.time[0]), float(result.time[-1]))
         blocks, signals, computed = (
-            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in made] for made in (blocks, signals, computed)
+            [shaded(b, windows, span) if isinstance(b, Figure) else b for b in part] for part in (blocks, signals, computed)
         )
     sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []

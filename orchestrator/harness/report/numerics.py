@@ -26,14 +26,14 @@ TOO_MUCH = 0.1  # of the energy exchanged, from which a run warns
 
 def blocks(result: Result) -> list[Block]:
     """The facts of the run as a table, the length of its macro steps, and its energy account; none where none applies."""
-    made: list[Block] = []
+    parts: list[Block] = []
     if rows := list(_rows(result)):
-        made.append(Facts("Facts of the run", rows))
+        parts.append(Facts("Facts of the run", rows))
     if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
-        made.append(steps)
+        parts.append(steps)
     if energy := result.info.get("energy"):
-        made.append(energy_table(energy, result.scene))
-    return made
+        parts.append(energy_table(energy, result.scene))
+    return parts
 
 
 def _rows(result: Result) -> Iterator[tuple[str, str]]:
@@ -43,7 +43,7 @@ def _rows(result: Result) -> Iterator[tuple[str, str]]:
     master = counters.get("master", {})
     for group in info.get("initial_values", ()):
         if len(group["units"]) > 1:
-            yield f"initial values of {', '.join(group['units'])}", _settled(group)
+            yield f"initial values of {', '.join(group['units'])}", _initial_values(group)
     if stepping := counters.get("stepping"):
         yield "macro steps", _steps(result, stepping)
         if result.scene.master.events or stepping["events"]:
@@ -76,7 +76,7 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _settled(group: Mapping[str, Any]) -> str:
+def _initial_values(group: Mapping[str, Any]) -> str:
     text = f"settled in {_counted(group['sweeps'], 'sweep')}"
     if group["secants"]:
         text += f" and {_counted(group['secants'], 'quasi-Newton step')}"

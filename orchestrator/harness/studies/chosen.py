@@ -38,7 +38,7 @@ class Choice:
         """The scene with exactly these effects."""
         return with_effects(scene, self.on)
 
-    def on_message(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
+    def with_reasons(self, info: Mapping[str, Any], tolerance: float) -> dict[str, Any]:
         """What run.json holds, with the reasons of the choice in the place of what the scene says of its effects."""
         listed = {unit: dict(table) for unit, table in info["effects"].items()}
         for unit, on in self.on.items():
@@ -61,13 +61,13 @@ def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = l
     return keep(effects(scene, tolerance, on_message=on_message))
 
 
-def keep(found: Effects) -> Choice:
+def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
-    on, why = effects_on(found.chosen), {f.name: _why(f, found.tolerance) for f in found.findings}
-    path = _place(found.scene, found.tolerance)
+    on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
+    path = _place(study.scene, study.tolerance)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"on": on, "why": why, "error": found.least.error}, indent=1) + "\n", encoding="utf-8")
-    return Choice(on, why, found.least.error, path, True)
+    path.write_text(json.dumps({"on": on, "why": why, "error": study.least.error}, indent=1) + "\n", encoding="utf-8")
+    return Choice(on, why, study.least.error, path, True)
 
 
 def _place(scene: Scene, tolerance: float) -> Path:

@@ -70,11 +70,11 @@ class Own:
 
     def factor(self, time: float) -> float:
         """The largest one of looks of about so many seconds, as far as there are any; 1 where that is none."""
-        found = []
+        factors = []
         for share in np.geomspace(0.5, 2.0, 9) ** 0.5:  # a wave comes back a little sooner or later than to other steps
             n = int(min(share * time / self.h, self.sizes.size))
-            found.append(_factor(self.sizes[:n]) if n >= FEWEST else 1.0)
-        return largest if SURE < (largest := max(found)) < math.inf else 1.0
+            factors.append(_factor(self.sizes[:n]) if n >= FEWEST else 1.0)
+        return largest if SURE < (largest := max(factors)) < math.inf else 1.0
 
     def allows(self, growth: Growth, even: float) -> bool:
         """Whether a growth is no more than what comes by itself; `even`: a factor that chance may give."""
@@ -86,20 +86,20 @@ def sizes(differences: np.ndarray) -> np.ndarray:
     return np.abs(np.diff(differences, 2, axis=0)).max(axis=1, initial=0.0)
 
 
-def growth_of(found: np.ndarray, h: float, made: int, noise: float = 0.0) -> Growth:
-    """Of sizes (n,), h seconds apart; below `noise` they mean nothing. made: steps made to get them."""
-    window = found.size // 4
-    if found[-window:].max() <= max(found[:window].max() / CLEAR, noise):
-        return Growth(0.0, h * found.size, made)
-    return Growth(_factor(found), h * found.size, made)
+def growth_of(differences: np.ndarray, h: float, steps: int, noise: float = 0.0) -> Growth:
+    """Of `sizes` of differences, (n,), h seconds apart; below `noise` they mean nothing. steps: all that were needed for them."""
+    window = differences.size // 4
+    if differences[-window:].max() <= max(differences[:window].max() / CLEAR, noise):
+        return Growth(0.0, h * differences.size, steps)
+    return Growth(_factor(differences), h * differences.size, steps)
 
 
-def _factor(found: np.ndarray) -> float:
+def _factor(differences: np.ndarray) -> float:
     """The last fourth over the second one; or over the start, where a bound, such as a contact that opens, has been reached."""
-    window, start, largest = found.size // 4, found[:FIRST].max(), found.max()
+    window, start, largest = differences.size // 4, differences[:FIRST].max(), differences.max()
     if largest > CLEAR * start:
         return float(largest / start) if start > 0.0 else math.inf
-    early, late = found[window : 2 * window].max(), found[3 * window : 4 * window].max()
+    early, late = differences[window : 2 * window].max(), differences[3 * window : 4 * window].max()
     return float(late / early) if early > 0.0 else math.inf
 
 
@@ -139,21 +139,21 @@ class Disturbed:
     def growth(self, h: float, steps: int) -> Growth:
         """Of a disturbance in at most so many macro steps of length h, s, and not beyond the scene's stop time."""
         whole = self._fitting(h, steps)
-        growth, made = Growth(0.0, 0.0, 0), 0
+        growth, steps_done = Growth(0.0, 0.0, 0), 0
         for n in dict.fromkeys((max(whole // 4, FEWEST), whole)):  # a short look first: most steps are far from a limit
-            found, more, failure = self._sizes(h, n)
-            made += more
+            differences, more, failure = self._sizes(h, n)
+            steps_done += more
             if failure:
-                return Growth(math.inf, n * h, made, failure)
-            growth = growth_of(found, h, made, self._noise)
+                return Growth(math.inf, n * h, steps_done, failure)
+            growth = growth_of(differences, h, steps_done, self._noise)
             if growth.factor == 0.0 or growth.factor > CLEAR:
                 break
         return growth
 
     def own(self, h: float, time: float) -> Own:
         """What disturbances do in so many seconds, seen with steps of h, s; nothing where the run fails."""
-        found, _, _ = self._sizes(h, self._fitting(h, math.ceil(time / h)))
-        return Own(found, h)
+        differences, _, _ = self._sizes(h, self._fitting(h, math.ceil(time / h)))
+        return Own(differences, h)
 
     def _fitting(self, h: float, steps: int) -> int:
         return max(min(steps, int(self.scene.stop_time / h * (1.0 + 1e-9)) - BEFORE - 1), FEWEST)
@@ -181,8 +181,8 @@ class Disturbed:
             for node in master.nodes:
                 node.alter = None
             if self._stretch is not None and self._stretch.possible:
-                found, failure = self._stretch.run(times[BEFORE + 1 :], h)
-                return found, "" if failure is None else str(failure)
+                samples, failure = self._stretch.run(times[BEFORE + 1 :], h)
+                return samples, "" if failure is None else str(failure)
             for t in times[BEFORE + 1 :]:
                 self._steppable.step(t, h)
                 rows.append(list(master.sample()))

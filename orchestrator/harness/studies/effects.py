@@ -105,22 +105,23 @@ def effects(scene: Scene, tolerance: float, *, more: Iterable[str] = (),
     bench = _Bench(_looking(scene), (*scene.study.effects, *more), on_message)
     model, own = bench.model, effects_on(scene)
     groups: dict[Place, frozenset[Place]] = {}
-    found: dict[Place, Finding] = {}
+    findings: dict[Place, Finding] = {}
     for place in model.places:
         on_message(f"without {'.'.join(place)}")
-        found[place] = bench.measured(Finding(*place, place[1] in own[place[0]], "measured"), model.dependents(place))
-        if found[place].standing == "measured":
+        findings[place] = bench.measured(Finding(*place, place[1] in own[place[0]], "measured"), model.dependents(place))
+        if findings[place].standing == "measured":
             groups[place] = model.dependents(place)
     on_message("the smallest set")
-    chosen = select({p: found[p].actual for p in groups}, groups, bench.error, tolerance)
+    chosen = select({p: findings[p].actual for p in groups}, groups, bench.error, tolerance)
     for place in groups:
-        found[place] = replace(found[place], chosen=place not in chosen.dropped, breaking=chosen.breaking.get(place, nan))
+        findings[place] = replace(findings[place], chosen=place not in chosen.dropped, breaking=chosen.breaking.get(place, nan))
     left = [Finding(*place, False, "left out", reason) for place, reason in model.left.items()]
     left += [Finding(*place, False, "unable", reason) for place, reason in bench.unable.items()]
     on = {u: tuple(e for e in names if (u, e) not in chosen.dropped) for u, names in model.on.items()}
     order = {place: k for k, place in enumerate((u, e) for u, cls in classes(scene).items() for e in cls.effects)}
     return Effects(
-        scene, with_effects(scene, on), tolerance, tuple(sorted((*found.values(), *left), key=lambda f: order[f.unit, f.effect])),
+        scene, with_effects(scene, on), tolerance,
+        tuple(sorted((*findings.values(), *left), key=lambda f: order[f.unit, f.effect])),
         bench.cost(frozenset()), bench.cost(frozenset(p for p in model.places if p[1] not in own[p[0]])),
         bench.cost(chosen.dropped), tuple(q.name for q in bench.quantities), bench.runs, bench.remarks)
 
@@ -145,10 +146,10 @@ class _Bench:
         self.quantities: tuple[Quantity, ...] = quantities_of(scene)
         self.model, self.unable = full_model(scene, more), dict[Place, str]()
         on_message("all effects")
-        found = self._trial(self.model.scene)
-        if not found.done:
-            found = self._build_up(found)
-        self._trials: dict[frozenset[Place], Trial] = {frozenset(): found}
+        full = self._trial(self.model.scene)
+        if not full.done:
+            full = self._build_up(full)
+        self._trials: dict[frozenset[Place], Trial] = {frozenset(): full}
         self.remarks: tuple[str, ...] = ()
         self._windows: Windows | None = None
         on_message("states along the solution")
@@ -172,28 +173,28 @@ class _Bench:
         for unit, effect in added:
             self._on_message(f"with {unit}.{effect}")
             trying = on | {unit: on[unit] | set(with_required(classes(self.scene)[unit], effect))}
-            found = self._trial(with_effects(self.scene, _ordered(whole, trying)))
-            if found.done:
-                on, best = trying, found
+            extended = self._trial(with_effects(self.scene, _ordered(whole, trying)))
+            if extended.done:
+                on, best = trying, extended
             else:
-                self.unable[unit, effect] = found.reason
+                self.unable[unit, effect] = extended.reason
         kept = _ordered(whole, on)
         self.model = Model(with_effects(self.scene, kept), kept, whole.left)
         return best
 
     def measured(self, finding: Finding, dropped: frozenset[Place]) -> Finding:
         """The finding with sizes and costs; required where the scene does not even start without it."""
-        found, full = self._without(dropped), self._trials[frozenset()]
-        if found.outcome == "refused":
-            return replace(finding, standing="required", reason=found.reason, chosen=True)
-        error, worst = self._error(found)
-        finding = replace(finding, actual=error, worst=worst, reason=found.reason)
+        without, full = self._without(dropped), self._trials[frozenset()]
+        if without.outcome == "refused":
+            return replace(finding, standing="required", reason=without.reason, chosen=True)
+        error, worst = self._error(without)
+        finding = replace(finding, actual=error, worst=worst, reason=without.reason)
         if self._windows is not None:
             predicted, states = self._windows.look(self.model.without(dropped))
             finding = replace(finding, predicted=predicted, states=states)
-        if not found.done:
+        if not without.done:
             return finding
-        return replace(finding, calls=full.work["calls"] - found.work["calls"], seconds=_difference(full, found))
+        return replace(finding, calls=full.work["calls"] - without.work["calls"], seconds=_difference(full, without))
 
     def error(self, dropped: frozenset[Place]) -> float:
         """Error of the full model without some effects; infinite where it does not come to its end."""
@@ -201,8 +202,8 @@ class _Bench:
 
     def cost(self, dropped: frozenset[Place]) -> Cost:
         """Of the full model without some effects."""
-        found = self._without(dropped)
-        return Cost(found.work.get("calls", 0), found.seconds, self._error(found)[0])
+        without = self._without(dropped)
+        return Cost(without.work.get("calls", 0), without.seconds, self._error(without)[0])
 
     def _without(self, dropped: frozenset[Place]) -> Trial:
         if dropped not in self._trials:
@@ -212,11 +213,11 @@ class _Bench:
                 self._trials[dropped] = Trial({}, "refused", str(error))
         return self._trials[dropped]
 
-    def _error(self, found: Trial) -> tuple[float, str]:
+    def _error(self, without: Trial) -> tuple[float, str]:
         """The largest error, and of what; infinite where the run failed."""
-        if not found.done:
+        if not without.done:
             return inf, ""
-        each = errors(self.quantities, found.history, self._trials[frozenset()].history)
+        each = errors(self.quantities, without.history, self._trials[frozenset()].history)
         worst = max(each, key=lambda name: each[name])
         return each[worst], worst if each[worst] else ""
 

@@ -34,10 +34,10 @@ class Model:
     def dependents(self, place: Place) -> frozenset[Place]:
         """An effect, and those of its unit that cannot be without it."""
         unit, effect = place
-        known, found = classes(self.scene)[unit].effects, {effect}
-        while more := {e for e in self.on[unit] if e not in found and found & set(known[e].requires)}:
-            found |= more
-        return frozenset((unit, e) for e in found)
+        known, dependents = classes(self.scene)[unit].effects, {effect}
+        while more := {e for e in self.on[unit] if e not in dependents and dependents & set(known[e].requires)}:
+            dependents |= more
+        return frozenset((unit, e) for e in dependents)
 
     def without(self, dropped: Iterable[Place]) -> Scene:
         """The scene without some effects; raises `BadInput` where something else in it needs one of them."""
@@ -52,12 +52,12 @@ def classes(scene: Scene) -> dict[str, type[Component]]:
 
 def effects_on(scene: Scene) -> dict[str, tuple[str, ...]]:
     """Effects of every unit that is a component, by itself or by its preset."""
-    found = {}
+    effects = {}
     for name, cls in classes(scene).items():
         unit = scene.units[name]
         on = {*unit.effects, *(cls.presets[unit.preset].effects if unit.preset else ())}
-        found[name] = tuple(e for e in cls.effects if e in on)
-    return found
+        effects[name] = tuple(e for e in cls.effects if e in on)
+    return effects
 
 
 def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
@@ -113,7 +113,7 @@ def full_model(scene: Scene, more: Iterable[str] = ()) -> Model:
 
 
 def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
-    found, known = set(), classes(scene)
+    places, known = set(), classes(scene)
     for text in more:
         unit, effect = scene.split(text)
         if unit not in known:
@@ -121,8 +121,8 @@ def _asked(scene: Scene, more: Iterable[str]) -> set[Place]:
         if effect not in known[unit].effects:
             raise BadInput(f"{scene.name}: effects", repr(text), f"unit.effect with an effect of {known[unit].__name__}",
                            nearest(effect, known[unit].effects))
-        found.add((unit, effect))
-    return found
+        places.add((unit, effect))
+    return places
 
 
 def with_required(cls: type[Component], effect: str) -> tuple[str, ...]:

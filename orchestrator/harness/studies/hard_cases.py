@@ -38,7 +38,7 @@ class Verdict:
     limit: float
     margin: float
     holds: bool
-    said: str = ""
+    message: str = ""
 
 
 @dataclass(frozen=True)
@@ -64,19 +64,19 @@ class HardCases:
         """Write stability.csv: one row for each claim."""
         header = ["component", "case", "claim", "reached", "limit", "margin, 1", "holds", "said"]
         return write_table(directory, "stability.csv", header, [
-            (v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.said) for v in self.verdicts])
+            (v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts])
 
 
 def declared() -> dict[str, tuple[HardCase, ...]]:
     """Component -> hard cases, of all systems, in the order of the catalogue."""
-    found: dict[str, tuple[HardCase, ...]] = {}
+    cases: dict[str, tuple[HardCase, ...]] = {}
     for system in sorted({module.partition(".")[0] for module in CATALOGUE.values()}):
         module = f"....components.{system}.hard_cases"
         if find_spec(module, __package__):
-            found |= import_module(module, __package__).HARD_CASES
-    unknown = found.keys() - CATALOGUE.keys()
+            cases |= import_module(module, __package__).HARD_CASES
+    unknown = cases.keys() - CATALOGUE.keys()
     assert not unknown, f"hard cases of components that are not in the catalogue: {unknown}"
-    return {name: found.get(name, ()) for name in CATALOGUE}
+    return {name: cases.get(name, ()) for name in CATALOGUE}
 
 
 def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> HardCases:
@@ -102,20 +102,20 @@ def _verdicts(name: str, case: HardCase) -> list[Verdict]:
         return [_refusal(name, case, case.holds)]
     component, rows = None, []
     try:
-        component = _made(name, case, {})
+        component = _initial_component(name, case, {})
         rows = _run(component, case, case.holds)
     except (BadInput, StepFailed) as error:
         return [Verdict(name, case, claim.label, math.nan, claim.limit, math.nan, False, str(error)) for claim in case.holds]
     times = np.array([t for t, *_ in rows])
-    found = []
+    verdicts = []
     for k, claim in enumerate(case.holds):
         reached = claim.reached(component, times, np.array([values[k] for _, values in rows]))
         margin = claim.limit / reached if reached > 0.0 else math.inf if reached == 0.0 else math.nan
-        found.append(Verdict(name, case, claim.label, reached, claim.limit, margin, reached <= claim.limit))
-    return found
+        verdicts.append(Verdict(name, case, claim.label, reached, claim.limit, margin, reached <= claim.limit))
+    return verdicts
 
 
-def _made(name: str, case: HardCase, instead: Mapping[str, Any]) -> Component:
+def _initial_component(name: str, case: HardCase, instead: Mapping[str, Any]) -> Component:
     """The component of a case at its start, with some parameters and inputs of other values."""
     component = component_class(name)(case.effects)
     for variable, value in {**case.parameters, **case.inputs, **instead}.items():
@@ -156,13 +156,13 @@ def _advance(component: Component, case: HardCase, k: int) -> None:
 
 
 def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:
-    said, when = "nothing is refused", ""
+    message, when = "nothing is refused", ""
     component = None
     try:
         when = "construction"
         component_class(name)(case.effects, case.parameters)
         when = "initialize"
-        component = _made(name, case, {})
+        component = _initial_component(name, case, {})
         when = "step"
         for k in range(round(case.duration / case.step)):
             state = component.save()
@@ -173,22 +173,22 @@ def _refusal(name: str, case: HardCase, refused: Refused) -> Verdict:
                 assert component.save() == state, f"{name}: {case.name}: the state before the failed step does not come back"
                 raise
     except (BadInput, StepFailed) as error:
-        said = str(error)
-    holds = when == refused.when and refused.words in said
+        message = str(error)
+    holds = when == refused.when and refused.words in message
     margin = math.nan
     if not holds:
-        said = f"at {when}: {said}"
+        message = f"at {when}: {message}"
     if refused.accepted:
         other, problem = _accepted(name, case, refused.accepted, when)
         margin, holds = other, holds and not problem
-        said = f"{said}; and what should be accepted: {problem}" if problem else said
-    return Verdict(name, case, refused.label, math.nan, math.nan, margin, holds, said)
+        message = f"{message}; and what should be accepted: {problem}" if problem else message
+    return Verdict(name, case, refused.label, math.nan, math.nan, margin, holds, message)
 
 
 def _accepted(name: str, case: HardCase, instead: Mapping[str, Any], when: str) -> tuple[float, str]:
     """The largest factor between a value refused and one accepted, and what is wrong with the latter."""
     try:
-        component = _made(name, case, instead)
+        component = _initial_component(name, case, instead)
         for k in range(round(case.duration / case.step) if when == "step" else 1):
             _advance(component, replace(case, inputs={**case.inputs, **instead}), k)
     except (BadInput, StepFailed) as error:

@@ -95,7 +95,7 @@ class Windows:
 
     def _expected(self, ways: Sequence[np.ndarray]) -> float:
         names = [".".join(end) for end in self._signals]
-        found = []
+        errors = []
         for q in self._quantities:
             column = names.index(q.signal)
             each = [way[:, column] for way in ways]
@@ -107,8 +107,8 @@ class Windows:
             if q.kind in ("maximum", "minimum"):  # what happens behind it does not count
                 whole = first + int(np.argmax(solution) if q.kind == "maximum" else np.argmin(solution))
             error = expected(each, whole, q.kind) / _scale(solution, q.nominal)
-            found.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
-        return max(found)
+            errors.append(error / (1.0 + error))  # of bounded motions: none is off by much more than the whole range
+        return max(errors)
 
     def _started(self, scene: Scene, stack: ExitStack) -> Master:
         coupling = scene.coupling

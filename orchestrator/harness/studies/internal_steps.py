@@ -81,13 +81,13 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
     sets = [tuple(effects)] if effects is not None else [*each]
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
-    found = [_measured(cls, one, parameters or {}, preset, steps) for one in chosen]
-    return InternalSteps(name, cls.title, tuple(found))
+    limits = [_measured(cls, one, parameters or {}, preset, steps) for one in chosen]
+    return InternalSteps(name, cls.title, tuple(limits))
 
 
 def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mapping[str, Any], preset: str, steps: int
               ) -> InternalStep:
-    def made(h: float | None) -> Component:
+    def make(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
         if h is not None and isinstance(component, OdeComponent):  # it would refuse to be measured beyond its own limit
@@ -98,15 +98,15 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
         return component
 
     try:
-        present = made(None)
+        present = make(None)
         if not present.inputs:
             raise BadInput(present.name, "no inputs", "a component that can be pushed")
         own = present.stable_step()
         usual = own if math.isfinite(own) else _usual(present)
-        by_itself = Own(_sizes(made, usual / FINE, int(FINE * steps))[0], usual / FINE)
+        by_itself = Own(_sizes(make, usual / FINE, int(FINE * steps))[0], usual / FINE)
     except (BadInput, StepFailed) as error:
         return InternalStep(effects, math.nan, math.nan, str(error), math.nan)
-    longest, seen, tried = longest_stable(lambda h: _growth(made, h, steps), by_itself, EVEN, usual, usual / FARTHEST,
+    longest, seen, tried = longest_stable(lambda h: _growth(make, h, steps), by_itself, EVEN, usual, usual / FARTHEST,
                                           usual * FARTHEST, PACE)
     return InternalStep(effects, own, longest, seen, tried)
 
@@ -117,18 +117,18 @@ def _usual(component: Component) -> float:
     return step if math.isfinite(step) else component.default_step
 
 
-def _growth(made: Making, h: float, steps: int) -> Growth:
+def _growth(make: Making, h: float, steps: int) -> Growth:
     """Of a push of the inputs, in so many internal steps of length h, s."""
     try:
-        found, count = _sizes(made, h, steps)
+        differences, count = _sizes(make, h, steps)
     except (BadInput, StepFailed, ArithmeticError, np.linalg.LinAlgError) as error:  # what grows may end anywhere
         return Growth(math.inf, steps * h, 0, str(error))
-    return growth_of(found, h, count)
+    return growth_of(differences, h, count)
 
 
-def _sizes(made: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
+def _sizes(make: Making, h: float, steps: int) -> tuple[np.ndarray, int]:
     """Sizes of what steps of h, s, make of a push, each state in parts of what the push first did to it, and steps made."""
-    calm, pushed = (_states(made(h), h, steps, push) for push in (0.0, PUSH))
+    calm, pushed = (_states(make(h), h, steps, push) for push in (0.0, PUSH))
     differences = pushed - calm
     early = np.abs(differences[: steps // 4]).max(axis=0, initial=0.0)
     scale = np.maximum(early, np.maximum(FLOOR * np.abs(calm).max(axis=0, initial=0.0), SMALL * early.max(initial=0.0)))

@@ -109,13 +109,13 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     texts = [wanted(text) for text in scene.study.quantities] or [
         Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("time history", "maximum")]
     transient = scene.analysis.transient
-    found = []
+    quantities = []
     for signal, kind, frequency in texts:
         unit, output = scene.split(signal)
         of = coupling.interfaces[unit].outputs[output]
         name = f"{signal}, {kind.replace('F Hz', f'{frequency:g} Hz')}"
-        found.append(Quantity(name, signal, kind, frequency, transient, of.nominal, of.unit))
-    return tuple(found)
+        quantities.append(Quantity(name, signal, kind, frequency, transient, of.nominal, of.unit))
+    return tuple(quantities)
 
 
 def recording(scene: Scene) -> Scene:

@@ -21,9 +21,9 @@ def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, fir
 
     def grows(h: float) -> bool:
         nonlocal seen
-        found = growth(h)
-        if unstable := not own.allows(found, even):
-            seen = f"at {h:.4g} s: {found.text(h)}"
+        measured = growth(h)
+        if unstable := not own.allows(measured, even):
+            seen = f"at {h:.4g} s: {measured.text(h)}"
         return unstable
 
     h = low = high = min(first, most)

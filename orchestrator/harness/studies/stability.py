@@ -105,16 +105,16 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     varied = {name: unit_of(scene, name) for name in scene.study.stability}
     given = points(scene.with_changes({"sweep": dict(scene.study.stability)})) if varied else [({}, scene)]
     tasks = [(point, one, scheme) for point, one in given for scheme in schemes or schemes_of(scene)]
-    found: list[Limit] = []
-    said: dict[str, None] = {}
+    limits: list[Limit] = []
+    messages: dict[str, None] = {}
     own: dict[tuple[float, ...], Own] = {}  # what grows by itself, by point
     for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
         place = tuple(point.values())
         if place not in own:
             own[place] = _own(one, steps)
-            said |= dict.fromkeys(_said(one, own[place]))
-        found.append(_measured(point, one, scheme, own[place], steps))
-    return Stability(scene, varied, tuple(found), tuple(said))
+            messages |= dict.fromkeys(_remarks(one, own[place]))
+        limits.append(_measured(point, one, scheme, own[place], steps))
+    return Stability(scene, varied, tuple(limits), tuple(messages))
 
 
 def _with(scene: Scene, scheme: Scheme) -> Scene:
@@ -137,7 +137,7 @@ def _own(scene: Scene, steps: int) -> Own:
             return Own(np.zeros(0), step)  # what cannot start is said with each scheme
 
 
-def _said(scene: Scene, own: Own) -> Iterator[str]:
+def _remarks(scene: Scene, own: Own) -> Iterator[str]:
     master = scene.master
     if not own.sizes.size:
         yield f"a run with a macro step of {own.h:g} s ends early: what grows by itself is not known"
@@ -159,16 +159,16 @@ def _measured(point: Mapping[str, float], scene: Scene, scheme: Scheme, own: Own
             closed = _closed_form(disturbed, degree)
         except (BadInput, StepFailed) as error:
             return Limit(point, algorithm, degree, math.nan, math.nan, str(error), math.nan, 0)
-        made: list[int] = []
+        step_counts: list[int] = []
 
         def growth(h: float) -> Growth:
-            found = disturbed.growth(h, steps)
-            made.append(found.steps)
-            return found
+            measured = disturbed.growth(h, steps)
+            step_counts.append(measured.steps)
+            return measured
 
         step = scene.master.step
         longest, seen, tried = longest_stable(growth, own, EVEN, step, step / SHORTEST, disturbed.longest)
-    return Limit(point, algorithm, degree, longest, closed, seen, tried, sum(made))
+    return Limit(point, algorithm, degree, longest, closed, seen, tried, sum(step_counts))
 
 
 def _closed_form(disturbed: Disturbed, degree: int) -> float:
@@ -176,5 +176,5 @@ def _closed_form(disturbed: Disturbed, degree: int) -> float:
     scene = disturbed.scene
     if scene.master.feedthrough == "delayed" and degree:
         return math.nan  # the form with a delay is for held forces
-    found, _ = contacts(scene, scene.coupling, disturbed.master, disturbed.units)
-    return min((contact.longest[degree] for contact in found), default=math.nan)
+    pairs, _ = contacts(scene, scene.coupling, disturbed.master, disturbed.units)
+    return min((contact.longest[degree] for contact in pairs), default=math.nan)

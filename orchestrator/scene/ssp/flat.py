@@ -125,16 +125,16 @@ class Flat:
     # -- parameters --------------------------------------------------------------------------------------------------
     def _assigned(self, element: Element, path: Path) -> dict[Place, Assignment]:
         """Values by what they are assigned to; those of a system stand above those of its elements."""
-        found: dict[Place, Assignment] = {}
+        by_place: dict[Place, Assignment] = {}
         for inner in element.elements:
-            found |= self._assigned(inner, (*path, inner.name))
+            by_place |= self._assigned(inner, (*path, inner.name))
         vain = []
         for assignment in element.parameters:
             places = list(self._meant(element, path, assignment.name))
-            found |= dict.fromkeys(places, assignment)
+            by_place |= dict.fromkeys(places, assignment)
             vain += [] if places else [assignment.name]
         self._remark(element, vain, "fit no variable")
-        return found
+        return by_place
 
     def _remark(self, element: Element, names: list[str], why: str) -> None:
         """Say once for an element which parameters were left out; sets shared by many elements have hundreds of them."""
@@ -217,13 +217,13 @@ def _text(place: Place) -> str:
 
 def _unit_names(paths: list[Path], wished: Mapping[str, str]) -> dict[Path, str]:
     """Names of units as scenes may have them: letters, digits and _, with dots between systems and what is in them."""
-    found: dict[Path, str] = {}
+    names: dict[Path, str] = {}
     for path in paths:
         parts = re.sub(r"[^\w.]", "_", ".".join(path), flags=re.ASCII).split(".")
         name = ".".join(p if re.match("[A-Za-z]", p) else f"u{p}" for p in parts)
         name = wished.get(path[0], name) if len(path) == 1 else name
-        taken, k, first = set(found.values()), 2, name
+        taken, k, first = set(names.values()), 2, name
         while name in taken:
             name, k = f"{first}_{k}", k + 1
-        found[path] = name
-    return found
+        names[path] = name
+    return names

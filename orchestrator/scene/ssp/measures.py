@@ -23,7 +23,7 @@ class Measure:
 
 def definitions(root: etree._Element, namespace: str, where: str) -> dict[str, Measure]:
     """The units that a file defines: `Units` below the root of an .ssd or .ssv file."""
-    found = {}
+    measures = {}
     for unit in find_all(root, f"{namespace}:Units", "ssc:Unit"):
         name = required(unit, "name", where)
         for base in find_all(unit, "ssc:BaseUnit"):
@@ -31,18 +31,18 @@ def definitions(root: etree._Element, namespace: str, where: str) -> dict[str, M
             factor, offset = number(base, "factor", 1.0, where), number(base, "offset", 0.0, where)
             if not factor:
                 raise BadInput(f"{where}:{base.sourceline}", f"unit {name!r} with factor 0", "a factor that is not 0")
-            found[name] = Measure(name, Unit(factor, offset, exponents))
-    return found
+            measures[name] = Measure(name, Unit(factor, offset, exponents))
+    return measures
 
 
 def of_fmu(description: ModelDescription) -> dict[str, Measure]:
     """The units that an FMU defines."""
-    found = {}
+    measures = {}
     for unit in description.unitDefinitions:
         if (base := unit.baseUnit) is not None:
             exponents = tuple(int(getattr(base, b) or 0) for b in BASES)
-            found[unit.name] = Measure(unit.name, Unit(float(base.factor or 1.0) or 1.0, float(base.offset or 0.0), exponents))
-    return found
+            measures[unit.name] = Measure(unit.name, Unit(float(base.factor or 1.0) or 1.0, float(base.offset or 0.0), exponents))
+    return measures
 
 
 def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:

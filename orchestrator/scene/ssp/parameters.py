@@ -116,8 +116,8 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
     """The root of a set or mapping, from another file or inline, and where it stands."""
     source = node.get("source")
     if not source:  # some tools write an empty one beside what is inline
-        found = find_all(node, *filter(None, (holder, wanted)))
-        return (found[0] if found else None), where.rpartition(":")[0]
+        nodes = find_all(node, *filter(None, (holder, wanted)))
+        return (nodes[0] if nodes else None), where.rpartition(":")[0]
     if node.get("sourceBase", "SSD") == "component":
         if fmu is None:
             raise BadInput(where, 'sourceBase="component"', "SSD; only a component with an FMU has files of its own")

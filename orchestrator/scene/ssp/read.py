@@ -64,14 +64,14 @@ def _annotation(document: Document) -> dict[str, Any]:
         if node.get("type") == ANNOTATION and len(node):
             where = f"{document.where}:{node.sourceline}"
             try:
-                found = json.loads(node[0].text or "")
+                content = json.loads(node[0].text or "")
             except ValueError as error:
                 raise BadInput(where, f"no JSON ({error})", "what was written, or no such annotation") from None
-            tables = [found.get(k, {}) for k in ("scene", "units", "elements")] if isinstance(found, dict) else [None]
-            tables += found.get("units", {}).values() if isinstance(found, dict) and isinstance(tables[1], dict) else []
+            tables = [content.get(k, {}) for k in ("scene", "units", "elements")] if isinstance(content, dict) else [None]
+            tables += content.get("units", {}).values() if isinstance(content, dict) and isinstance(tables[1], dict) else []
             if not all(isinstance(t, dict) for t in tables):
                 raise BadInput(where, "an annotation of another form", "what was written here, or no annotation")
-            return found
+            return content
     return {}
 
 
@@ -82,10 +82,10 @@ def _stop_time(document: Document, flat: Flat, remarks: list[str]) -> float:
             raise BadInput(f"{document.where}:{node.sourceline}", f"startTime {start:g} s", "0; every run starts at 0")
         if node.get("stopTime") is not None:
             return number(node, "stopTime", 0.0, document.where)
-    found = max(_defaults(flat, "stopTime"), default=1.0)
-    remarks.append(f"{document.where}: no stop time is given; {found:g} s is taken, "
+    stop_time = max(_defaults(flat, "stopTime"), default=1.0)
+    remarks.append(f"{document.where}: no stop time is given; {stop_time:g} s is taken, "
                    f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}")
-    return found
+    return stop_time
 
 
 def _master(document: Document, flat: Flat, stop: float, remarks: list[str]) -> dict[str, Any]:

@@ -97,10 +97,10 @@ class Document:
 
     def system(self, depth: int = 0) -> Element:
         """The root system with all that is in it. `depth`: systems around it."""
-        found = find_all(self.root, "ssd:System")
-        if not found:
+        systems = find_all(self.root, "ssd:System")
+        if not systems:
             raise BadInput(self.where, "no System", "one")
-        return self._system(found[0], required(found[0], "name", self.where), depth)
+        return self._system(systems[0], required(systems[0], "name", self.where), depth)
 
     def _at(self, element: etree._Element) -> str:
         return f"{self.where}:{element.sourceline}"
@@ -127,9 +127,9 @@ class Document:
     def _component(self, node: etree._Element, name: str, depth: int) -> Element:
         where, kind, source = self._at(node), node.get("type") or FMU, required(node, "source", self.where)
         if kind in (DEFINITION, ARCHIVE) or source.startswith("#"):
-            found = self._referenced(source, kind, name, depth, where)
-            found.parameters = (*found.parameters, *self._parameters(node, None))
-            return found
+            referenced = self._referenced(source, kind, name, depth, where)
+            referenced.parameters = (*referenced.parameters, *self._parameters(node, None))
+            return referenced
         if kind != FMU:
             raise BadInput(where, f"a component of type {kind!r}", f"one of {FMU}, {DEFINITION}, {ARCHIVE}")
         path = self.package.fmu(source, where)
@@ -155,20 +155,20 @@ class Document:
             document = Document(package, fragment or DEFAULT, self)
         else:
             document = Document(self.package, self.package.inside(place, where), self)
-        found = document.system(depth)
-        found.name = name
-        return found
+        element = document.system(depth)
+        element.name = name
+        return element
 
     def _connectors(self, node: etree._Element) -> dict[str, Connector]:
-        found = {}
+        connectors = {}
         for child in find_all(node, "ssd:Connectors", "ssd:Connector"):
             name, kind = required(child, "name", self.where), required(child, "kind", self.where)
             if kind not in GIVES + TAKES:
                 raise BadInput(self._at(child), f"connector {name!r} of kind {kind!r}", f"one of {', '.join(TAKES + GIVES)}")
             types = [t for t in child if etree.QName(t).localname in (*TYPES, "Binary")]
             unit = types[0].get("unit") if types else None
-            found[name] = Connector(name, kind, etree.QName(types[0]).localname if types else "", named(unit, self.measures))
-        return found
+            connectors[name] = Connector(name, kind, etree.QName(types[0]).localname if types else "", named(unit, self.measures))
+        return connectors
 
     def _connection(self, node: etree._Element) -> Connection:
         where = self._at(node)
@@ -197,6 +197,6 @@ class Document:
                 raise BadInput(element.where, f"{label} of kind {connector.kind!r}", f"{causality!r}, as the FMU says")
             if kind != scalar.kind:
                 raise BadInput(element.where, f"{label} of type {connector.type}", f"{scalar.variable.type}, as the FMU says")
-            own, said = connector.measure, named(element.fmu_unit(connector.name), element.measures)
-            if own and said and own.meaning and said.meaning and own.meaning != said.meaning:
-                raise BadInput(element.where, f"{label} in {own.name!r}", f"{said.name!r}, as the FMU says")
+            own, declared = connector.measure, named(element.fmu_unit(connector.name), element.measures)
+            if own and declared and own.meaning and declared.meaning and own.meaning != declared.meaning:
+                raise BadInput(element.where, f"{label} in {own.name!r}", f"{declared.name!r}, as the FMU says")

@@ -225,14 +225,14 @@ def _identifier(name: str) -> str:
 
 def _identifiers(units: Mapping[str, UnitSettings]) -> dict[str, str]:
     """Names of elements for the names of units, which may hold dots."""
-    found: dict[str, str] = {}
+    identifiers: dict[str, str] = {}
     for name in units:
         element = first = _identifier(name)
         k = 2
-        while element in found.values():
+        while element in identifiers.values():
             element, k = f"{first}_{k}", k + 1
-        found[name] = element
-    return found
+        identifiers[name] = element
+    return identifiers
 
 
 def _used(name: str, coupling: Coupling) -> Iterator[tuple[str, str]]:
@@ -257,9 +257,9 @@ def _values(name: str, unit: UnitSettings) -> dict[str, Any]:
 
 def _meaning(unit: str, description: Description) -> Unit | None:
     """What an FMU means by the name of a unit: by its own definition, or as it is commonly written."""
-    found: Measure | None = of_fmu(description.model).get(unit)
-    if found is not None:
-        return found.meaning
+    measure: Measure | None = of_fmu(description.model).get(unit)
+    if measure is not None:
+        return measure.meaning
     try:
         return parse(unit)
     except BadInput:

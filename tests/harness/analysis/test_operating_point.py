@@ -76,7 +76,7 @@ def test_the_governor_loses_its_lower_position_at_the_critical_speed():
     speeds = np.linspace(2.0, 5.0, 13)
     critical = math.sqrt(9.81)
     low = operating_line(governor, speeds, (0.0, 0.0))
-    assert low.found.all()
+    assert low.exists.all()
     assert low.stable.tolist() == (speeds < critical).tolist()
     above = speeds[speeds > critical]
     high = operating_line(governor, above, (1.0, 0.0))
@@ -132,9 +132,9 @@ def test_where_there_is_no_equilibrium_there_is_a_gap():
     with pytest.raises(BadInput, match="there may be none"):
         operating_point(lambda x: -1.0 - x**2, (2.0,))
     line = operating_line(lambda r: lambda x: r - x**2, (4.0, 1.0, -1.0, 9.0), (1.5,))
-    assert line.found.tolist() == line.stable.tolist() == [True, True, False, True]
-    np.testing.assert_allclose(line.states[line.found, 0], [2.0, 1.0, 3.0], rtol=1e-9)
-    np.testing.assert_allclose(line.eigenvalues[line.found, 0], [-4.0, -2.0, -6.0], rtol=1e-9)
+    assert line.exists.tolist() == line.stable.tolist() == [True, True, False, True]
+    np.testing.assert_allclose(line.states[line.exists, 0], [2.0, 1.0, 3.0], rtol=1e-9)
+    np.testing.assert_allclose(line.eigenvalues[line.exists, 0], [-4.0, -2.0, -6.0], rtol=1e-9)
 
 
 def test_what_cannot_be_set_is_refused():

@@ -79,7 +79,7 @@ def test_a_refusal_in_its_words_and_how_sharp_it_is():
     found = one(Refused("slope", "construction", {"slope_table[1]": 1.5}), "PipeRoute", parameters={"slope_table[1]": 3.0})
     assert found.holds
     assert found.margin == 2.0
-    assert "slope_table[1] = 3" in found.said
+    assert "slope_table[1] = 3" in found.message
     back = {"return_time": 29.0}
     assert one(Refused("when the change ends", "initialize"), "ExciterProgram", parameters=back).holds
 
@@ -94,14 +94,14 @@ def test_a_refusal_in_its_words_and_how_sharp_it_is():
 def test_refusals_that_are_none(refused, component, parameters, said):
     found = one(refused, component, parameters=parameters)
     assert not found.holds
-    assert said in found.said
+    assert said in found.message
 
 
 def test_a_run_that_fails_is_a_verdict_with_its_reason():
     found = one(AtMost("stretch", 1.0), inputs={"front_position": jumps(0.5, (0.01, math.nan))})
     assert not found.holds
     assert math.isnan(found.margin)
-    assert "not finite" in found.said
+    assert "not finite" in found.message
 
 
 def test_a_component_that_does_not_exist_is_refused():

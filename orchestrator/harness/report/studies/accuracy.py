@@ -169,10 +169,11 @@ def _against_size(measured: Accuracy) -> list[Block]:
     what = "internal step, s" if inside else "macro step, s"
     sizes, errors = [p.size for p in seen], [p.error for p in seen if p.error > 0.0]
     shapes, notes = _triangles(max(sizes), min(errors), ORDERS if inside else ORDERS[:3])
-    made = layout(430, xaxis=axis(what, grid=True, type="log"), yaxis=axis("error", grid=True, type="log", dtick=1),
-                  shapes=shapes, annotations=notes, margin={"l": 70, "r": LEGEND, "t": 34, "b": 50},
-                  legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})
-    return [Figure(f"Error against the {what.partition(',')[0]}", {"data": data, "layout": made},
+    figure_layout = layout(
+        430, xaxis=axis(what, grid=True, type="log"), yaxis=axis("error", grid=True, type="log", dtick=1),
+        shapes=shapes, annotations=notes, margin={"l": 70, "r": LEGEND, "t": 34, "b": 50},
+        legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})
+    return [Figure(f"Error against the {what.partition(',')[0]}", {"data": data, "layout": figure_layout},
                    "Slope triangles: errors that fall with the first, second ... power of the step. Where a series turns flat, "
                    "another error prevails: that of the internal steps, of a peak between two samples, or the reference's own. "
                    "Crosses at the top: runs that failed, were refused, or whose error is above 100 %.")]

@@ -22,16 +22,16 @@ EXACT = 1e10  # where claims are drawn of whose limit nothing was used
 FAILED = 0.3  # where claims without a number are drawn that do not hold
 
 
-def for_hard_cases(found: HardCases, directory: str | Path) -> Path:
+def for_hard_cases(study: HardCases, directory: str | Path) -> Path:
     """`report.html` of the hard cases."""
     by_component: dict[str, list[Verdict]] = {}
-    for verdict in found.verdicts:
+    for verdict in study.verdicts:
         by_component.setdefault(verdict.component, []).append(verdict)
     blocks: list[Block] = [_margins(by_component)]
-    if found.failed:
-        blocks.insert(0, Text([f"{v.component}, {v.case.name}: {v.said or _numbers(v)}" for v in found.failed], "warning"))
+    if study.failed:
+        blocks.insert(0, Text([f"{v.component}, {v.case.name}: {v.message or _numbers(v)}" for v in study.failed], "warning"))
     sections = [Section("What stays stable", blocks), Section("Cases", [_table(n, v) for n, v in by_component.items()])]
-    lead = found.summary + ". Each component declares where it is at its limits, and what has to hold there."
+    lead = study.summary + ". Each component declares where it is at its limits, and what has to hold there."
     return write_page(Page("Hard cases", lead, sections), Path(directory) / "report.html")
 
 
@@ -53,12 +53,13 @@ def _margins(by_component: dict[str, list[Verdict]]) -> Figure:
     data = [_marks("holds", claims, rows, BLUE, "circle"),
             _marks("refused, with a word of what helps", [v for v in refusals if isfinite(v.margin)], rows, INK, "diamond-open"),
             _marks("does not hold", [v for v in every if not v.holds], rows, VERMILION, "x")]
-    made = layout(ROW * len(names) + 120, xaxis=axis("margin: limit over what was reached", grid=True, type="log"), yaxis=axis(
-        "", tickvals=list(rows.values()), ticktext=names, range=[-0.7, len(names) - 0.3]),
+    figure_layout = layout(
+        ROW * len(names) + 120, xaxis=axis("margin: limit over what was reached", grid=True, type="log"),
+        yaxis=axis("", tickvals=list(rows.values()), ticktext=names, range=[-0.7, len(names) - 0.3]),
         margin={"l": 180, "r": 20, "t": 50, "b": 50})
-    made["shapes"] = [vertical(1.0, colour=INK)]
-    made["annotations"] = [label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})]
-    return Figure("How far each claim is from its limit", {"data": data, "layout": made}, (
+    figure_layout["shapes"] = [vertical(1.0, colour=INK)]
+    figure_layout["annotations"] = [label("exact", 10.0, 1.0, xref="x", yanchor="bottom", font={"size": 11, "color": MUTED})]
+    return Figure("How far each claim is from its limit", {"data": data, "layout": figure_layout}, (
         "At 1 a claim would just hold; a magnitude cut off at its limit stands there by right. Exact: nothing of the limit was "
         "used, to the last bit. Of a refusal the factor between a number that is refused and one that is accepted: the limit "
         f"lies between them. Margins above {FARTHEST:.0e} are drawn there.").replace("e+0", "e"))
@@ -80,7 +81,7 @@ def _place(verdict: Verdict) -> float:
 
 def _numbers(verdict: Verdict) -> str:
     if isnan(verdict.limit):
-        return verdict.said
+        return verdict.message
     return f"{verdict.reached:.3g} of {verdict.limit:.3g}"
 
 

@@ -23,35 +23,35 @@ LEVELS = 12  # about so many contours
 TICKS = 8  # values of a parameter that an axis may name
 
 
-def for_stability(found: Stability, directory: str | Path) -> Path:
+def for_stability(study: Stability, directory: str | Path) -> Path:
     """`report.html` of a scene's limits."""
-    figures: list[Block] = [Text(list(found.remarks), "note")] if found.remarks else []
-    figures += {0: _bars, 1: _curves, 2: _maps}[len(found.varied)](found)
-    figures += _against_closed_form(found)
+    figures: list[Block] = [Text(list(study.remarks), "note")] if study.remarks else []
+    figures += {0: _bars, 1: _curves, 2: _maps}[len(study.varied)](study)
+    figures += _against_closed_form(study)
     lead = ("The longest macro step at which a small disturbance does not grow, by algorithm and degree of extrapolation; the "
             "numbers are in stability.csv.")
-    settings = [("macro step of the scene, s", f"{found.scene.master.step:g}"),
-                ("algorithm of the scene", f"{found.scene.master.algorithm}, {found.scene.master.extrapolation}"),
-                ("macro steps made", str(sum(limit.steps for limit in found.limits)))]
-    sections = [Section("What stays stable", figures), Section("Limits", [_table(found)]),
+    settings = [("macro step of the scene, s", f"{study.scene.master.step:g}"),
+                ("algorithm of the scene", f"{study.scene.master.algorithm}, {study.scene.master.extrapolation}"),
+                ("macro steps made", str(sum(limit.steps for limit in study.limits)))]
+    sections = [Section("What stays stable", figures), Section("Limits", [_table(study)]),
                 Section("Settings", [Facts("The scene", settings)])]
-    return write_page(Page(found.scene.title or found.scene.name, lead, sections), Path(directory) / "report.html")
+    return write_page(Page(study.scene.title or study.scene.name, lead, sections), Path(directory) / "report.html")
 
 
-def for_internal_steps(found: InternalSteps, directory: str | Path) -> Path:
+def for_internal_steps(study: InternalSteps, directory: str | Path) -> Path:
     """`report.html` of a component's limits."""
-    names = [", ".join(s.effects) or "no effects" for s in found.steps]
+    names = [", ".join(s.effects) or "no effects" for s in study.steps]
     rows = list(range(len(names)))[::-1]  # the first at the top
-    data = [_dots(np.array([s.longest for s in found.steps]), rows, "measured", BLUE, "circle"),
-            _dots(np.array([s.own for s in found.steps]), rows, "the component's own limit", VERMILION, "line-ns-open")]
+    data = [_dots(np.array([s.longest for s in study.steps]), rows, "measured", BLUE, "circle"),
+            _dots(np.array([s.own for s in study.steps]), rows, "the component's own limit", VERMILION, "line-ns-open")]
     figure = Figure("Longest stable internal step", {"data": data, "layout": _bar_layout("internal step, s", names, rows)}, (
         "A measured limit left of the component's own: the component claims too much. Without a mark: no limit was found, or "
         "the component has none; see the table."))
     table = Cells("", ("effects", "measured, s", "own limit, s", "margin", "what the next longer step did"), [
         (name, _limit(s.longest, s.tried), _own(s.own), f"{s.margin:.3g}" if isfinite(s.margin) else "–", s.seen)
-        for name, s in zip(names, found.steps, strict=True)], "Margin: measured over own limit.", frozenset((1, 2, 3)))
+        for name, s in zip(names, study.steps, strict=True)], "Margin: measured over own limit.", frozenset((1, 2, 3)))
     lead = "The longest internal step at which a small disturbance does not grow, inputs held; the numbers are in stability.csv."
-    return write_page(Page(f"{found.title}: internal steps", lead, [Section("What stays stable", [figure, table])]),
+    return write_page(Page(f"{study.title}: internal steps", lead, [Section("What stays stable", [figure, table])]),
                       Path(directory) / "report.html")
 
 
@@ -69,10 +69,10 @@ def _name(scheme: Scheme) -> str:
     return f"{scheme[0]}, {('held', 'linear', 'quadratic')[scheme[1]]}"
 
 
-def _table(found: Stability) -> Cells:
-    names = [f"{n}, {unit}" if unit else n for n, unit in found.varied.items()]
+def _table(study: Stability) -> Cells:
+    names = [f"{n}, {unit}" if unit else n for n, unit in study.varied.items()]
     rows = [(*(f"{v:.4g}" for v in limit.point.values()), _name((limit.algorithm, limit.extrapolation)),
-             _limit(limit.longest, limit.tried), _closed(limit.closed), _ratio(limit), limit.seen) for limit in found.limits]
+             _limit(limit.longest, limit.tried), _closed(limit.closed), _ratio(limit), limit.seen) for limit in study.limits]
     n = len(names)
     return Cells("", (*names, "algorithm, inputs", "longest stable step, s", "closed form, s", "ratio",
                       "what the next longer step did"), rows,
@@ -105,32 +105,32 @@ def _bar_layout(x_label: str, names: Sequence[str], rows: Sequence[int]) -> dict
                   margin={"l": 190, "r": 20, "t": 40, "b": 50})
 
 
-def _bars(found: Stability) -> list[Block]:
+def _bars(study: Stability) -> list[Block]:
     """One point: a row for each scheme."""
-    limits = found.limits
-    names = [_name(scheme) for scheme in found.schemes]
+    limits = study.limits
+    names = [_name(scheme) for scheme in study.schemes]
     rows = list(range(len(names)))[::-1]
     data = [_dots(np.array([limit.longest for limit in limits]), rows, "measured", BLUE, "circle"),
             _dots(np.array([limit.closed for limit in limits]), rows, "closed form", VERMILION, "line-ns-open")]
-    made = _bar_layout("macro step, s", names, rows)
-    step = found.scene.master.step
-    made["shapes"] = [vertical(step, colour=INK, dash="dot")]
+    figure_layout = _bar_layout("macro step, s", names, rows)
+    step = study.scene.master.step
+    figure_layout["shapes"] = [vertical(step, colour=INK, dash="dot")]
     notes = [label("the scene's", log10(step), 1.0, xref="x", yanchor="bottom")]
     for row, limit in zip(rows, limits, strict=True):
         if isfinite(limit.tried) and (limit.longest == inf or limit.longest == 0.0):
             arrow = f"stable up to {limit.tried:.3g} →" if limit.longest == inf else f"← unstable down to {limit.tried:.3g}"
             notes.append(label(arrow, log10(limit.tried), row, xref="x", yref="y",
                                xanchor="right" if limit.longest == inf else "left"))
-    made["annotations"] = notes
-    return [Figure("Longest stable macro step", {"data": data, "layout": made},
+    figure_layout["annotations"] = notes
+    return [Figure("Longest stable macro step", {"data": data, "layout": figure_layout},
                    "Without a mark: a closed form is not known there, or nothing was measured; see the table.")]
 
 
-def _curves(found: Stability) -> list[Block]:
+def _curves(study: Stability) -> list[Block]:
     """One parameter: a line for each scheme, dashed its closed form."""
-    (name, unit), data = next(iter(found.varied.items())), []
-    for k, scheme in enumerate(found.schemes):
-        limits, colour = found.of(scheme), CYCLE[k % len(CYCLE)]
+    (name, unit), data = next(iter(study.varied.items())), []
+    for k, scheme in enumerate(study.schemes):
+        limits, colour = study.of(scheme), CYCLE[k % len(CYCLE)]
         x = [limit.point[name] for limit in limits]
         for what, values, style in (("", [limit.longest for limit in limits], {"mode": "lines+markers"}),
                                     (", closed form", [limit.closed for limit in limits], {"mode": "lines"})):
@@ -140,30 +140,30 @@ def _curves(found: Stability) -> list[Block]:
                              "name": _name(scheme) + what,
                              "line": {"color": colour, "width": 1.8, "dash": "dash" if what else "solid"}})
     return [Figure("Longest stable macro step", {"data": data, "layout": layout(
-        430, xaxis=_parameter_axis(f"{name}, {unit}", found, name), yaxis=axis("macro step, s", grid=True, type="log"),
+        430, xaxis=_parameter_axis(f"{name}, {unit}", study, name), yaxis=axis("macro step, s", grid=True, type="log"),
         margin={"l": 70, "r": 250, "t": 34, "b": 50}, legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})},
         "Dashed: closed forms. A gap: every step that was tried is stable, or none is; see the table.")]
 
 
-def _parameter_axis(title: str, found: Stability, name: str, **more: Any) -> dict[str, Any]:
+def _parameter_axis(title: str, study: Stability, name: str, **more: Any) -> dict[str, Any]:
     """Logarithmic where the values are spread over more than a decade."""
-    values = np.array([limit.point[name] for limit in found.limits])
+    values = np.array([limit.point[name] for limit in study.limits])
     spread = values.min() > 0.0 and values.max() > 8.0 * values.min()
     ticks = sorted(set(values.tolist())) if len(set(values.tolist())) <= TICKS else []
     marks: dict[str, Any] = {"tickvals": drawn(ticks, 6), "ticktext": [f"{v:.4g}" for v in ticks]} if ticks else {}
     return axis(title, type="log" if spread else "linear", **marks, **more)
 
 
-def _maps(found: Stability) -> list[Block]:
+def _maps(study: Stability) -> list[Block]:
     """Two parameters: a map for each scheme, filled as measured, with the closed form's lines at the same steps."""
-    (first, _), (second, _) = (items := list(found.varied.items()))
-    xs, ys = (sorted({limit.point[n] for limit in found.limits}) for n in (first, second))
-    finite = [log10(limit.longest) for limit in found.limits if 0.0 < limit.longest < inf]
+    (first, _), (second, _) = (items := list(study.varied.items()))
+    xs, ys = (sorted({limit.point[n] for limit in study.limits}) for n in (first, second))
+    finite = [log10(limit.longest) for limit in study.limits if 0.0 < limit.longest < inf]
     if not finite:
         return [Text(["No limit lies between the steps that were tried; see the table."], "note")]
     low, high = min(finite), max(finite)
     levels = {"start": low, "end": high, "size": max((high - low) / LEVELS, 1e-3)}
-    schemes = found.schemes
+    schemes = study.schemes
     columns = len({degree for _, degree in schemes})
     rows = -(-len(schemes) // columns)
     width, tall = (1.0 - 0.07 * (columns - 1)) / columns, (1.0 - 0.12 * (rows - 1)) / rows
@@ -175,14 +175,14 @@ def _maps(found: Stability) -> list[Block]:
         row, column = divmod(k, columns)
         left, top = column * (width + 0.07), 1.0 - row * (tall + 0.12)
         n = "" if k == 0 else str(k + 1)
-        axes["xaxis" + n] = _parameter_axis(labels[0] if row == rows - 1 else "", found, first, domain=[left, left + width],
+        axes["xaxis" + n] = _parameter_axis(labels[0] if row == rows - 1 else "", study, first, domain=[left, left + width],
                                             anchor="y" + n)
-        axes["yaxis" + n] = _parameter_axis(labels[1] if column == 0 else "", found, second,
+        axes["yaxis" + n] = _parameter_axis(labels[1] if column == 0 else "", study, second,
                                             domain=[max(top - tall, 0.0), top], anchor="x" + n)
         bold = {"size": 12.5, "color": INK}
         notes.append(label(f"<b>{_name(scheme)}</b>", left, top, xanchor="left", yanchor="bottom", font=bold))
         place = {"x": drawn(xs, 6), "y": drawn(ys, 6), "xaxis": "x" + n, "yaxis": "y" + n}
-        limits = found.of(scheme)
+        limits = study.of(scheme)
         measured, closed = (_grid(limits, (first, xs), (second, ys), which) for which in ("longest", "closed"))
         if np.isfinite(measured).any():
             data.append({"type": "contour", "z": [drawn(r, 5) for r in measured], **place, "zmin": low, "zmax": high,
@@ -194,8 +194,9 @@ def _maps(found: Stability) -> list[Block]:
                          "contours": levels | {"coloring": "none"}, "line": {"width": 2, "color": VERMILION, "dash": "dash"},
                          "showscale": False, "name": "closed form", "hoverinfo": "skip"})
         data += _marks(limits, first, second, n)
-    made = layout(PANEL * rows + 90, annotations=notes, showlegend=False, margin={"l": 70, "r": 90, "t": 34, "b": 50}, **axes)
-    return [Figure("Longest stable macro step", {"data": data, "layout": made}, (
+    figure_layout = layout(
+        PANEL * rows + 90, annotations=notes, showlegend=False, margin={"l": 70, "r": 90, "t": 34, "b": 50}, **axes)
+    return [Figure("Longest stable macro step", {"data": data, "layout": figure_layout}, (
         "Filled, with thin lines: as measured. Dashed: the closed form at the same steps, where there is one; the two lie on one "
         "another where nothing but that pair of units limits the scene. ○: every step tried is stable; ×: none is."))]
 
@@ -208,29 +209,29 @@ def _scale(low: float, high: float) -> dict[str, Any]:
 
 def _grid(limits: Sequence[Limit], x: tuple[str, list[float]], y: tuple[str, list[float]], which: str) -> np.ndarray:
     """Logarithms of a scheme's steps, (len(y), len(x)); NaN where there is none."""
-    made = np.full((len(y[1]), len(x[1])), np.nan)
+    grid = np.full((len(y[1]), len(x[1])), np.nan)
     for limit in limits:
         if 0.0 < (value := getattr(limit, which)) < inf:
-            made[y[1].index(limit.point[y[0]]), x[1].index(limit.point[x[0]])] = log10(value)
-    return made
+            grid[y[1].index(limit.point[y[0]]), x[1].index(limit.point[x[0]])] = log10(value)
+    return grid
 
 
 def _marks(limits: Sequence[Limit], first: str, second: str, n: str) -> list[dict[str, Any]]:
     """Points of a map without a limit."""
-    found = []
+    traces = []
     for symbol, at in (("circle-open", [m for m in limits if m.longest == inf]), ("x", [m for m in limits if m.longest == 0.0])):
         if at:
-            found.append({"type": "scatter", "mode": "markers", "x": [m.point[first] for m in at],
+            traces.append({"type": "scatter", "mode": "markers", "x": [m.point[first] for m in at],
                           "y": [m.point[second] for m in at], "xaxis": "x" + n, "yaxis": "y" + n, "hoverinfo": "skip",
                           "marker": {"symbol": symbol, "color": MUTED, "size": 7}})
-    return found
+    return traces
 
 
-def _against_closed_form(found: Stability) -> list[Block]:
+def _against_closed_form(study: Stability) -> list[Block]:
     """Measured limits over those of the closed form, a mark for every point of the map."""
     data = []
-    for k, scheme in enumerate(found.schemes):
-        pairs = [limit for limit in found.of(scheme) if _comparable(limit)]
+    for k, scheme in enumerate(study.schemes):
+        pairs = [limit for limit in study.of(scheme) if _comparable(limit)]
         if pairs:
             data.append({"type": "scatter", "mode": "markers", "name": _name(scheme), "x": drawn([p.closed for p in pairs], 5),
                          "y": drawn([p.longest / p.closed for p in pairs], 5),
@@ -238,8 +239,10 @@ def _against_closed_form(found: Stability) -> list[Block]:
                          "marker": {"color": CYCLE[k % len(CYCLE)], "size": 8, "opacity": 0.8}})
     if not data:
         return []
-    made = layout(300, xaxis=axis("limit of the closed form, s", grid=True, type="log"),
-                  yaxis=axis("measured over closed form", grid=True), margin={"l": 70, "r": 250, "t": 34, "b": 50},
-                  legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})
-    made["shapes"] = [{"type": "line", "x0": 0, "x1": 1, "xref": "paper", "y0": 1, "y1": 1, "line": {"color": RAW, "width": 1}}]
-    return [Figure("Against the closed form", {"data": data, "layout": made})]
+    figure_layout = layout(
+        300, xaxis=axis("limit of the closed form, s", grid=True, type="log"),
+        yaxis=axis("measured over closed form", grid=True), margin={"l": 70, "r": 250, "t": 34, "b": 50},
+        legend={"orientation": "v", "x": 1.02, "y": 1, "font": {"size": 11}})
+    figure_layout["shapes"] = [
+        {"type": "line", "x0": 0, "x1": 1, "xref": "paper", "y0": 1, "y1": 1, "line": {"color": RAW, "width": 1}}]
+    return [Figure("Against the closed form", {"data": data, "layout": figure_layout})]
