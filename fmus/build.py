@@ -80,7 +80,7 @@ def sources(module: str) -> dict[str, bytes]:
 
 def slave_script() -> str:
     """What every slave script starts with: where the caches are, and how an FMU finds its code."""
-    place, loading = (Path(m.__file__).read_text(encoding="utf-8") for m in (folders, loader))
+    place, loading = (Path(str(m.__file__)).read_text(encoding="utf-8") for m in (folders, loader))
     return place + loading.replace("from ..components.core.folders import cache_root\n", "")
 
 

@@ -56,7 +56,8 @@ def _root() -> Path | None:
     one that another user owns or may write is not taken.
     """
     temporary = Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
-    for folder in (Path(config.CACHE_DIR or Path(cache_root()) / "kernels"), temporary):
+    asked = config.CACHE_DIR  # type: ignore[attr-defined]
+    for folder in (Path(asked or Path(cache_root()) / "kernels"), temporary):
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             status = folder.stat()

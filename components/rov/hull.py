@@ -265,7 +265,8 @@ class RovHull(OdeComponent):
         inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
         hull = Hull(p.mass, _centre(p), np.diag(self.rigid_mass)[3:].copy(), inverse,
                     np.ascontiguousarray(wrench_matrix(positions, directions, self.name)))
-        arrays = {n: _six(getattr(e, n)) for n in ("added_mass", "linear_drag", "quadratic_drag") if n in self.on}
+        sixes = [n for n in ("added_mass", "linear_drag", "quadratic_drag") if n in self.on]
+        arrays: dict[str, np.ndarray] = {n: _six(getattr(e, n)) for n in sixes}
         if (restoring := e.restoring) is not None:
             arrays["restoring"] = np.array([restoring.weight - restoring.buoyancy, *_righting(p, restoring)])
         return hull, e._replace(**arrays)

@@ -149,8 +149,8 @@ def test_slack_droppers_around_a_large_force_settle(force):
     slackest = 0
     for k in range(500):
         catenary.step(k * 1e-3, 1e-3)  # raises StepFailed where the set does not settle
-        N, d = catenary.mesh.mass.size, catenary.mesh.dropper.size
-        slackest = max(slackest, d - int(catenary.x[3 * N : 3 * N + d].sum()))
+        d = catenary.mesh.dropper.size
+        slackest = max(slackest, d - int(catenary.x[catenary.x.size - d :].sum()))  # the state ends with which are taut
     assert slackest >= 5
     assert np.isfinite(catenary.x).all()
     # At most as many solutions as steps and changes of the set; a set that chatters would need up to 50 per step.

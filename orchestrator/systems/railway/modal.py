@@ -71,7 +71,7 @@ def passage(line: Line, head: Head, speed: float, start: float, seconds: float, 
     wave = np.sin(k * start)
     g, r, F = equilibrium([scale[w] * (S / squares[w]) @ S.T for w in (0, 1)], scale[0] * (S / squares[0]) @ wave,
                           scale[0] * float(wave**2 @ (1.0 / squares[0])), (dropper, support, contact), preload, head,
-                          float(np.interp(start, *shape)))
+                          float(np.interp(start, shape[0], shape[1])))
 
     def points(on_droppers, on_supports):
         """Modal forces of both wires, without the contact: droppers pull the contact wire up and the messenger down."""
@@ -93,7 +93,7 @@ def passage(line: Line, head: Head, speed: float, start: float, seconds: float, 
     within = [(S**2) @ end[w] for w in (0, 1)]
     with_d, with_s = dropper + within[0][:d] + within[1][:d], support + within[1][d:]
     out = np.zeros((4, round(seconds / step) + 1))
-    out[:, 0] = 0.0, start, F, np.interp(start, *shape) + a[0][0] @ wave
+    out[:, 0] = 0.0, start, F, np.interp(start, shape[0], shape[1]) + a[0][0] @ wave
     for i in range(1, out.shape[1]):
         for w in (0, 1):  # the forces held ...
             E, P, Q = exact[w]
@@ -101,7 +101,7 @@ def passage(line: Line, head: Head, speed: float, start: float, seconds: float, 
             a[w] = [E[0, 0] * q + E[0, 1] * v + (P[0] + Q[0]) * p[w], E[1, 0] * q + E[1, 1] * v + (P[1] + Q[1]) * p[w]]
         z = X[:4, :4] @ z + X[:4, 6] + X[:4, 4] * F
         x, last = start + speed * i * step, wave
-        wave, rest = np.sin(k * x), np.interp(x, *shape)
+        wave, rest = np.sin(k * x), np.interp(x, shape[0], shape[1])
         # ... and what they change to
         u_c, u_m = S[:d] @ a[0][0], S @ a[1][0]
         now, before = (float((end[0] * wave) @ w) - head_end[0] for w in (wave, last))
