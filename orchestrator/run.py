@@ -241,7 +241,7 @@ class Run:
         elif self.outcome == "done" and (coarse := too_coarse(resolved)):
             texts.append(f"{'; '.join(coarse)}. {self._remedy()}")
         ask, grows = worth_a_limit(resolved, self.coupling)
-        if self.outcome == "done" and ask and not texts:
+        if self.outcome == "done" and ask:
             texts += beyond_limit(self.scene, grows=grows)
         return texts
 

@@ -35,6 +35,8 @@ INACCURATE = 0.5  # e from which an extrapolation is no approximation of its sig
 UNRESOLVED = 0.4  # q from which samples do not show a signal: fewer than 4.6 of them in a period
 SUSPICIOUS = 0.02  # e from which a coupling that does not die out is compared with its closed-form limit,
 COARSE = 0.23  # and from which any is: 13 steps of linear extrapolation in a period
+JUMP = 1e3  # largest error of an extrapolation over that of the step before: no coupling grows so fast, a set point jumps so
+AT_REST = 1e6  # growth from which a signal stood still before its last part
 GROWING = 1.5  # of the second differences, in the last part of a run
 FEWEST = 3  # second differences of which something can be said
 
@@ -43,8 +45,9 @@ FEWEST = 3  # second differences of which something can be said
 class SignalResolution:
     """What the steps of a run say of one signal.
 
-    resolution: q, extrapolation: e, as above; e is 0 where no unit extrapolates the signal. growth: rms of the second differences
-    in the last quarter of the run over the largest of the quarters before. peak: largest absolute value.
+    resolution: q, extrapolation: e, as above; e is 0 where no unit extrapolates the signal, and where it jumps from rest.
+    growth: rms of the second differences in the last quarter of the run over the largest of the quarters before.
+    peak: largest absolute value.
     """
 
     end: Endpoint
@@ -61,7 +64,7 @@ class SignalResolution:
 
 
 SUMS = ("_tail", "_tail_ticks", "_count", "_predictions", "_first", "_peak", "_total", "_total2", "_missed", "_seconds",
-        "_triples")
+        "_triples", "_largest", "_before", "_last")
 
 
 class StepResolution(BatchObserver):
@@ -85,6 +88,7 @@ class StepResolution(BatchObserver):
         self._first, self._peak = np.zeros(n), np.zeros(n)
         self._total, self._total2, self._missed = np.zeros(n), np.zeros(n), np.zeros(n)
         self._seconds, self._triples = np.zeros((PARTS, n)), np.zeros(PARTS)
+        self._largest, self._before, self._last = np.zeros(n), np.zeros(n), np.zeros(n)  # errors of extrapolation
 
     def __call__(self, tick: int, t: float) -> None:
         self.observe_batch((tick,), (t,), np.array([self._sample()], dtype=float))
@@ -109,6 +113,7 @@ class StepResolution(BatchObserver):
         rows, ticks = np.concatenate((self._tail, new)), np.concatenate((self._tail_ticks, *self._ticks))
         missed, _ = _differences(rows, ticks, self._degree + 1, len(self._tail))
         self._missed += (missed**2).sum(axis=0)
+        self._find_largest(missed)
         self._predictions += len(missed)
         seconds, ends = _differences(rows, ticks, 2, len(self._tail))
         parts = np.minimum((self._count - len(self._tail) + ends) // self._part, PARTS - 1)
@@ -120,6 +125,17 @@ class StepResolution(BatchObserver):
         self._count += len(new)
         self._tail, self._tail_ticks, self._rows, self._ticks = rows[-TAIL:], ticks[-TAIL:], [], []
         self._buffered = 0
+
+    def _find_largest(self, missed: np.ndarray) -> None:
+        """Keep of each signal the largest error of an extrapolation so far, and the error of the step before it."""
+        if not len(missed):
+            return
+        sizes = np.abs(np.concatenate((self._last[None], missed)))
+        at, columns = sizes[1:].argmax(axis=0) + 1, np.arange(sizes.shape[1])
+        larger = sizes[at, columns] > self._largest
+        self._largest = np.where(larger, sizes[at, columns], self._largest)
+        self._before = np.where(larger, sizes[at - 1, columns], self._before)
+        self._last = sizes[-1]
 
     def state(self) -> dict[str, Any]:
         """The sums so far, for a checkpoint."""
@@ -147,6 +163,7 @@ class StepResolution(BatchObserver):
             by_part = np.sqrt(self._seconds / np.maximum(self._triples, 1.0)[:, None])
             by_part = by_part[self._triples > 0]
             growth = by_part[-1] / by_part[:-1].max(axis=0) if len(by_part) > 1 else np.zeros(len(spread))
+            errors[(self._largest > JUMP * self._before) & (growth > AT_REST)] = 0.0  # a jump, which no extrapolation foretells
         return [SignalResolution(end, signal, float(resolution[k]), float(errors[k]) if end in self._extrapolated else 0.0,
                                  float(growth[k]), float(self._peak[k]))
                 for k, (end, signal) in enumerate(self._signals)

@@ -14,13 +14,13 @@ STEPS = 4
 
 def difference(name):
     one = ComponentRun(name, stop=STEPS * component_class(name).default_step)
-    own, _, _ = one.own()
+    own = one.own().history
     assert all(np.isfinite(x).all() for x in own.columns.values())
     probe = one.make()
     probe.initialize(0.0)
     if one.kernel is None or not probe.x.size:
         return None
-    other, _, _ = one.by_scipy("DOP853", 1e-8)
+    other = one.by_scipy("DOP853", 1e-8).history
     scales = {k: max(np.ptp(x), 1e-6 * probe.variables[k].nominal) for k, x in other.columns.items()}
     return max(float(np.abs(x - own.columns[k]).max() / scales[k]) for k, x in other.columns.items())
 
