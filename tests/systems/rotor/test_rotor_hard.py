@@ -212,7 +212,7 @@ def coupled(step, tangent, extrapolation=0, stiffness=1e8, substep=1e-5, steps=2
     """A rotor on two spring-dampers as units of their own, Jacobi; it starts straight under a sudden unbalance."""
     rotor = {"component": "BeamRotor", "effects": ["disks", "gyroscopic", "unbalance", "bearing_a", "bearing_b"],
              "parameters": {"substep": substep}}
-    bearing = {"component": "cosimo.tests.hard_cases.linear_bearing:LinearBearing", "effects": ["tangent"] * tangent,
+    bearing = {"component": "cosimo.tests.systems.rotor.linear_bearing:LinearBearing", "effects": ["tangent"] * tangent,
                "parameters": {"k": stiffness, "d": stiffness * TIME_CONSTANT}}
     connections = [f"rotor.bearing_{p}.{n} -> {p}.{n}" for p in "ab" for n in MOTION]
     names = ["force_x", "force_y"]

@@ -56,7 +56,7 @@ def test_another_vehicle_fails(monkeypatch, name, parameter, value, rows):
 def test_a_force_told_once_a_step_ends_the_run_and_keeps_what_was_computed():
     scene = rov_added_mass.load_scene("rov-added-mass").with_changes(rov_added_mass.LAGGED)
     result = rov_added_mass.run(scene, in_process=True)
-    assert result.outcome == "failed"
+    assert result.outcome == "unstable"
     assert "water failed at" in result.message
     assert result.time.size > 100
     assert abs(result["hull.external.acceleration_z"][-1]) > 1e9
