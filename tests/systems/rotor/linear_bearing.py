@@ -50,8 +50,8 @@ class LinearBearing(Component):
         return DONE
 
     def _outputs(self, t: float) -> None:
-        p, tangent = self.arguments
+        p, effects = self.arguments
         self.y[:2] = -p.k * self.u[0, :2] - p.d * self.u[0, 2:4]
-        if tangent is not None:
+        if (tangent := effects.tangent) is not None:
             for first, value in ((tangent.y + 2, p.k), (tangent.y + 27, p.d)):
                 self.y[first : first + 25] = np.diag([value, value, 0.0, 0.0, 0.0]).ravel()
