@@ -20,8 +20,6 @@ FILES = (
     "tests/contract/test_declaration.py",
     "tests/contract/test_effect_sizes.py",
     "tests/contract/test_steps.py",
-    "tests/contract/test_effects_absent.py",
-    "tests/contract/test_effects_free.py",
     "tests/contract/test_hard_case_catalogue.py",
     # of these the compiled twins are in the complete run: many effects, short runs
     "tests/systems/drives/test_torque_motor.py tests/systems/drives/test_servo_motor.py",
@@ -31,6 +29,8 @@ FILES = (
     "tests/systems/wrist/test_wrist_motion.py",
     *(pytest.param(file, marks=pytest.mark.full) for file in (
         "tests/contract/test_effect_strength.py",
+        "tests/contract/test_effects_absent.py",
+        "tests/contract/test_effects_free.py",
         "tests/fmus/test_fmu_run.py",
         "tests/run/test_run.py",
         "tests/harness/report/test_short_runs.py",

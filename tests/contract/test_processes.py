@@ -72,6 +72,7 @@ def test_a_second_process_compiles_nothing(tmp_path, names):
     assert hits >= len(names)
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
 def test_a_cache_of_other_sources_is_not_read(tmp_path):
     """Its index may name classes that are gone; what stands behind another version is never looked at."""
@@ -107,6 +108,7 @@ doubled(1)
 """
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
 def test_processes_that_compile_one_kernel_at_once_do_not_get_each_others_code(tmp_path):
     (tmp_path / "doubled.py").write_text(

@@ -19,6 +19,7 @@ def description(path):
         return ET.fromstring(file.read("modelDescription.xml"))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_two_builds_are_the_same_bytes(name, tmp_path):
     one, other = build(name, tmp_path / "one"), build(name, tmp_path / "other")
@@ -27,6 +28,7 @@ def test_two_builds_are_the_same_bytes(name, tmp_path):
     assert one.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_fmpy_finds_no_problems(name):
     assert validate_fmu(str(built(name))) == []

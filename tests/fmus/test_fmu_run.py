@@ -60,6 +60,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     unit.free()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_what_is_off_reads_its_start_value_and_takes_writes(name):
     component = component_class(name)()

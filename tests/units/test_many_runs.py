@@ -55,6 +55,7 @@ def own_folder(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
 
 
+@pytest.mark.full
 def test_two_thousand_runs_of_components():
     """A signal of the result that was kept would be some hundred bytes."""
     unit = {"component": "Pantograph", "effects": ["contact_loss"]}
@@ -63,6 +64,7 @@ def test_two_thousand_runs_of_components():
     assert growth(scene, 2000, 100, in_process=True) < 100.0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", ["FMI 2", "FMI 3", "model exchange"])
 def test_hundreds_of_runs_of_a_native_fmu(kind):
     """A forgotten instance, state or integrator would be 200 bytes at least."""
@@ -71,6 +73,7 @@ def test_hundreds_of_runs_of_a_native_fmu(kind):
     assert growth(scene, 400, 100) < 200.0
 
 
+@pytest.mark.full
 def test_runs_of_an_fmu_made_with_pythonfmu():
     """pythonfmu itself loses some kilobytes an instance; a library that stayed loaded for each run would be 300."""
     scene = read_scene({"stop_time": 0.002, "units": {"p": {"fmu": str(built("Pantograph"))}}, "master": {"step": 1e-3}})

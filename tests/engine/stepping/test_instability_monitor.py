@@ -74,6 +74,7 @@ def test_energy_that_the_coupling_makes_ends_a_run(monkeypatch):
     assert calm.outcome == "done", calm.message
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", sorted(scene_files()))
 def test_no_shipped_scene_raises_an_alarm(name):
     scene = load_scene(name)
