@@ -62,6 +62,7 @@ def python(source: str, *arguments: str, **environment: str) -> str:
 
 @pytest.mark.skipif(not COMPILED, reason="no Numba, nothing to compile")
 @some_and_all
+@pytest.mark.full
 def test_a_second_process_compiles_nothing(tmp_path, names):
     """In a cache of its own: other tests compile at the same time, and Numba's index of a cache is not made for that."""
     source = f"{SHORT_RUNS}\nSMALL = { {name: SMALL[name] for name in names}!r}{SECOND_PROCESS}"

@@ -72,6 +72,7 @@ def test_the_readme_shows_commands_python_and_a_scene():
     assert commands(README)[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("page", "command"), [
     *((name_of(README), c) for c in commands(README) if c not in BY_CI),
     *(pytest.param(name_of(page), c, marks=pytest.mark.full) for page in PAGES for c in commands(page)),

@@ -60,6 +60,7 @@ def test_the_results_are_those_without_isolation(algorithm, degree):
         assert here[name].tobytes() == there[name].tobytes(), name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("in_process", [True, False])
 def test_a_wide_connection_and_an_fmu_lose_no_bit(in_process):
     """More numbers than a list carries go as arrays; a catalogue unit is an FMU in its worker or a component."""
@@ -320,6 +321,7 @@ def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
 
 
 @needs_proc
+@pytest.mark.full
 def test_repeated_runs_leave_no_files_threads_or_processes_behind(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
 

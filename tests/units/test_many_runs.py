@@ -80,6 +80,7 @@ def test_runs_of_an_fmu_made_with_pythonfmu():
     assert growth(scene, 100, 20) < 8_000.0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("parameters", "outcome"), [({"k": 0.0, "u": 1.0, "limit": 0.15}, "failed"), ({"end": 0.1}, "done")])
 def test_runs_that_fail_or_end_early_leave_nothing_either(parameters, outcome):
     scene = read_scene({"stop_time": 0.3, "units": {"f": {"fmu": exchange_fmu(), "parameters": parameters}},

@@ -44,6 +44,7 @@ def test_limits_meet_the_table_of_a_mass_on_a_spring_damper(share, degree):
     assert "grows" in found.seen
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_the_shipped_scene_meets_the_closed_form_over_its_map(degree):
     """At the corners of the map: damping from a twentieth to four fifths of the critical one."""

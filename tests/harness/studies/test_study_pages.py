@@ -109,6 +109,7 @@ def opened(path, folder):
     return done.stdout, re.findall(r"CONSOLE[^\"]*\"(.*)\", source", done.stderr), asked
 
 
+@pytest.mark.full
 @pytest.mark.skipif(BROWSER is None, reason="needs a browser")
 @pytest.mark.parametrize("make", PAGES, ids=lambda make: make.__name__)
 def test_a_page_opens(make, tmp_path):
