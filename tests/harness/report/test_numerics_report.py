@@ -128,7 +128,8 @@ def test_warnings_and_remarks_are_shown_apart(tmp_path):
     html = report.for_run(result, tmp_path, SYSTEMS).read_text(encoding="utf-8")
     assert re.search(r'class="text note"><p>a remark</p></div>', html)
     warned = re.search(r'class="text warning">(.*?)</div>', html, re.DOTALL)
-    assert warned and "<p>a warning</p>" in warned[1]
+    assert warned
+    assert "<p>a warning</p>" in warned[1]
 
 
 def test_lead_tells_of_controlled_steps():
