@@ -241,8 +241,8 @@ class Run:
         elif self.outcome == "done" and (coarse := too_coarse(resolved)):
             texts.append(f"{'; '.join(coarse)}. {self._remedy()}")
         ask, grows = worth_a_limit(resolved, self.coupling)
-        if self.outcome == "done" and ask:
-            texts += beyond_limit(self.scene, grows=grows)
+        if self.outcome == "done" and ask and (limits := beyond_limit(self.scene, grows=grows)):
+            texts = [*texts[:-1], ". ".join([*texts[-1:], *limits])]  # one warning: what was seen, and the limit
         return texts
 
 
