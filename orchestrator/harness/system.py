@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..settings import AnalysisKeys
@@ -37,11 +36,6 @@ class System:
     def figures(self) -> Callable[..., list[Block]]:
         """Blocks of a report: `figures(result, rows)`, for a run of the system and rows of a reference table, if any."""
         return import_module(".figures", self.package).blocks
-
-    @property
-    def folder(self) -> Path:
-        """Where its files lie."""
-        return Path(__file__).parents[1] / "systems" / self.name
 
 
 Systems = Mapping[str, System]  # by name
