@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...components.core.errors import BadInput
@@ -51,13 +51,6 @@ def setting_within(scene: Scene, tolerance: float, on_message: Callable[[str], N
     messages = (f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)}; "
                 f"{reasons['reason']}", f"  from: {front.origin}")
     return ChosenSetting(scene.with_changes(point.changes) if point.changes else scene, reasons, messages)
-
-
-def differences_to_finer(scene: Scene) -> Mapping[str, float]:
-    """Quantity -> share by which a run with half the macro step and half the internal steps differs."""
-    from ..harness.studies.fronts import verify
-
-    return verify(scene)
 
 
 def effects_within(scene: Scene, tolerance: float, on_message: Callable[[str], None]) -> ChosenEffects:

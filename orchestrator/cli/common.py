@@ -72,7 +72,6 @@ def listed(option: str, texts: Sequence[str]) -> list[str]:
 
 def switched_on(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
     """Changes of a scene that switch on effects, each given as "unit.effect"."""
-
     changes: dict[str, Any] = {}
     for text in listed("--effects", texts) if texts else []:
         unit, effect = scene.split(text)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..harness.studies.effects import Effects
 
 
-
 @app.command()
 def effects(
     scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],

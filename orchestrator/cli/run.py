@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...components.core.errors import BadInput
-from .choices import differences_to_finer, effects_within, setting_within, tolerance_of_effects
+from .choices import effects_within, setting_within, tolerance_of_effects
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
@@ -145,9 +145,10 @@ def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm
 
 def _verified(scene: Scene, tolerance: float) -> bool:
     """Print how far a finer run differs, quantity by quantity, and whether all stay within the tolerance."""
+    from ..harness.studies.fronts import verify
     from ..harness.studies.quantities import percent
 
-    differences = differences_to_finer(scene)
+    differences = verify(scene)
     print_table("against half the macro step and half the internal steps", ("quantity", "difference"),
                 [(name, percent(value)) for name, value in differences.items()])
     worst = max(differences.values())
