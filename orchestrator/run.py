@@ -232,17 +232,19 @@ class Run:
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
         texts += self.account.warnings() if self.account else []
         texts += [self.message] if self.outcome == "done" and self.message else []
+        of_step = []  # what the run shows of its macro step, and what a closed form says of it: one warning
         worst = max(errors, key=errors.__getitem__, default="")
         if worst and errors[worst] >= TOO_FAR:
             reason = self.master.delayed_feedthrough or (
                 "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")
-            texts.append(f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread "
-                         f"(rms): {reason}")
+            of_step.append(f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread "
+                           f"(rms): {reason}")
         elif self.outcome == "done" and (coarse := too_coarse(resolved)):
-            texts.append(f"{'; '.join(coarse)}. {self._remedy()}")
+            of_step.append(f"{'; '.join(coarse)}. {self._remedy()}")
         ask, grows = worth_a_limit(resolved, self.coupling)
-        if self.outcome == "done" and ask and (limits := beyond_limit(self.scene, grows=grows)):
-            texts = [*texts[:-1], ". ".join([*texts[-1:], *limits])]  # one warning: what was seen, and the limit
+        if self.outcome == "done" and ask:
+            of_step += beyond_limit(self.scene, grows=grows)
+        texts += [". ".join(of_step)] if of_step else []
         return texts
 
 

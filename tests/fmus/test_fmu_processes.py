@@ -94,7 +94,8 @@ kernels = [o for o in gc.get_objects() if type(o).__name__ == "CPUDispatcher" an
 bundle = next(m for m in sys.modules if m.startswith("bundle_") and m.endswith(".core.kernels"))
 print(*sys.modules[bundle].compiled_from_cache(*kernels))
 """
-    first, second = (run_script(script, pantograph, COSIMO_CACHE=tmp_path)[-1].split() for _ in range(2))
+    first, second = (run_script(script, pantograph, COSIMO_CACHE=tmp_path, NUMBA_CACHE_DIR=tmp_path)[-1].split()
+                     for _ in range(2))
 
     assert int(first[1]) > 0  # misses
     assert int(second[0]) > 0
