@@ -64,6 +64,9 @@ def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
         part = SceneSettings.model_validate(data).settings()
     except ValidationError as error:
         raise one_message(error, SceneSettings, path.stem) from None
+    for n, inside in part["units"].items():
+        if "parameters" in data["units"][n]:  # with their lists, whose shapes are checked where the FMU's are known
+            inside["parameters"] = dict(data["units"][n]["parameters"])
     for parameter, value in settings.parameters.items():
         inner = max((n for n in part["units"] if parameter.startswith(n + ".")), key=len, default=None)
         if inner is None:

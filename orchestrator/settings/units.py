@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .model import Model, Parameters, Positive
@@ -29,6 +29,25 @@ class UnitSettings(Model):
         default=None, description="of an FMU that has both; default: co-simulation where it has that")
     solver: str | None = Field(default=None, description="model-exchange only: CVode, or a method of scipy's solve_ivp")
     tolerance: Positive | None = Field(default=None, description="relative tolerance for the FMU's solver")
+
+    _shapes: dict[str, tuple[int, ...] | None] = PrivateAttr({})
+
+    @property
+    def shapes(self) -> Mapping[str, tuple[int, ...] | None]:
+        """Shapes of the lists among the parameters, by name; None: rows of different lengths."""
+        return self._shapes
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_shapes(cls, data: Any, handler: ModelWrapValidatorHandler[UnitSettings]) -> UnitSettings:
+        unit = handler(data)
+        if isinstance(data, Mapping) and isinstance(parameters := data.get("parameters"), Mapping):
+            unit._shapes = dict(_shapes(parameters))
+        return unit
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all settings are the same, however arrays were written."""
+        return isinstance(other, UnitSettings) and self.__dict__ == other.__dict__
 
     @field_validator("parameters", mode="before")
     @classmethod
@@ -78,6 +97,8 @@ def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str
         if isinstance(value, Mapping):
             yield from _flattened(value, f"{prefix}{key}.")
         elif isinstance(value, list | tuple):
+            if not value:
+                raise BadInput(prefix + key, "an empty list", "values", "Remove it.")
             yield from ((f"{prefix}{key}[{','.join(place)}]", v) for place, v in _elements(value))
         else:
             yield prefix + key, value
@@ -90,3 +111,20 @@ def _elements(values: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
             yield from _elements(value, (*place, str(i)))
         else:
             yield (*place, str(i)), value
+
+
+def _shapes(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, tuple[int, ...] | None]]:
+    """Names of the lists in nested tables, as `_flattened` has them, with their shapes."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _shapes(value, f"{prefix}{key}.")
+        elif isinstance(value, list | tuple):
+            yield prefix + key, _shape(value)
+
+
+def _shape(values: Any) -> tuple[int, ...] | None:
+    """Of nested lists, None where they are no array."""
+    if not isinstance(values, list | tuple):
+        return ()
+    inner = {_shape(v) for v in values}
+    return None if len(inner) != 1 or None in inner else (len(values), *(inner.pop() or ()))

@@ -19,7 +19,7 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
     if settings.fmu:
         description = read(settings.fmu, f"{where}.fmu").chosen(settings, where).sized(settings.parameters, where)
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}
-        given |= checked_values(description, settings.parameters, where)
+        given |= checked_values(description, settings, where)
         if description.exchange:
             from .model_exchange import Fmi2ModelExchange
 

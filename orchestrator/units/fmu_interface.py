@@ -29,7 +29,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
         if effect not in known:
             raise BadInput(f"{where}.effects", repr(effect), "an effect of the FMU", nearest(effect, known))
     off = [e for e in known if e not in settings.effects and not description.scalars[f"effects.{e}"].start]
-    checked_values(description, settings.parameters, where, off)
+    checked_values(description, settings, where, off)
     named = dict.fromkeys(settings.effects, "named in the scene")
     there = {n: s for n, s in description.scalars.items() if n.partition(".")[0] not in off}
     direct = {u.variable.name: u.dependencies for u in description.model.outputs}

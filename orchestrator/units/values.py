@@ -6,10 +6,13 @@ import ctypes
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...components.core.errors import BadInput, nearest
 from .description import Description, Scalar, is_companion
+
+if TYPE_CHECKING:
+    from ..settings import UnitSettings
 
 EXACT = 2**53  # whole numbers up to it travel as floats without loss
 SINGLE = 2.0**-24  # relative rounding to single precision
@@ -109,9 +112,18 @@ def signature(fmi3: bool) -> tuple[Any, ...]:
     return (pointer, size, pointer, size) if fmi3 else (pointer, size, pointer)
 
 
-def checked_values(description: Description, values: Mapping[str, Any], where: str, off: Sequence[str] = ()) -> dict[str, Any]:
-    """A scene's values as the FMU takes them: checked, members of enumerations as their number. `off`: effects not chosen."""
-    return {n: _checked_value(f"{where}.parameters", n, v, description.scalars, off) for n, v in values.items()}
+def checked_values(description: Description, settings: UnitSettings, where: str, off: Sequence[str] = ()) -> dict[str, Any]:
+    """A scene's values as the FMU takes them: checked, members of enumerations as their number. `off`: effects not chosen.
+
+    A list sets an array of FMI 3 as a whole: `BadInput` with both shapes where it has another one.
+    """
+    where = f"{where}.parameters"
+    for array, shape in settings.shapes.items():
+        elements = [n for n, s in description.scalars.items() if s.variable.dimensions and s.variable.name == array]
+        if elements and shape != tuple(map(int, _sizes(elements))):
+            given = "with rows of different lengths" if shape is None else f"of shape ({', '.join(map(str, shape))})"
+            raise _wrong_shape(where, array, f"a list {given}", elements)
+    return {n: _checked_value(where, n, v, description.scalars, off) for n, v in settings.parameters.items()}
 
 
 def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scalar], off: Sequence[str]) -> Any:
@@ -121,7 +133,7 @@ def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scal
         settable = [n for n, s in scalars.items() if s.variable.causality in ("parameter", "structuralParameter", "input")
                     and not n.startswith("effects.") and not is_companion(n, scalars)]
         if elements := [n for n in settable if n.partition("[")[0] == name.partition("[")[0] and scalars[n].size > 1]:
-            raise _wrong_shape(where, name, value, elements)
+            raise _wrong_shape(where, name, repr(value), elements)
         remedy = "List effects under effects = [...]." if name.startswith("effects.") else nearest(name, settable)
         raise BadInput(where, repr(name), "a parameter or an input of the FMU", remedy)
     if effect in off:
@@ -145,13 +157,17 @@ def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scal
     return value
 
 
-def _wrong_shape(where: str, name: str, value: Any, elements: Sequence[str]) -> BadInput:
-    """A value for an array as a whole, or for an element that it does not have."""
-    array, _, last = elements[-1].partition("[")
-    sizes = last[:-1].split(",")
+def _wrong_shape(where: str, name: str, actual: str, elements: Sequence[str]) -> BadInput:
+    """A value for an array as a whole, one for an element that it does not have, or a list of another shape."""
+    array, sizes = elements[0].partition("[")[0], _sizes(elements)
     nested = " of lists" * (len(sizes) - 1)
-    return BadInput(where, f"{name} = {value!r}", f"values of an array of shape ({', '.join(sizes)})",
+    return BadInput(where, f"{name} = {actual}", f"values of an array of shape ({', '.join(sizes)})",
                     f"Write {array} = [...], a list{nested}, or single elements such as {elements[0]!r}.")
+
+
+def _sizes(elements: Sequence[str]) -> list[str]:
+    """Of an array, from the indices of its last element."""
+    return elements[-1].rpartition("[")[2][:-1].split(",")
 
 
 def _bound(scalar: Scalar, end: str) -> float:
