@@ -17,7 +17,7 @@ Beside a contact the gap of two curved surfaces lets heat through as well. Where
 the squared semi-axes a² + 2 Ry g, b² + 2 Rx g is bridged; the gap from g to g + dg conducts 2 pi k sqrt(Rx Ry) dg / (g + c).
 The constriction from one such ellipse to the next is taken in series, the gap between them in parallel: a ladder.
 
-Source: the constriction is classical (Carslaw & Jaeger; Yovanovich); ball and ladder are derived here and held against finite
+Source: the constriction is classical (Carslaw & Jaeger; Yovanovich); ball and ladder are derived here and compared with finite
 volumes by the validation case thermal-scaling: the ladder's resistance is less than 10 % too high with air in the gap, and
 less than 15 % with oil. Contact and gap simply in parallel would be too low.
 """

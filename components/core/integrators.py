@@ -109,7 +109,7 @@ class OdeComponent(Component):
     def _initialize(self, t: float) -> int:
         self._substep = self.internal_step()
         if self._substep > (limit := self.stable_step()):
-            # with a unilateral contact the run would stay finite, and be wrong without a word
+            # with a unilateral contact the run would stay finite, and be wrong silently
             raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
                            "Reduce substep.")
         self.arguments = self.kernel_arguments()

@@ -12,7 +12,7 @@ import math
 
 from .kernels import kernel
 
-VERTICAL = math.cos(math.radians(89.9))  # cosine of the pitch above which roll and yaw are told apart
+VERTICAL = math.cos(math.radians(89.9))  # cosine of the pitch above which roll and yaw are determinate
 
 
 @kernel
@@ -48,10 +48,10 @@ def to_body(w, x, y, z, a, b, c):
 
 @kernel
 def angles(w, x, y, z, held_roll):
-    """(roll, pitch, yaw, told) of a quaternion, rad; `told` is 1.0 where roll and yaw can be told apart, else 0.0.
+    """(roll, pitch, yaw, told) of a quaternion, rad; `told` is 1.0 where roll and yaw are determinate, else 0.0.
 
     Within 0.1 degrees of the vertical they turn about the same axis, and only their sum or difference is a fact: there
-    roll is `held_roll`, such as the last one that could be told, and yaw takes the rest, so that neither jumps.
+    roll is `held_roll`, such as the last determinate one, and yaw takes the rest, so that neither jumps.
     """
     s = 1.0 / (w * w + x * x + y * y + z * z)
     side, down = 2.0 * s * (y * z + w * x), 1.0 - 2.0 * s * (x * x + y * y)

@@ -1,4 +1,4 @@
-"""Exact solutions of a servo motor with constant voltage and load: what simulations of it are held against."""
+"""Exact solutions of a servo motor with constant voltage and load: what simulations of it are compared with."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .servo_motor import ServoMotor
 
 
 class Steady(NamedTuple):
-    """What a motor settles at: rate of the wheel, rad/s, and current, A."""
+    """The steady state of a motor: rate of the wheel, rad/s, and current, A."""
 
     rate: float
     current: float

@@ -1,4 +1,4 @@
-"""Exact solutions of wheels that slide on a sleeve: what simulations of them are held against.
+"""Exact solutions of wheels that slide on a sleeve: what simulations of them are compared with.
 
 All are ours, from the planar law of Coulomb for two contacts of equal preload; none is published with the drive.
 """

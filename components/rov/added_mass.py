@@ -13,8 +13,8 @@ class AddedMassForce(StatelessComponent):
     """Force of the water on an accelerated hull, f = -M_A nu', without a state of its own.
 
     A demonstrator. Added mass belongs into the hull's inertia, as `RovHull` has it. Exchanged as a force it closes a loop
-    without a state: told once a step, it answers the acceleration before, a(k+1) = (F - m_A a(k)) / m, which grows with any
-    step where m_A > m, as in sway and heave of published vehicles. Iterated with relaxation below 2 / (1 + m_A / m) it settles.
+    without a state: given once a step, it answers the acceleration before, a(k+1) = (F - m_A a(k)) / m, which grows with any
+    step where m_A > m, as in sway and heave of published vehicles. Iterated with relaxation below 2 / (1 + m_A / m) it converges.
     Coriolis forces of the water are not in it. Defaults: added mass of a BlueROV2 after Wu (2018), as `RovHull`.
     """
 

@@ -92,7 +92,7 @@ HARD_CASES = {
                  Refused("thrust power"), ("propeller",), {"propeller.torque_bollard": 0.01}),
     ),
     "WaterCurrent": (
-        HardCase("a gust of a millisecond", "5 m/s and back within four steps: what is said is that of the instant.",
+        HardCase("a gust of a millisecond", "5 m/s and back within four steps: the value is that of the instant.",
                  (AtMost("velocity_north", 5.3), Ends("velocity_north", 0.0, value=0.3)), ("gust",),
                  {"gust.amplitude": 5.0, "gust.start_time": 0.05, "gust.duration": 1e-3}, duration=0.1, step=2.5e-4),
         HardCase("a tide over ten years", "Its phase after 7000 turns: sums of times that are rounded once.",

@@ -211,7 +211,7 @@ class RovHull(OdeComponent):
     roll = output("rad", "roll, in (-pi, pi]")
     pitch = output("rad", "pitch, positive bow up, in [-pi/2, pi/2]")
     yaw = output("rad", "yaw, in (-pi, pi]")
-    attitude_valid = output("1", "1 where roll and yaw can be told apart, 0 within 0.1 degrees of the vertical")
+    attitude_valid = output("1", "1 where roll and yaw are determinate, 0 within 0.1 degrees of the vertical")
     axial_speed = output("m/s", "speed of the hull at the thruster, along its direction, through the water", size=6,
                          feedthrough=FLOW)
 

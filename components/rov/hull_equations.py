@@ -141,7 +141,7 @@ def hull_outputs(t, x, u, y, h, e):
 
 @kernel
 def steady_outputs(t, x, u, y, h, e):
-    """End of a step: the quaternion back to norm 1, the roll that could be told is kept; then the outputs."""
+    """End of a step: the quaternion back to norm 1, the roll that was last determinate is kept; then the outputs."""
     norm = np.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
     for n in range(3, 7):
         x[n] /= norm

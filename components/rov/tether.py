@@ -13,7 +13,7 @@ from ..core.kernels import bind, kernel
 from ..core.variables import input_, integer, output, parameter
 from .tether_statics import hanging_chain
 
-FASTEST = 2.0  # m/s through the water, up to which the stable step is told
+FASTEST = 2.0  # m/s through the water, up to which the stable step holds
 
 
 class InternalDamping(Effect):

@@ -97,7 +97,7 @@ class Inductance(Effect):
 
 
 class Status(Effect):
-    """A line that tells a controller that the thruster is there; a fault of a scene may override it, as the failure told."""
+    """A line that tells a controller that the thruster is there; a fault of a scene may override it, as the failure report."""
 
     explicit_only = True
 

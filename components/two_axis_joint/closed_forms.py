@@ -1,4 +1,4 @@
-"""Exact solutions of the two-axis joint and the two-link chain: what a simulation of them is held against.
+"""Exact solutions of the two-axis joint and the two-link chain: what a simulation of them is compared with.
 
 Chain: its small motion, M a + D w + K th = 0 in the absolute angles, with the quartic of its eigenvalues, and its exact solution
 where damping decouples in the modes of the undamped chain. By Caughey and O'Kelly (ASME J. Appl. Mech. 32, 1965, 583-588) that

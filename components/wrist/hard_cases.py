@@ -65,7 +65,7 @@ HARD_CASES = {
         HardCase("lengths that close nowhere", "One link is longer than all others together.",
                  Refused("longest link", accepted={"ground": 0.059}), (),
                  {"crank": 0.02, "coupler": 0.02, "rocker": 0.02, "ground": 0.07}, {"input_angle": 0.1}),
-        HardCase("a change point without a word", "It is not known how it goes on.",
+        HardCase("an unresolved change point", "It is not known how it goes on.",
                  Refused("change point at the crank angle", accepted={"rocker": 0.021}), (), PARALLELOGRAM, {"input_angle": 1.0}),
     ),
     "ForearmTendons": (

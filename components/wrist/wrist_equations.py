@@ -17,7 +17,7 @@ from .ligament_springs import COUNT, Ligaments, bundle_pull, write_bundle
 Q1, Q2, RATE_1, RATE_2 = range(4)
 TAU_FLEXION, TAU_DEVIATION, PROXIMAL_TORQUE, DISTAL_TORQUE = range(4)
 TENDONS = 4
-UPRIGHT = 0.05  # cosine of a deviation at which flexion and roll are hardly told apart
+UPRIGHT = 0.05  # cosine of a deviation at which flexion and roll are hardly distinct
 FARTHEST = 3.0  # rad of flexion
 
 

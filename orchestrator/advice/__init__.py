@@ -1,4 +1,4 @@
-"""What a run will need, told before it is made: `cosimo run --dry-run`."""
+"""What a run will need, before it is started: `cosimo run --dry-run`."""
 
 from .probing import Advice, Contact, advise
 

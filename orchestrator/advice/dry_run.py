@@ -1,4 +1,4 @@
-"""What `cosimo run --dry-run` tells of a scene: how it is settled, how long its step may be, and what a run will cost."""
+"""What `cosimo run --dry-run` shows of a scene: how it is resolved, how long its step may be, and what a run will cost."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
 
 
 def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
-    """What is said in one line each."""
+    """The remarks, one line each."""
     master = scene.master
     circles = [", ".join(group) for group in coupling.groups if len(group) > 1]
     yield f"units that feed one another: {'; '.join(circles) or 'none'}"

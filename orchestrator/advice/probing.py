@@ -7,7 +7,7 @@ which are then taken back. What answers with the square of the time is a mass. W
 such as a long wire, or a velocity. Several forces and motions are taken apart into the modes of the pair.
 
 What damps a pair beside its contact is not seen: a step somewhat above the limit may do. How much damping the coupling takes
-away at the scene's step is therefore told as well.
+away at the scene's step is therefore reported as well.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ COARSE = 0.23  # and from which any is: 13 steps of linear extrapolation in a pe
 JUMP = 1e3  # largest error of an extrapolation over that of the step before: no coupling grows so fast, a set point jumps so
 AT_REST = 1e6  # growth from which a signal stood still before its last part
 GROWING = 1.5  # of the second differences, in the last part of a run
-FEWEST = 3  # second differences of which something can be said
+FEWEST = 3  # second differences from which a rate can be estimated
 
 
 @dataclass(frozen=True)

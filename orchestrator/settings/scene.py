@@ -79,7 +79,7 @@ class SceneSettings(Model):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the scene's file said in vain: parameters that fit nothing, a step that had to be chosen ..."""
+        """What in the scene's file has no effect: parameters that fit nothing, a step that had to be chosen ..."""
         return self._remarks
 
     @property

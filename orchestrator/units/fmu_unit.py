@@ -45,7 +45,7 @@ class FmuUnit:
     kind = "FMU"
     prefix = ""
     event: float | None = None
-    next_event = float("inf")  # s, where the FMU wants to be told of an event
+    next_event = float("inf")  # s, where the FMU asks for an event
 
     def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None = None,
                  twin: Component | None = None):
@@ -56,7 +56,7 @@ class FmuUnit:
         self._initializing = self._started = False
         self._ended: float | None = None  # s, where the FMU ended the simulation
         self._step_end = 0.0  # s, of the present step
-        self._forget = 1  # what a step is told: no earlier state will come back
+        self._forget = 1  # argument of a step: no earlier state will come back
         self._last_held: list[Any] | None = None  # values and texts that the FMU has
         self._last_texts: list[str] | None = None
         self._usable = self._healthy = False  # whether the instance may be touched, and whether all its calls went well

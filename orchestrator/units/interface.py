@@ -54,7 +54,7 @@ class Interface:
     packs_state: bool = True  # and a saved state can be written to a file: `pack`, `unpack`
     gives_jacobian: bool = False  # `jacobian` is offered
     fixed_step: float = 0.0  # s, that every communication step must be a multiple of; 0: free
-    may_return_early: bool = False  # events inside a step are told by `event`
+    may_return_early: bool = False  # events inside a step are reported by `event`
     recordable: Mapping[str, Signal] = field(default_factory=dict)  # what is no output and may be recorded by its name
     arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of outputs that are arrays of FMI 3
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are

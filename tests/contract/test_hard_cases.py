@@ -148,7 +148,7 @@ def test_slack_droppers_around_a_large_force_settle(force):
     catenary.set("contact_force", force)
     slackest = 0
     for k in range(500):
-        catenary.step(k * 1e-3, 1e-3)  # raises StepFailed where the set does not settle
+        catenary.step(k * 1e-3, 1e-3)  # raises StepFailed where the set does not converge
         d = catenary.mesh.dropper.size
         slackest = max(slackest, d - int(catenary.x[catenary.x.size - d :].sum()))  # the state ends with which are taut
     assert slackest >= 5

@@ -127,7 +127,7 @@ def test_initial_values_that_do_not_settle_are_reported_with_what_is_left():
     result = run(read_scene({**PROBE, "units": {"p": PROBE["units"]["p"], "q": PROBE["units"]["p"]},
                              "connections": ["p.profile[1] -> q.length", back]}))
     assert result.outcome == "failed"
-    assert "did not settle in 30 sweeps" in result.message
+    assert "did not converge in 30 sweeps" in result.message
     assert "no common equilibrium" in result.message
     assert result.info["counters"]["master"]["initial_residual"] > 1e-3
     assert result.time.size == 0

@@ -21,7 +21,7 @@ __all__ = ["ALGORITHMS", "Master", "master_of"]
 
 
 def master_of(scene: SceneSettings, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = ()) -> Master:
-    """The master that a scene asks for, with its settled coupling; `watched`: outputs to read in every step in any case."""
+    """The master that a scene asks for, with its resolved coupling; `watched`: outputs to read in every step in any case."""
     given = scene.master
     own: dict[str, Any] = {"iteration": given.iteration} if given.algorithm == "iterative" else {}
     return ALGORITHMS[given.algorithm](

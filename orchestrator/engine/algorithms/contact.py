@@ -2,7 +2,7 @@
 
 The law is at home here, so that all algorithms can step a scene with contacts. What the interface model asks for besides:
 `predict` integrates the reduced bodies over the coming step with the other forces on them extrapolated, `correct` does so again
-with what the leader has told by its answer. The other forces are learnt from what the bodies did with the known impulses.
+with what the leader's answer shows. The other forces are estimated from what the bodies did with the known impulses.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Consistent initial values: groups of units that feed one another, each behind those that feed it.
 
 A group of one unit has its inputs and is initialized once. In a larger one the units are initialized one after the other until
-their outputs stop changing. Where these sweeps do not settle, a quasi-Newton method goes on from their best result: it takes
+their outputs stop changing. Where these sweeps do not converge, a quasi-Newton method goes on from their best result: it takes
 the outputs that a sweep begins with as unknowns, and learns from all its earlier answers (Anderson's method with full
 memory; for a linear group of n unknowns n + 2 of its steps are enough but for rounding, up to a gain of a sweep of about 1e6).
 """
@@ -102,13 +102,13 @@ class Group:
             misses.append((answer - x)[self._unknown])
             x = answer + _foretold(answers, misses, np.maximum(np.abs(answer), self._least)[self._unknown])
         self._check(self._t)
-        raise self._not_settled(residual, sweeps, k, _parallel([answer[self._unknown] for answer in answers], misses))
+        raise self._not_converged(residual, sweeps, k, _parallel([answer[self._unknown] for answer in answers], misses))
 
-    def _not_settled(self, residual: float, sweeps: int, secants: int, parallel: bool) -> StepFailed:
+    def _not_converged(self, residual: float, sweeps: int, secants: int, parallel: bool) -> StepFailed:
         unit, name = self._ends[int(np.argmax(self._changes))]
         returned = ", and what goes round comes back as it went: they have no common equilibrium, or many" if parallel else ""
-        return StepFailed(unit, self._t, f"the initial values of {', '.join(self._names)} did not settle in {sweeps} sweeps and "
-                          f"{secants} quasi-Newton steps; {name} still changes by {residual:.2g} of its value{returned}",
+        return StepFailed(unit, self._t, f"the initial values of {', '.join(self._names)} did not converge in {sweeps} sweeps "
+                          f"and {secants} quasi-Newton steps; {name} still changes by {residual:.2g} of its value{returned}",
                           "Give parameters closer to a common equilibrium")
 
     def _sweep(self) -> None:

@@ -59,7 +59,7 @@ class Iterative(Master):
         chains = [StronglyConnectedGroup([nodes[name] for name in names], self.signals, self.positions, coupling.interfaces)
                   for names in runs if names]
         self._chains = [(chain, accelerated(self.iteration.method, chain.derivatives)) for chain in chains]
-        self.iterations = self.restores = self.unsettled = 0
+        self.iterations = self.restores = self.unconverged = 0
         self.worst = 0.0  # largest miss that was left, relative
 
     def step(self, t: float, h: float) -> None:
@@ -95,37 +95,37 @@ class Iterative(Master):
             count += 1
         self.iterations += count
         if missed > given.tolerance:
-            self._not_settled(missed, worst, count, t)
+            self._not_converged(missed, worst, count, t)
 
-    def _not_settled(self, missed: float, worst: Endpoint, count: int, t: float) -> None:
+    def _not_converged(self, missed: float, worst: Endpoint, count: int, t: float) -> None:
         if self.iteration.not_converged == "stop" or missed == inf:
-            raise StepFailed(worst[0], t, f"the step did not settle in {count} iterations; {worst[1]} still misses by "
+            raise StepFailed(worst[0], t, f"the step did not converge in {count} iterations; {worst[1]} still misses by "
                                           f"{missed:.2g} of its size, where {self.iteration.tolerance:g} is allowed",
                              "Reduce the macro step, or take another master.iteration.method")
-        self.unsettled += 1
+        self.unconverged += 1
         self.worst = max(self.worst, missed)
 
     def counters(self) -> dict[str, Any]:
         more: dict[str, float] = {"iterations": self.iterations, "restores": self.restores}
         if self.iteration.not_converged == "warn":
-            more |= {"unsettled_steps": self.unsettled, "worst_miss": self.worst}
+            more |= {"unconverged_steps": self.unconverged, "worst_miss": self.worst}
         return super().counters() | more
 
     def warnings(self) -> list[str]:
-        if not self.unsettled:
+        if not self.unconverged:
             return []
-        return [f"{self.unsettled} of {self.steps} steps did not settle in {self.iteration.max_iterations} iterations; the "
+        return [f"{self.unconverged} of {self.steps} steps did not converge in {self.iteration.max_iterations} iterations; the "
                 f"largest miss of a coupled signal was {self.worst:.2g} of its size. Reduce master.step, or take another "
                 "master.iteration.method"]
 
     def save(self, reuse: Saved | None = None) -> SavedIterative:
         saved = super().save(reuse)
         memories = [method.memory for _, method in self._chains]
-        return SavedIterative(**vars(saved), memories=memories, missed=(self.unsettled, self.worst))
+        return SavedIterative(**vars(saved), memories=memories, missed=(self.unconverged, self.worst))
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
         if isinstance(saved, SavedIterative):
-            self.unsettled, self.worst = saved.missed
+            self.unconverged, self.worst = saved.missed
             for (_, method), memory in zip(self._chains, saved.memories, strict=True):
                 method.memory = memory

@@ -157,7 +157,7 @@ class Master:
         return links
 
     def initialize(self, t: float) -> None:
-        """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not settle."""
+        """Initialize the groups of the graph, those that feed others first; raises `StepFailed` where values do not converge."""
         signals, inputs = self.signals, self.coupling.interfaces
         nodes = {node.unit.name: node for node in self.nodes}
         for node in self.nodes:  # a source that has not been initialized yet stands at the start value of the input it feeds

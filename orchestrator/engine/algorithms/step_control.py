@@ -21,7 +21,7 @@ SAFETY = 0.9  # of the step that would just meet the tolerance
 SHRINK, GROW = 0.2, 2.0  # limits of one change
 HOLD_BELOW, HOLD_ABOVE = 0.8, 1.5  # of the present step: a wish between them leaves it as it is
 INTEGRAL, PROPORTIONAL = 0.3, 0.4  # gains of the controller, over the order: Soederlind's PI.3.4 (ACM TOMS 29, 2003)
-NEGLIGIBLE = 1e-9  # an error that is not told from none
+NEGLIGIBLE = 1e-9  # an error that cannot be distinguished from none
 LED = 0.1  # of the predictor's miss: an input that ended nearer to its value was led there
 
 
@@ -36,7 +36,7 @@ class Estimate(Protocol):
 
 
 class Milne:
-    """From what predictors of the inputs said and what the inputs became; needs nothing of the units.
+    """From what predictors of the inputs gave and what the inputs became; needs nothing of the units.
 
     With inputs of degree p, the predictor is the polynomial through the p + 1 last samples; it misses the value at the end of
     the step by C_p H^(p+1). The input the unit was given errs by a known share of that, on average over the step: by 1/2, 5/12,

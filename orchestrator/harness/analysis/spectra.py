@@ -128,7 +128,7 @@ class Track:
 
 
 def unwrapped(angle: np.ndarray) -> np.ndarray:
-    """An angle (n,) rad that was recorded within one turn, without its jumps; refused where its direction cannot be told."""
+    """An angle (n,) rad that was recorded within one turn, without its jumps; refused where its direction is ambiguous."""
     steps = np.abs((np.diff(angle) + np.pi) % TURN - np.pi)
     if steps.size and steps.max() > 0.9 * np.pi:
         actual = f"{np.degrees(steps.max()):.0f}° between two samples"

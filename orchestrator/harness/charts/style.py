@@ -132,7 +132,7 @@ def rectangle(
 
 
 def label(text: str, x: float, y: float, **more: Any) -> dict[str, Any]:
-    """A small text in a figure, in the figure's own coordinates unless told otherwise."""
+    """A small text in a figure, in the figure's own coordinates unless given otherwise."""
     size = {"size": 11, "color": MUTED}
     return {"text": text, "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "font": size} | more
 

@@ -53,7 +53,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
-    """The figures of the scene's system; where its [analysis] asks for what the run does not have, that is said instead.
+    """The figures of the scene's system; where its [analysis] asks for what the run does not have, a line says so instead.
 
     A run that failed has them as far as it went, if it made a step.
     """

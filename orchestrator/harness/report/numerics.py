@@ -77,7 +77,7 @@ def _times(count: int) -> str:
 
 
 def _initial_values(group: Mapping[str, Any]) -> str:
-    text = f"settled in {_counted(group['sweeps'], 'sweep')}"
+    text = f"converged in {_counted(group['sweeps'], 'sweep')}"
     if group["secants"]:
         text += f" and {_counted(group['secants'], 'quasi-Newton step')}"
     return f"{text}; relative change in the last one {group['residual']:.2g}"
@@ -108,8 +108,9 @@ def _iterations(result: Result, counts: Mapping[str, Any]) -> str:
         text += f" in {_counted(steps, 'step')}, {count / steps:.3g} a step"
         text += ", those of rejected steps among them" if "stepping" in result.info["counters"] else ""
     tolerance = (result.scene.master.iteration or IterationSettings()).tolerance
-    if counts.get("unsettled_steps"):
-        return f"{text}; {_counted(counts['unsettled_steps'], 'step')} did not settle, worst residual {counts['worst_miss']:.2g}"
+    if counts.get("unconverged_steps"):
+        missed = _counted(counts["unconverged_steps"], "step")
+        return f"{text}; {missed} did not converge, worst residual {counts['worst_miss']:.2g}"
     return f"{text}; residual in every step that was kept at most {tolerance:g}, the tolerance"
 
 

@@ -28,7 +28,7 @@ class Verdict:
 
     reached, limit: how much of what was allowed; NaN for a refusal.  margin: limit over reached, infinite where nothing was
     reached; of a refusal the factor between what is refused and what is accepted, NaN where no number says it.
-    said: the message of a refusal or of what went wrong.
+    message: the message of a refusal or of what went wrong.
     """
 
     component: str
@@ -62,7 +62,7 @@ class HardCases:
 
     def save(self, directory: str | Path) -> Path:
         """Write stability.csv: one row for each claim."""
-        header = ["component", "case", "claim", "reached", "limit", "margin, 1", "holds", "said"]
+        header = ["component", "case", "claim", "reached", "limit", "margin, 1", "holds", "message"]
         return write_table(directory, "stability.csv", header, [
             (v.component, v.case.name, v.claim, v.reached, v.limit, v.margin, int(v.holds), v.message) for v in self.verdicts])
 

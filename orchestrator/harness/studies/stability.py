@@ -134,7 +134,7 @@ def _own(scene: Scene, steps: int) -> Own:
         try:
             return Disturbed(_with(scene, ("gauss-seidel", 2)), stack).own(step / FINE, AHEAD * steps * step)
         except (BadInput, StepFailed):
-            return Own(np.zeros(0), step)  # what cannot start is said with each scheme
+            return Own(np.zeros(0), step)  # what cannot start is listed with each scheme
 
 
 def _remarks(scene: Scene, own: Own) -> Iterator[str]:

@@ -40,7 +40,7 @@ class Connector:
 class Connection:
     """One connection between connectors of the elements of a system, or of the system itself (element "")."""
 
-    ends: tuple[tuple[str, str], tuple[str, str]]  # (element, connector); which of them gives is told by their kinds
+    ends: tuple[tuple[str, str], tuple[str, str]]  # (element, connector); which of them gives follows from their kinds
     transformation: Transformation
     suppress: bool  # no conversion of units of measure
     where: str

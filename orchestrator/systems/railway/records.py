@@ -30,7 +30,7 @@ class Passage:
 
 
 def parameters(scene: Scene, unit: str) -> dict[str, Any]:
-    """All settled parameters of a unit that is a component of the catalogue."""
+    """All resolved parameters of a unit that is a component of the catalogue."""
     given = scene.units[unit]
     return component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
 

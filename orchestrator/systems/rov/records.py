@@ -36,7 +36,7 @@ class Vehicle:
 
     position: (3, n) north, east, down, m.  axes: (3, 3, n), column j the body's axis j in north, east, down; None where the
     quaternion was not recorded.  signals: angles, speeds, rates, accelerations by name, in SI units; angles are NaN where roll
-    and yaw cannot be told.  thrusts: number of the thruster -> (n,) as the hull receives it, N; commands: likewise.
+    and yaw are ambiguous.  thrusts: number of the thruster -> (n,) as the hull receives it, N; commands: likewise.
     errors, scale: what its controller tells.  water: velocity of the water, north, east, down, m/s, those that were recorded
     where they come from.  constants: what the equations keep, by name: (k, n).
     """

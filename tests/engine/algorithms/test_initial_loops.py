@@ -109,6 +109,6 @@ def test_a_circle_without_an_answer_names_its_signals(gain, offset):
     scene["units"]["g1"]["parameters"] = {"a": 1.0}
     result = run(read_scene(scene))
     assert result.outcome == "failed"
-    for part in ("g0", "g1", "did not settle", "y still changes by", "no common equilibrium, or many"):
+    for part in ("g0", "g1", "did not converge", "y still changes by", "no common equilibrium, or many"):
         assert part in result.message
     assert result.info["initial_values"][-1]["residual"] > 1e-9

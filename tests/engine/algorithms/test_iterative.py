@@ -1,4 +1,4 @@
-"""Iteration by circles: what is repeated and what is not, how often, and what is said where it does not settle."""
+"""Iteration by circles: what is repeated and what is not, how often, and what is said where it does not converge."""
 
 from dataclasses import replace
 
@@ -127,7 +127,7 @@ def test_what_does_not_settle_stops_the_run_and_says_what_is_missed():
     iteration = {"method": "aitken", "max_iterations": 2}
     result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     assert result.outcome == "failed"
-    assert "did not settle in 2 iterations" in result.message
+    assert "did not converge in 2 iterations" in result.message
     assert "where 1e-08 is allowed" in result.message
     assert result.time.tolist() == [0.0]
 
@@ -137,10 +137,10 @@ def test_what_does_not_settle_is_counted_where_the_scene_allows_it():
     result = run(read_scene(LIM.scene("DD", 1e-2, algorithm="iterative", iteration=iteration)))
     assert result.outcome == "done"
     found = counters(result)["master"]
-    assert 0 < found["unsettled_steps"] <= 100
+    assert 0 < found["unconverged_steps"] <= 100
     assert found["worst_miss"] > 1e-8
     (warning,) = result.info["warnings"]
-    assert f"{found['unsettled_steps']} of 100 steps did not settle in 3 iterations" in warning
+    assert f"{found['unconverged_steps']} of 100 steps did not converge in 3 iterations" in warning
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -152,7 +152,7 @@ def test_a_circle_that_gives_back_more_than_it_gets_is_said(method):
     result = run(read_scene(scene))
     assert result.outcome == "failed"
     assert result.time.tolist() == [0.0]
-    assert "did not settle" in result.message or "gives back what it gets" in result.message
+    assert "did not converge" in result.message or "gives back what it gets" in result.message
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -180,7 +180,7 @@ def test_a_resumed_run_is_the_same_to_the_last_bit(tmp_path, method):
     rest = run(scene, resume=tmp_path / "there")
     for name, column in whole.columns.items():
         assert rest[name].tobytes() == column.tobytes()
-    for key in ("steps", *(("unsettled_steps", "worst_miss") if method == "aitken" else ())):
+    for key in ("steps", *(("unconverged_steps", "worst_miss") if method == "aitken" else ())):
         assert counters(rest)["master"][key] == counters(whole)["master"][key]
 
 

@@ -94,9 +94,9 @@ def test_iterations_are_told_a_step_with_the_worst_residual():
     hasty = {"method": "aitken", "tolerance": 1e-9, "max_iterations": 2, "not_converged": "warn"}
     result = run(read_scene(two_masses() | {"master": master | {"step": 0.1, "iteration": hasty}}), in_process=True)
     counters = result.info["counters"]["master"]
-    assert counters["unsettled_steps"] > 0
+    assert counters["unconverged_steps"] > 0
     assert facts(result)["iterations"].endswith(
-        f"{counters['unsettled_steps']} steps did not settle, worst residual {counters['worst_miss']:.2g}")
+        f"{counters['unconverged_steps']} steps did not converge, worst residual {counters['worst_miss']:.2g}")
 
 
 def test_initial_values_and_checkpoints_and_the_resumption_are_facts(tmp_path):
@@ -104,7 +104,7 @@ def test_initial_values_and_checkpoints_and_the_resumption_are_facts(tmp_path):
     first = run(scene, in_process=True, checkpoint_every=0.4, checkpoint_to=tmp_path / "checkpoint")
     found = facts(first)
     (group,) = first.info["initial_values"]
-    assert found["initial values of " + ", ".join(group["units"])].startswith(f"settled in {group['sweeps']} sweeps")
+    assert found["initial values of " + ", ".join(group["units"])].startswith(f"converged in {group['sweeps']} sweeps")
     assert found["checkpoints"] == "every 0.4 s to checkpoint: 2 written, the last at 0.8 s"
     assert "resumed" not in found
     again = run(scene, in_process=True, resume=tmp_path / "checkpoint")

@@ -37,7 +37,7 @@ def test_moves_have_their_times_and_errors():
     assert moves(drive, {"feed": 1e-4, "rotation": 5e-3})[1].settling_time is None
 
 
-def test_an_overshoot_that_stays_is_not_settled():
+def test_an_overshoot_that_stays_is_not_converged():
     feed = moves(drives(drive_run(overshoot=0.1))[0])[0]
     assert feed.overshoot == pytest.approx(0.1 * STEP, rel=1e-6)
     assert feed.settling_time is None

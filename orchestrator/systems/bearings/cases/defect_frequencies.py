@@ -161,7 +161,7 @@ CASE = Case(
     "Reads the lines of pits in the outer race, in the inner race and on a ball off the envelope spectrum of the simulated "
     "acceleration, and holds them against published multiples of the shaft's speed. It shows that angles, rolling without slip "
     "and the passing of the pits are right, and that a line is the pit's and not that of the varying compliance; amplitudes are "
-    "held against an independent integration of the same equations only.",
+    "compared with an independent integration of the same equations only.",
     "bearings",
     findings,
 )

@@ -58,7 +58,7 @@ def findings(options: Options) -> Findings:
     rows = compare(load_table("lyapunov-sum").rows, measured)
     return Findings(rows, charts=(_chart(by_gap), _diagram(by_gap)), notes=(
         "Between order and chaos, around 20 um, the largest exponent depends on the length of the run and on the start: no "
-        "number of it is held against anything.",
+        "number of it is compared with anything.",
     ))  # fmt: skip
 
 
@@ -84,7 +84,7 @@ CASE = Case(
     "lyapunov-sum",
     "Lyapunov exponents of a ball bearing",
     "Computes the four exponents of the ball bearing's motion. Their sum is known exactly and tests integration and method "
-    "together, in chaos as well; their sign is held against an independent computation at small clearance and at 30 um, where "
+    "together, in chaos as well; their sign is compared with an independent computation at small clearance and at 30 um, where "
     "it is beyond doubt. Single chaotic trajectories are not compared: nobody can.",
     "bearings",
     findings,

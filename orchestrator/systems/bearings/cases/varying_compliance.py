@@ -164,7 +164,7 @@ CASE = Case(
     "Varying compliance of a ball bearing",
     "Holds the static deflection, the resonances that the passing balls excite and the motion over the clearance against an "
     "independent solution of the same equations. It shows that contact law, geometry and integration are right for a bearing "
-    "without faults; the parameters are a recalled set, so that nothing is said about a bearing that was measured.",
+    "without faults; the parameters are a recalled set, so that it says nothing about any measured bearing.",
     "bearings",
     findings,
 )

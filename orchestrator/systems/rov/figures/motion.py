@@ -71,7 +71,7 @@ def attitude_chart(vehicles: Sequence[Vehicle]) -> Chart | None:
         series = tuple(Series(called(vehicles, v, name), v.time, unbroken(v.signals[name])) for v in having)
         panels += [Panel(f"{name}, degrees", series)] if series else []
     gaps = any(np.isnan(v.signals[n]).any() for v in vehicles for n in ("roll", "yaw") if n in v.signals)
-    text = "Gaps in roll and yaw: the bow points up or down, and the two cannot be told apart." if gaps else ""
+    text = "Gaps in roll and yaw: the bow points up or down, where the two are ambiguous." if gaps else ""
     return Chart("Depth and attitude", "time, s", tuple(panels), text, height=150)
 
 

@@ -86,7 +86,7 @@ def phase_chart(record: JointRecord, begin: float, who: str = "") -> Chart | Non
 
 
 def section_chart(sections: Sequence[tuple[str, Axis]], who: str = "") -> Chart | None:
-    """Poincaré sections: an axis at the instants that are said; None where those are too few."""
+    """Poincaré sections: an axis at the given instants; None where those are too few."""
     panels, counts = [], []
     for when, axis in sections:
         if axis.angle.size >= LEAST:

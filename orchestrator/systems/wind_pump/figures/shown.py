@@ -65,7 +65,7 @@ class Shown:
 
     @property
     def averaged(self) -> str:
-        """What is to be said about the means; "" without."""
+        """A remark on the means; "" without."""
         return f"Moving means over {self.average:g} s." if self.average else ""
 
 
