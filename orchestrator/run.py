@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter, process_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..components.core.errors import StepFailed
 from .advice.limits import beyond_limit, remedy
@@ -31,16 +31,20 @@ from .units import Unit
 from .units.component import ComponentUnit
 from .units.interface import SimulationEnded
 
+if TYPE_CHECKING:
+    from .units.native import NativeFmu
+
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 
-def run(scene: Scene, *, in_process: bool = False, progress: bool = False, checkpoint_every: float | None = None,
-        checkpoint_to: str | Path | None = None, resume: str | Path | None = None,
-        rescue_to: str | Path | None = None) -> Result:
+def run(scene: Scene, *, in_process: bool = False, native: bool = False, progress: bool = False,
+        checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None,
+        resume: str | Path | None = None, rescue_to: str | Path | None = None) -> Result:
     """Simulate a scene from 0 to its stop_time.
 
-    Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. A step that
-    fails and Ctrl-C give a partial result with outcome "failed"; raises `BadInput` for what cannot start.
+    Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
+    run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails and Ctrl-C give a
+    partial result with outcome "failed"; raises `BadInput` for what cannot start.
 
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
     multiple of it, and by Ctrl-C. `resume`: such a file, from which the run goes on. What it recorded before is in the result,
@@ -48,7 +52,7 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
     `rescue_to`: a directory, in which the partial result is saved where an FMU ends this process; the exit code is 3 then.
     """
     with ExitStack() as stack:
-        current = Run(scene, stack, in_process=in_process, progress=progress)
+        current = Run(scene, stack, in_process=in_process, native=native, progress=progress)
         current.rescue_to = rescue_to
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
@@ -61,8 +65,8 @@ def run(scene: Scene, *, in_process: bool = False, progress: bool = False, check
 class Run:
     """One run of a scene, from `prepare` over `observe` and `execute` to `conclude`; `stack` closes what it opens."""
 
-    def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, progress: bool):
-        self.scene, self.stack, self.in_process, self.progress = scene, stack, in_process, progress
+    def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool):
+        self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.started = perf_counter()
         self.compiling = stack.enter_context(CompileTime(announce=progress))
         self.coupling: Coupling = scene.coupling
@@ -76,7 +80,7 @@ class Run:
         scene, coupling, stack = self.scene, self.coupling, self.stack
         intervals = filter(None, (scene.record.interval, scene.record.snapshot_interval))
         self.clock = clock_for(scene, coupling, *intervals, *edges(scene.faults))
-        units = open_units(scene, stack, self.in_process, self._rescue)
+        units = open_units(scene, stack, self.in_process, self._rescue, self._native_fmus())
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
         self.units, self._losable, meters = _wrapped(units, scene, coupling)
@@ -91,6 +95,13 @@ class Run:
         warnings.simplefilter("always", UserWarning)
         self.faults = Faults(scene.faults, coupling, self.master, self._losable, self.clock)
         self.stepping = stepping_of(scene, coupling, self.master, self.account, self.clock, self.faults.stops())
+
+    def _native_fmus(self) -> Mapping[str, NativeFmu]:
+        if not self.native:
+            return {}
+        from .native import native_fmus  # which loads a compiler
+
+        return native_fmus(self.scene)
 
     def observe(self, checkpoint_every: float | None, checkpoint_to: str | Path | None, past: Checkpoint | None) -> None:
         """Make all that watches the steps: recorders, the monitor of instability, checkpoints, progress, Ctrl-C."""

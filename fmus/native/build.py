@@ -4,6 +4,7 @@ same file, byte for byte."""
 from __future__ import annotations
 
 import hashlib
+import inspect
 import platform
 import shutil
 import subprocess
@@ -11,11 +12,13 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
+from ...components.core.folders import cache_root
 from ..build import write
 from ..description import documentation
 from .description import HOST, description2, description3
@@ -90,6 +93,38 @@ def write_sources(folder: Path, model: str, code: bytes) -> None:
     Path(folder, "entries.o").write_bytes(code)
 
 
+def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
+    """The FMU (FMI 2) of what `make` makes, kept in the user's cache by the contents of all that it follows from.
+
+    Raises `BadInput` as `build_native`.
+    """
+    targets, component = list(targets), make()
+    path = Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu"
+    return path if path.is_file() else pack(library(name, make, targets), path.parent, 2)
+
+
+def _contents(component: Any, targets: list[str]) -> str:
+    """Digest of a component's sources and configuration, of the runtime, and of what compiles and links them."""
+    from ...components.core.kernel_cache import sources_digest
+
+    cls = type(component)
+    versions = [f"{name} {version(name)}" for name in ("cosimo", "numpy", "scipy", "numba", "llvmlite")]
+    total = hashlib.sha256()
+    for part in (sources_digest(inspect.getsourcefile(cls), __file__), *((RUNTIME / f).read_text() for f in sorted(_files())),
+                 cls.__qualname__, component.on, sorted(component.parameters.items()), component.inputs, component.u[0].tolist(),
+                 sys.version, *versions, *(_compiler_version(target) for target in targets)):
+        total.update(f"{part!r}\0".encode())
+    return total.hexdigest()
+
+
+def _compiler_version(target: str) -> str:
+    """What tells one compiler for a target from another."""
+    command = compiler(target)
+    if "ziglang" in command:
+        return f"zig {version('ziglang')} {TARGETS[target].zig}"
+    return subprocess.run([command[0], "--version"], capture_output=True, text=True, check=False).stdout
+
+
 def _linked(name: str, target: str, command: list[str], model: str, code: bytes) -> bytes:
     with tempfile.TemporaryDirectory(prefix="cosimo-") as folder:
         write_sources(Path(folder), model, code)
@@ -105,23 +140,23 @@ def _linked(name: str, target: str, command: list[str], model: str, code: bytes)
 
 
 def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str],
-                 versions: Iterable[int] = (2,)) -> list[Path]:
+                 standards: Iterable[int] = (2,)) -> list[Path]:
     """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.
     """
-    return [pack(built, directory, version) for built in [library(name, make, targets)] for version in versions]
+    return [pack(done, directory, fmi) for done in [library(name, make, targets)] for fmi in standards]
 
 
-def pack(built: Library, directory: Path, version: int) -> Path:
+def pack(done: Library, directory: Path, fmi: int) -> Path:
     """One FMU file of a compiled component."""
-    describe = {2: description2, 3: description3}[version]
-    scalars = tuple(v.scalar for v in built.variables if v.role != "ABSENT")
+    describe = {2: description2, 3: description3}[fmi]
+    scalars = tuple(v.scalar for v in done.variables if v.role != "ABSENT")
     members = {
-        "modelDescription.xml": describe(built.name, type(built.component), built.variables, built.token),
-        "documentation/index.html": documentation(built.name, type(built.component), scalars, HOST),
+        "modelDescription.xml": describe(done.name, type(done.component), done.variables, done.token),
+        "documentation/index.html": documentation(done.name, type(done.component), scalars, HOST),
     }
-    for target, content in built.binaries.items():
-        folder = TARGETS[target].folder2 if version == 2 else TARGETS[target].folder3
-        members[f"binaries/{folder}/{built.name}{TARGETS[target].suffix}"] = content
-    return write(members, Path(directory) / f"{built.name}{'.fmi3' if version == 3 else ''}.fmu")
+    for target, content in done.binaries.items():
+        folder = TARGETS[target].folder2 if fmi == 2 else TARGETS[target].folder3
+        members[f"binaries/{folder}/{done.name}{TARGETS[target].suffix}"] = content
+    return write(members, Path(directory) / f"{done.name}{'.fmi3' if fmi == 3 else ''}.fmu")

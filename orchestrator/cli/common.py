@@ -26,6 +26,8 @@ app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_comp
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[bool, typer.Option("--in-process", help=(
     "Run components in this process, not as FMUs: bit-identical results, faster."))]
+Native = Annotated[bool, typer.Option("--native", help=(
+    "Components as native FMUs, which need no Python; built for the scene, and kept."))]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
 Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(

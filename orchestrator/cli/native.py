@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from ...components.catalogue import CATALOGUE
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, nearest
 from ...fmus.native.build import build_native, own_target
-from ..units.component import ComponentUnit, find, make
+from ..units.component import find
 from .common import listed, parameters_of
 
 
@@ -50,33 +49,14 @@ def _component(name: str, effects: Sequence[str], values: dict[str, Any]) -> Com
     return find(name, "build")(effects, values)
 
 
-def _inputs(unit: Any, name: str) -> dict[str, float]:
-    if not isinstance(unit, ComponentUnit):
-        raise BadInput("build --scene", f"unit {name!r} in a process of its own", "one of this process", "Leave isolation out.")
-    return dict(zip(unit.component.inputs, unit.component.u[0].tolist(), strict=True))
-
-
 def scene_units(name: str, wanted: Sequence[str]) -> dict[str, Callable[[], Component]]:
     """Makers of a scene's components, or of those that are wanted, at the inputs with which the scene's run begins."""
-    from ..engine.algorithms import master_of
-    from ..engine.coupling.resolve import resolve_coupling
-    from ..open_all import open_units
+    from ..native import makers
     from ..systems import load_scene
 
     scene = load_scene(name)
-    components = {unit: settings for unit, settings in scene.units.items() if settings.component}
+    components = [unit for unit, settings in scene.units.items() if settings.component]
     for unit in wanted:
         if unit not in components:
             raise BadInput("build --scene", f"unit {unit!r}", f"a component of the scene {scene.name}", nearest(unit, components))
-    with ExitStack() as stack:
-        units = open_units(scene, stack, True)
-        master_of(scene, units, resolve_coupling(scene), ()).initialize(0.0)
-        starts = {unit: _inputs(units[unit], unit) for unit in wanted or components}
-
-    def maker(unit: str) -> Component:
-        component = make(unit, components[unit])
-        for port, value in starts[unit].items():
-            component.set(port, value)
-        return component
-
-    return {unit: partial(maker, unit) for unit in starts}
+    return makers(scene, wanted)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import FAILED_CHECK, Changes, app, change, print_table, share, status_spinner, warn
+from .common import FAILED_CHECK, Changes, Native, app, change, print_table, share, status_spinner, warn
 
 if TYPE_CHECKING:
     from ..harness.other_masters import Comparison
@@ -23,6 +23,7 @@ def ssp(
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,
     tolerance: Annotated[str, typer.Option("--tolerance", help=(
         "How far other masters may be from the scene, relative to the range of each quantity."))] = "5%",
+    native: Native = False,
     force: Annotated[bool, typer.Option("--force", help="Write the package however far other masters will be.")] = False,
 ) -> None:
     """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp en50318-2002 -o en50318-2002.ssp
@@ -45,6 +46,12 @@ def ssp(
         print(f"cosimo: {path} is not written: other masters would be farther than {100.0 * limit:g} % from the scene. "
               "--force writes it all the same", file=sys.stderr)
         raise SystemExit(FAILED_CHECK)
+    if native:
+        from ..native import with_native_fmus
+
+        with status_spinner() as progress:
+            progress("building native FMUs")
+            packed = with_native_fmus(packed)
     print(f"wrote {write(packed, path)}")
 
 

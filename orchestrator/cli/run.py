@@ -16,6 +16,7 @@ from .common import (
     FAILED_RUN,
     Changes,
     InProcess,
+    Native,
     Output,
     app,
     change,
@@ -38,6 +39,7 @@ CHECKPOINT = "checkpoint"  # file in the output directory
 def run(
     scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
     in_process: InProcess = False,
+    native: Native = False,
     output: Output = None,
     values: Changes = None,
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
@@ -88,10 +90,14 @@ def run(
         with status_spinner() as on_message:
             loaded, reason, messages = setting_within(loaded, asked, on_message, lambda text: print(text, file=sys.stderr))
         print(*messages, sep="\n")
-    if in_process and all(unit.fmu for unit in loaded.units.values()):
-        raise BadInput("--in-process", "a scene of FMUs only", "components; it would have no effect", "Remove it.")
+    if in_process and native:
+        raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
+    for option, wanted in (("--in-process", in_process), ("--native", native)):
+        if wanted and all(unit.fmu for unit in loaded.units.values()):
+            raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
-        for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume)):
+        for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume),
+                              ("--native", native or None)):
             if value is not None:
                 raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
         _dry_run(loaded, in_process)
@@ -100,7 +106,7 @@ def run(
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
     if output is not None:
         ensure_directory(output)  # now, not after a long run
-    result = run_scene(loaded, in_process=in_process, progress=True, checkpoint_every=checkpoint_every,
+    result = run_scene(loaded, in_process=in_process, native=native, progress=True, checkpoint_every=checkpoint_every,
                        checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume,
                        rescue_to=output)
     if reason is not None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..settings import UnitSettings
 from .interface import Interface, Unit
+
+if TYPE_CHECKING:
+    from .native import NativeFmu
 
 
 def describe(name: str, settings: UnitSettings) -> Interface:
@@ -17,12 +22,19 @@ def describe(name: str, settings: UnitSettings) -> Interface:
     return describe_component(name, settings)
 
 
-def open_unit(name: str, settings: UnitSettings, *, in_process: bool) -> Unit:
-    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit."""
+def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None) -> Unit:
+    """A running unit. Components of the catalogue run as FMUs unless `in_process`; the results are the same to the last bit.
+
+    `native`: the native FMU of a component, which is run instead.
+    """
     if settings.isolation == "process":
         from .process import WorkerUnit
 
-        return WorkerUnit(name, settings, in_process=in_process)
+        return WorkerUnit(name, settings, in_process=in_process, native=native)
+    if native is not None:
+        from .native import open_native
+
+        return open_native(name, settings, native)
     if settings.fmu or not (in_process or ":" in settings.component):
         from .fmu import open_fmu
 

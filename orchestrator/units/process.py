@@ -30,6 +30,7 @@ from .interface import PortValues
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
+    from .native import NativeFmu
 
 START = 60.0  # s that a worker may take to start, whatever the limit for its answers is
 GRACE = 3.0  # s that a worker has to end by itself
@@ -46,9 +47,10 @@ class WorkerUnit:
 
     event: float | None = None
 
-    def __init__(self, name: str, settings: UnitSettings, *, in_process: bool):
+    def __init__(self, name: str, settings: UnitSettings, *, in_process: bool, native: NativeFmu | None = None):
         self.name = name
-        self.kind = ("component" if in_process or ":" in settings.component else "FMU") + " in a worker process"
+        kind = "native FMU" if native else "component" if in_process or ":" in settings.component else "FMU"
+        self.kind = f"{kind} in a worker process"
         self._time, self._requests, self._numbers = 0.0, 0, 0
         self._started = self._waiting = self._lost = self._late = False
         self._stale = True  # the outputs that were handed over last hold no more
@@ -75,7 +77,7 @@ class WorkerUnit:
         if self._limit is not None:
             threading.Thread(target=self._watch, daemon=True).start()
         with suppress(StepFailed):  # it has ended already; `wire` says so
-            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process)
+            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process, native)
 
     # -- messages ----------------------------------------------------------------------------------------------------
     def _send(self, code: int, content: bytes) -> None:

@@ -36,8 +36,8 @@ class Worker:
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 
-    def open(self, settings: Any, in_process: bool) -> dict[str, Any]:
-        self._unit = open_unit(self._name, settings, in_process=in_process)
+    def open(self, settings: Any, in_process: bool, native: Any) -> dict[str, Any]:
+        self._unit = open_unit(self._name, settings, in_process=in_process, native=native)
         return self._unit.parameters()
 
     def wire(self, inputs: list[str], outputs: list[str]) -> None:

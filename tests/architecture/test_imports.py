@@ -21,7 +21,7 @@ FLOORS = (
     ("orchestrator.engine",),
     ("orchestrator.scene",),
     ("orchestrator.results", "orchestrator.run", "orchestrator.run_info", "orchestrator.checkpoint", "orchestrator.open_all",
-     "orchestrator.advice"),
+     "orchestrator.native", "orchestrator.advice"),
     ("orchestrator.harness",),
     ("orchestrator.systems",),
     ("orchestrator.cli",),

@@ -1,0 +1,91 @@
+"""The components of a scene as native FMUs: built for its effects and parameters, and for the inputs that its run begins with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from contextlib import ExitStack
+from functools import partial
+from typing import Any
+
+from ..components.core.component import Component
+from ..components.core.errors import BadInput
+from ..fmus.native.build import built, own_target
+from .engine.algorithms import master_of
+from .engine.stepping.adaptive import clock_for
+from .engine.stepping.faults import Faults
+from .open_all import open_units
+from .scene.scene import Scene
+from .units.component import make
+from .units.native import NativeFmu
+
+
+class _Initialized:
+    """A component's unit that keeps the inputs of its last initialization; where outputs follow at once, they change later."""
+
+    def __init__(self, unit: Any):
+        self._unit = unit
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._unit, name)
+
+    def initialize(self, t: float, values: Any) -> None:
+        self._unit.initialize(t, values)
+        component = self._unit.component
+        self.starts = dict(zip(component.inputs, component.u[0].tolist(), strict=True))
+
+
+def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
+    """Values of all inputs of each component after the scene's initialization in process."""
+    alone = {f"units.{n}.{key}": value for n, unit in scene.units.items() if unit.component and unit.isolation == "process"
+             for key, value in (("isolation", "none"), ("time_limit", None))}
+    scene = scene.with_changes(alone) if alone else scene
+    with ExitStack() as stack:
+        units: dict[str, Any] = dict(open_units(scene, stack, True))
+        observed = {n: _Initialized(units[n]) for n, unit in scene.units.items() if unit.component}
+        master = master_of(scene, units | observed, scene.coupling, ())
+        Faults(scene.faults, scene.coupling, master, {}, clock_for(scene, scene.coupling)).before_start()
+        master.initialize(0.0)
+        return {name: unit.starts for name, unit in observed.items()}
+
+
+def makers(scene: Scene, wanted: Collection[str] = ()) -> dict[str, Callable[[], Component]]:
+    """Functions that make a scene's components, or the wanted ones, with its initial inputs."""
+
+    def maker(unit: str, starts: dict[str, float]) -> Component:
+        component = make(unit, scene.units[unit])
+        for port, value in starts.items():
+            component.set(port, value)
+        return component
+
+    return {unit: partial(maker, unit, starts) for unit, starts in initial_inputs(scene).items() if not wanted or unit in wanted}
+
+
+def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
+    """A native FMU for each component of the scene, from the cache or built.
+
+    `BadInput` for a component that has no native form, with the line that prevents it, for a missing compiler and for a machine
+    that is no target.
+    """
+    if not own_target():
+        raise BadInput("--native", "this machine, which is no target", "Linux or Windows on x86-64", "Leave --native out.")
+    fmus = {}
+    for unit, maker in makers(scene).items():
+        component = maker()
+        try:
+            path = built(type(component).__name__, maker, [own_target()])
+        except BadInput as error:
+            where = f"{scene.name}: units.{unit}, {error.where}"
+            raise BadInput(where, error.actual, error.expected, error.remedy) from None
+        fmus[unit] = NativeFmu(str(path), dict(zip(component.inputs, component.u[0].tolist(), strict=True)))
+    return fmus
+
+
+def with_native_fmus(scene: Scene) -> Scene:
+    """The scene with its components replaced by their native FMUs, which hold its effects, parameters and initial inputs."""
+    changes: dict[str, Any] = {}
+    for name, fmu in native_fmus(scene).items():
+        unit = scene.units[name]
+        inputs = {n: value for n, value in unit.parameters.items() if n in fmu.starts}
+        replaced = {"component": "", "preset": "", "effects": (), "fmu": fmu.path, "parameters": inputs}
+        changes |= {f"units.{name}.{key}": value for key, value in replaced.items()}
+    return scene.with_changes(changes)

@@ -1,0 +1,89 @@
+"""Scenes whose components run as native FMUs give every bit of the run in process."""
+
+import zipfile
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.fmus.native.build import own_target
+from cosimo.orchestrator.native import native_fmus, with_native_fmus
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.ssp.write import write
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.fmus.native.test_native_refusals import Limited, Printing
+from cosimo.tests.scene_runs import finished
+
+pytestmark = pytest.mark.skipif(not own_target(), reason="no target of native FMUs")
+OF_SYSTEMS = ("en50318-2002", "ball-bearing-clearance", "gyroscopic-rotor", "rov-manoeuvre", "gimbal-scan", "wind-pump-start",
+              "friction-drive-step", "pipe-robot-level", "wrist-motion")
+
+
+def assert_same_bits(scene):
+    ours, theirs = finished(scene), run(scene, native=True)
+    assert theirs.outcome == "done", theirs.message
+    units, expected = theirs.info["units"], ours.info["units"]
+    assert {unit["kind"] for unit in units.values()} <= {"native FMU", "native FMU in a worker process"}
+    assert [unit["parameters"] for unit in units.values()] == [unit["parameters"] for unit in expected.values()]
+    np.testing.assert_array_equal(theirs.time, ours.time)
+    assert theirs.columns.keys() == ours.columns.keys()
+    for column, values in ours.columns.items():
+        np.testing.assert_array_equal(theirs.columns[column], values, err_msg=column)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", OF_SYSTEMS)
+def test_a_scene_of_each_system(name):
+    assert_same_bits(load_scene(name))
+
+
+def pair(degree=1, **changes):
+    """A mass and a spring, units of their own, for a second."""
+    return load_scene("mass-on-spring").with_changes({"stop_time": 1.0, "master.extrapolation": degree, **changes})
+
+
+def test_two_units_one_in_a_process_of_its_own(tmp_path):
+    scene = pair()
+    assert_same_bits(scene)
+    scene = scene.with_changes({"units.spring.isolation": "process"})
+    assert_same_bits(scene)
+    whole = run(scene, native=True, checkpoint_every=0.5, checkpoint_to=tmp_path / "c")
+    rest = run(scene, native=True, resume=tmp_path / "c")
+    for column, values in whole.columns.items():
+        np.testing.assert_array_equal(rest.columns[column], values, err_msg=column)
+
+
+def test_an_own_component_and_faults_from_the_start():
+    scene = read_scene({
+        "stop_time": 0.1, "connections": ["one.total -> two.first"], "master": {"step": 0.01},
+        "units": {"one": {"component": f"{Limited.__module__}:Limited", "parameters": {"first": 0.5}},
+                  "two": {"component": f"{Limited.__module__}:Limited", "parameters": {"second": -3.5}}},
+        "faults": [{"signal": "two.first", "kind": "offset", "value": 0.5, "begin": 0.0}]})
+    assert_same_bits(scene)
+
+
+def test_the_second_run_takes_the_fmus_of_the_first():
+    first = native_fmus(pair())
+    assert native_fmus(pair()) == first
+    other = native_fmus(pair(**{"units.mass.parameters.mass": 3.5}))
+    assert other["spring"].path == first["spring"].path
+    assert other["mass"].path != first["mass"].path
+
+
+def test_a_unit_without_native_form_is_refused_with_the_scene_and_the_unit():
+    units = {"one": {"component": f"{Printing.__module__}:Printing"}}
+    scene = read_scene({"stop_time": 0.1, "master": {"step": 0.1}, "units": units}, "small")
+    with pytest.raises(BadInput, match=r"small: units\.one, Printing: .*, line \d+") as caught:
+        native_fmus(scene)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_package_of_native_fmus_runs_like_the_scene(tmp_path):
+    scene = pair(degree=0)
+    path = write(with_native_fmus(scene), tmp_path / "masses.ssp")
+    with zipfile.ZipFile(path) as file:
+        fmus = sorted(n for n in file.namelist() if n.endswith(".fmu"))
+    assert fmus == ["resources/CompliantJoint.fmu", "resources/PlanarLink.fmu"]
+    ours, theirs = finished(scene), run(load_scene(path))
+    assert theirs.outcome == "done", theirs.message
+    for column, values in ours.columns.items():
+        np.testing.assert_array_equal(theirs.columns[column], values, err_msg=column)
