@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +31,7 @@ class Result:
     """What a run gave; after a failure, what it had until then.
 
     time: (n,) s.  columns: "unit.variable" -> (n,).  measures: "unit.variable" -> unit of measure.
-    info: what run.json holds.  outcome: "done", "failed" or "unstable", with the reason in `message`.
+    info: what run.json holds.  outcome: "done", "failed", "unstable" or "stopped", with the reason in `message`.
     """
 
     scene: Scene
@@ -47,6 +48,12 @@ class Result:
         if name not in self.columns:
             raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, self.columns))
         return self.columns[name]
+
+    def unless_stopped(self) -> Result:
+        """This result; where a signal stopped the run, the signal takes its usual effect, as it must for a study of many runs."""
+        if self.outcome == "stopped":
+            signal.raise_signal(signal.Signals[self.info["signal"]])
+        return self
 
     def save(self, directory: str | Path) -> Path:
         """Write result.csv (first column "time"; numbers keep every bit) and run.json into the directory, which is made."""

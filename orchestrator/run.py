@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from signal import SIGINT
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -43,12 +44,13 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     """Simulate a scene from 0 to its stop_time.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
-    run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails and Ctrl-C give a
-    partial result with outcome "failed"; raises `BadInput` for what cannot start.
+    run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails gives a partial
+    result with outcome "failed", Ctrl-C, SIGTERM and SIGHUP one with outcome "stopped" and the signal's name in `info`; raises
+    `BadInput` for what cannot start.
 
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
-    multiple of it, and by Ctrl-C. `resume`: such a file, from which the run goes on. What it recorded before is in the result,
-    and every number is the same as without the interruption; counters of the units and `timing` start anew.
+    multiple of it, and when the run is stopped. `resume`: such a file, from which the run goes on. What it recorded before is in
+    the result, and every number is the same as without the interruption; counters of the units and `timing` start anew.
     `rescue_to`: a directory, in which the partial result is saved where an FMU ends this process; the exit code is 3 then.
     """
     with ExitStack() as stack:
@@ -104,7 +106,7 @@ class Run:
         return native_fmus(self.scene)
 
     def observe(self, checkpoint_every: float | None, checkpoint_to: str | Path | None, past: Checkpoint | None) -> None:
-        """Make all that watches the steps: recorders, the monitor of instability, checkpoints, progress, Ctrl-C."""
+        """Make all that watches the steps: recorders, the monitor of instability, checkpoints, progress, signals."""
         scene, coupling, master, stack = self.scene, self.coupling, self.master, self.stack
         intervals = (scene.record.interval, scene.record.snapshot_interval)
         end = self.clock.ticks(scene.stop_time)
@@ -157,8 +159,9 @@ class Run:
         except SystemExit as error:
             self.message = f"a unit has called sys.exit({error.code!r})"
         except KeyboardInterrupt:
-            self.message = f"interrupted at t = {self._now:.9g} s"
-            if self.checkpoints is not None and self._interrupt.taken:
+            self.outcome, taken = "stopped", self._interrupt.taken
+            self.message = f"stopped by {(taken or SIGINT).name} at t = {self._now:.9g} s"
+            if self.checkpoints is not None and taken:
                 self.checkpoints.write()
                 self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         self._until = perf_counter(), process_time()
@@ -189,6 +192,7 @@ class Run:
         errors = self.extrapolation.relative
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
+        info |= {"signal": (self._interrupt.taken or SIGINT).name} if self.outcome == "stopped" else {}
         info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}

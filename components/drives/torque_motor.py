@@ -16,6 +16,7 @@ class Inductance(Effect):
     """The current follows with the time constant inductance / resistance; off, it is there at once."""
 
     inductance = parameter(1e-3, "H", "inductance of the winding", low=1e-9)
+    start_current = parameter(0.0, "A", "current in the winding at the start; 0 for a motor that is switched on there")
     substep = parameter(2e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
 
@@ -55,11 +56,9 @@ class TorqueMotor(OdeComponent):
                               feedthrough=("voltage", "rate"))
 
     def initial_state(self) -> np.ndarray:
-        """The steady current at the present voltage and rate, with `inductance`; no state without."""
-        p, e = self.arguments
-        if e.inductance is None:
-            return np.zeros(0)
-        return np.array([amplifier_voltage(self.u[0], p, e.saturation) - back_emf(self.u[0], p)]) / p.resistance
+        """The current at the start, with `inductance`: no voltage makes it jump; no state without."""
+        inductance = self.arguments[1].inductance
+        return np.zeros(0) if inductance is None else np.array([inductance.start_current])
 
     def energy(self) -> float:
         """Energy of the inductance, J; 0 without it."""

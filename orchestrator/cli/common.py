@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
+STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, as shells give it
 NAMED = 5  # changes that a title names
 COMPONENT = "component:"  # before the name of a component that is studied alone
 

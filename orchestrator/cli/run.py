@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from signal import Signals
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -14,6 +15,7 @@ from .choices import effects_within, setting_within, tolerance_of_effects
 from .common import (
     FAILED_CHECK,
     FAILED_RUN,
+    STOPPED,
     Changes,
     InProcess,
     Native,
@@ -132,7 +134,7 @@ def run(
     warn(result.info["warnings"])
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
-        raise SystemExit(FAILED_RUN)
+        raise SystemExit(STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
     if verify and asked is not None and not _verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
 

@@ -86,7 +86,7 @@ def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
     for _, one in tracked(combinations, scene.title or scene.name, progress):
         row, points_of, outcome = {}, np.zeros(0), ""
         try:
-            result = run(one, in_process=True)
+            result = run(one, in_process=True).unless_stopped()
             outcome = "done" if result.outcome == "done" else result.message
             if outcome == "done":
                 units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}

@@ -10,6 +10,7 @@ loop would answer ten times sooner, but it takes a whole core for each side, als
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable
 from struct import Struct
 from typing import Any
@@ -23,6 +24,8 @@ STEP, UPDATE, GET, READ, CALL, VALUES, OBJECT, FAILED, WARNED = range(9)
 TIMES = Struct("ddd")  # start and length of a step, length the inputs are meant for
 EVENT = Struct("d")  # time of the event in a step, NaN for none
 INDEX = Struct("I")
+# signals that end a run, which then ends its workers; Windows has the first two
+STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 ONCE = 1 << 16  # bytes asked for in one read: what a pipe holds on Linux
 
 

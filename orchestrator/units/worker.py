@@ -20,7 +20,23 @@ from typing import Any
 
 from ...components.core.errors import BadInput, StepFailed
 from . import Unit, open_unit
-from .channel import CALL, EVENT, FAILED, INDEX, OBJECT, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
+from .channel import (
+    CALL,
+    EVENT,
+    FAILED,
+    INDEX,
+    OBJECT,
+    READ,
+    STEP,
+    STOPPING,
+    TIMES,
+    UPDATE,
+    VALUES,
+    WARNED,
+    Channel,
+    packer,
+    unpacker,
+)
 from .interface import PortValues, SimulationEnded
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
@@ -126,7 +142,8 @@ def main() -> None:
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.dup2(2, 1)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the run, which then closes its units
+    for one in STOPPING:  # they are for the run, which then closes its units
+        signal.signal(one, signal.SIG_IGN)
     if sys.platform == "linux":
         libc = ctypes.CDLL(None)
         libc.prctl(DIE_WITH_PARENT, signal.SIGKILL)  # a unit that hangs would not see the pipe closed

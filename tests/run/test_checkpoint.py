@@ -130,8 +130,8 @@ def test_the_first_interrupt_leaves_a_checkpoint(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(Linear, "_step", step)
         broken = run(scene, checkpoint_every=0.9, checkpoint_to=file)
-    assert broken.outcome == "failed"
-    assert broken.message.startswith("interrupted at t = 0.375 s")
+    assert broken.outcome == "stopped"
+    assert broken.message.startswith("stopped by SIGINT at t = 0.375 s")
     same(run(scene), run(scene, resume=file))
 
 

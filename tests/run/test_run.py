@@ -14,6 +14,7 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene import scene as checked
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene, read_scene, write_report
+from cosimo.orchestrator.units.channel import STOPPING
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
 from cosimo.tests.support import Linear, OfTime, Probe, two_masses
@@ -82,19 +83,32 @@ def test_a_diverging_coupling_is_reported_and_not_handed_out():
     assert np.isfinite(np.array(list(result.columns.values()))).all()
 
 
-def test_interrupt_takes_effect_after_the_step_and_keeps_what_was_computed(monkeypatch):
-    steps, handler = iter(range(100)), signal.getsignal(signal.SIGINT)
+@pytest.mark.parametrize("number", STOPPING)
+def test_a_signal_takes_effect_after_the_step_and_keeps_what_was_computed(number, monkeypatch):
+    steps, handlers = iter(range(100)), [signal.getsignal(one) for one in STOPPING]
 
     def interrupted(self, t, h):
         if next(steps) == 4:
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
         return 0
 
     monkeypatch.setattr(Probe, "_step", interrupted)
     result = run(read_scene(PROBE))
-    assert (result.outcome, result.message) == ("failed", "interrupted at t = 0.5 s")
+    assert (result.outcome, result.message) == ("stopped", f"stopped by {number.name} at t = 0.5 s")
+    assert result.info["signal"] == number.name
     assert len(result.time) == 6
-    assert signal.getsignal(signal.SIGINT) is handler
+    assert [signal.getsignal(one) for one in STOPPING] == handlers
+
+
+def test_a_study_stops_with_its_run(monkeypatch):
+    """A run keeps what it has after Ctrl-C; of a study of many runs it ends the whole."""
+    monkeypatch.setattr(Probe, "_step", lambda self, t, h: signal.raise_signal(signal.SIGINT) or 0)
+    stopped = run(read_scene(PROBE))
+    with pytest.raises(KeyboardInterrupt):
+        stopped.unless_stopped()
+    monkeypatch.undo()
+    done = run(read_scene(PROBE))
+    assert done.unless_stopped() is done
 
 
 def test_an_interrupt_with_a_checkpoint_says_from_which_file_the_run_goes_on(monkeypatch, tmp_path):
@@ -107,7 +121,7 @@ def test_an_interrupt_with_a_checkpoint_says_from_which_file_the_run_goes_on(mon
 
     monkeypatch.setattr(Probe, "_step", interrupted)
     message = run(read_scene(PROBE), checkpoint_every=0.9, checkpoint_to=file).message
-    assert message == f"interrupted at t = 0.5 s. resume = {str(file)!r} goes on from there"
+    assert message == f"stopped by SIGINT at t = 0.5 s. resume = {str(file)!r} goes on from there"
     assert file.is_file()
 
 

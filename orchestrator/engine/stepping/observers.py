@@ -1,4 +1,4 @@
-"""What watches a run without taking part in it: recording, missed inputs, progress, Ctrl-C.
+"""What watches a run without taking part in it: recording, missed inputs, progress, signals to stop.
 
 Each is called with the tick and the time.
 """
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...units import Unit
+from ...units.channel import STOPPING
 from ..algorithms.master import Node
 from ..coupling import Endpoint
 
@@ -167,35 +168,40 @@ class ExtrapolationError(BatchObserver):
 
 
 class Interrupt(BatchObserver):
-    """Lets Ctrl-C take effect between two macro steps: inside one it would hit an FMU's own Python and look like its failure.
+    """Lets Ctrl-C, SIGTERM and SIGHUP end a run between two macro steps.
 
-    A second Ctrl-C takes effect at once.
+    Inside one they would hit an FMU's own Python and look like its failure. A second one takes effect at once. A SIGHUP that
+    this process ignores stays ignored, as nohup wants it.
     """
 
-    taken = False  # whether it has ended the run between two steps
+    taken: signal.Signals | None = None  # what has ended the run between two steps
 
     def __init__(self, halt: Callable[[], None]):
         """`halt`: makes the stepping call its observers at the next step."""
-        self._halt, self._wanted = halt, False
+        self._halt = halt
+        self._wanted: signal.Signals | None = None
+        self._previous: dict[signal.Signals, Any] = {}
 
     def __enter__(self) -> Interrupt:
-        self._main = threading.current_thread() is threading.main_thread()  # only there handlers can be set
-        if self._main:
-            self._previous = signal.signal(signal.SIGINT, self._note)
+        if threading.current_thread() is threading.main_thread():  # only there handlers can be set
+            for one in STOPPING:
+                if one == signal.SIGINT or signal.getsignal(one) is not signal.SIG_IGN:
+                    self._previous[one] = signal.signal(one, self._note)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._main:
-            signal.signal(signal.SIGINT, self._previous)
+        for one, handler in self._previous.items():
+            signal.signal(one, handler)
 
-    def _note(self, *_: object) -> None:
-        self._wanted = True
+    def _note(self, number: int, frame: object) -> None:
+        self._wanted = signal.Signals(number)
         self._halt()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        for one in self._previous:
+            signal.signal(one, signal.default_int_handler if one == signal.SIGINT else signal.SIG_DFL)
 
     def __call__(self, tick: int, t: float) -> None:
-        if self._wanted:
-            self.taken = True
+        if self._wanted is not None:
+            self.taken = self._wanted
             raise KeyboardInterrupt
 
 

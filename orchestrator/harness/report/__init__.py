@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..system import Systems
     from ..validation.case import CaseResult
 
-_ENDED = {"failed": "failed", "unstable": "is unstable"}
+_ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
 
 def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:

@@ -73,7 +73,7 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
         measured = "run" if any(unit.isolation != "none" for unit in changed.units.values()) else "cpu"
 
         def measure() -> float:
-            results[:] = [run(changed, in_process=True)]
+            results[:] = [run(changed, in_process=True).unless_stopped()]
             if results[0].outcome != "done":
                 raise _Ended
             return float(results[0].info["timing"][measured])

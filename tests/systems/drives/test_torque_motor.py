@@ -22,14 +22,22 @@ def motor(effects=(), inputs=None, **parameters) -> TorqueMotor:
     return made
 
 
+def steady(effects, inputs, **parameters) -> TorqueMotor:
+    """A motor that starts with the current that it has without a winding."""
+    if "inductance" not in effects:
+        return motor(effects, inputs, **parameters)
+    current = motor([e for e in effects if e != "inductance"], inputs, **parameters)["current"]
+    return motor(effects, inputs, **parameters, **{"inductance.start_current": current})
+
+
 @pytest.mark.parametrize("gear", [1.0, -3.0, 50.0])
 @pytest.mark.parametrize("effects", [(), ("inductance",)])
 def test_stall_torque_no_load_rate_and_the_line_between(effects, gear):
-    stall = motor(effects, {"voltage": 12.0}, gear_ratio=gear)
+    stall = steady(effects, {"voltage": 12.0}, gear_ratio=gear)
     assert stall["torque"] == pytest.approx(gear * K * 12.0 / R, rel=1e-12)
-    free = motor(effects, {"voltage": 12.0, "rate": 12.0 / (K * gear)}, gear_ratio=gear)
+    free = steady(effects, {"voltage": 12.0, "rate": 12.0 / (K * gear)}, gear_ratio=gear)
     assert abs(free["current"]) < 1e-12
-    half = motor(effects, {"voltage": 12.0, "rate": 6.0 / (K * gear)}, gear_ratio=gear)
+    half = steady(effects, {"voltage": 12.0, "rate": 6.0 / (K * gear)}, gear_ratio=gear)
     assert half["torque"] == pytest.approx(0.5 * stall["torque"], rel=1e-12)
     assert half["torque"] * half["rate"] == pytest.approx(0.25 * 12.0**2 / R, rel=1e-12)  # the largest mechanical power
 
@@ -37,7 +45,7 @@ def test_stall_torque_no_load_rate_and_the_line_between(effects, gear):
 @pytest.mark.parametrize(("voltage", "rate"), [(10.0, 20.0), (-10.0, 20.0), (0.0, 30.0), (3.0, 200.0), (300.0, -20.0)])
 @pytest.mark.parametrize("effects", [(), ("saturation",), ("inductance", "saturation")])
 def test_electrical_power_is_shaft_power_and_heat(effects, voltage, rate):
-    made = motor(effects, {"voltage": voltage, "rate": rate})
+    made = steady(effects, {"voltage": voltage, "rate": rate})
     heat = R * made["current"] ** 2
     assert made["electrical_power"] == pytest.approx(made["torque"] * rate + heat, rel=1e-12, abs=1e-12)
 
@@ -49,8 +57,9 @@ def test_a_motor_driven_with_open_amplifier_voltage_zero_brakes():
 
 
 def test_current_rises_with_the_time_constant_of_the_winding():
-    made = motor(("inductance",))
-    made.set("voltage", 12.0)
+    """From none: the motor is switched on at the start."""
+    made = motor(("inductance",), {"voltage": 12.0})
+    assert (made["current"], made["torque"], made["electrical_power"]) == (0.0, 0.0, 0.0)
     for k in range(20):
         made.step(k * 1e-4, 1e-4)
         expected = 12.0 / R * (1.0 - math.exp(-(k + 1) * 1e-4 * R / L))

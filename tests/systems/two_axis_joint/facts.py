@@ -35,7 +35,7 @@ FACTS: dict[str, Facts] = {
         plain=(("inductance", "saturation"), {}, 20),
         disturbance={"voltage": 6.0, "rate": 2.0},
         structural=frozenset({"inductance"}),  # tends to none with the inductance, but in steps that become as short
-        form=frozenset({ "saturation.voltage", "saturation.current"}),
+        form=frozenset({"saturation.voltage", "saturation.current"}),
     ),
     "GimbalController": Facts(
         plain=(("scan",), {}, 20),
