@@ -1,7 +1,7 @@
 """What studies of a scene look at: quantities of interest, meshes, a monolithic scene to compare with, maps of stability.
 
     [study]
-    quantities = ["pantograph.contact_force, maximum", "bearing.displacement_x, amplitude at 12.5 Hz", "hull.depth, end"]
+    quantities = ["pantograph.contact_force, time history below 20 Hz", "rotor.displacement_x, amplitude at 12.5 Hz"]
     mesh = ["catenary.element"]                     # parameters whose halving refines the mesh of a unit
     monolith = { scene = "one-body", signals = { "left.position" = "body.x" } }
     stability = { wall.stiffness = { from = 1e3, to = 1e6, points = 7 } }
@@ -20,33 +20,49 @@ from .model import Model, Sweep
 from .ranges import ranged
 
 QUANTITY_KINDS = ("minimum", "maximum", "mean", "standard deviation", "end", "time history", "amplitude at F Hz")
+EVERY_KIND = ", ".join(QUANTITY_KINDS) + '; all but the last also "... below F Hz", of the low-pass-filtered signal'
 AMPLITUDE = re.compile(r"amplitude at (\S+) Hz")
+FILTERED = re.compile(r"(.*\S) below (\S+) Hz")
 
 
 class Wanted(NamedTuple):
-    """A quantity of interest as a scene names it. kind: one of `QUANTITY_KINDS`; frequency: Hz, of an amplitude."""
+    """A quantity of interest as a scene names it.
+
+    kind: one of `QUANTITY_KINDS`.  frequency: Hz, of an amplitude.  cutoff: Hz, of a low-pass-filtered signal; 0 without filter.
+    """
 
     signal: str
     kind: str
-    frequency: float
+    frequency: float = 0.0
+    cutoff: float = 0.0
+
+    def __str__(self) -> str:
+        below = f" below {self.cutoff:g} Hz" if self.cutoff else ""
+        return f"{self.signal}, {self.kind.replace('F Hz', f'{self.frequency:g} Hz')}{below}"
 
 
 def wanted(text: str) -> Wanted:
     """Of "unit.output, kind"; raises `BadInput`."""
     signal, comma, kind = (part.strip() for part in text.rpartition(","))  # an element of an array has commas, too
     if not (signal and comma):
-        raise BadInput("quantities", repr(text), '"unit.output, kind"', "Kinds: " + ", ".join(QUANTITY_KINDS) + ".")
+        raise BadInput("quantities", repr(text), '"unit.output, kind"', f"Kinds: {EVERY_KIND}.")
     if amplitude := AMPLITUDE.fullmatch(kind):
-        try:
-            frequency = float(amplitude[1])
-        except ValueError:
-            frequency = -1.0
-        if not 0.0 < frequency < float("inf"):
-            raise BadInput("quantities", repr(text), "an amplitude at a positive frequency", 'Such as "amplitude at 12.5 Hz".')
-        return Wanted(signal, QUANTITY_KINDS[-1], frequency)
+        return Wanted(signal, QUANTITY_KINDS[-1], frequency=_frequency(text, amplitude[1]))
+    filtered = FILTERED.fullmatch(kind)
+    kind = filtered[1] if filtered else kind
     if kind not in QUANTITY_KINDS[:-1]:
-        raise BadInput("quantities", f"kind {kind!r}", "one of " + ", ".join(QUANTITY_KINDS), nearest(kind, QUANTITY_KINDS))
-    return Wanted(signal, kind, 0.0)
+        raise BadInput("quantities", f"kind {kind!r}", f"one of {EVERY_KIND}", nearest(kind, QUANTITY_KINDS))
+    return Wanted(signal, kind, cutoff=_frequency(text, filtered[2]) if filtered else 0.0)
+
+
+def _frequency(text: str, number: str) -> float:
+    try:
+        frequency = float(number)
+    except ValueError:
+        frequency = -1.0
+    if not 0.0 < frequency < float("inf"):
+        raise BadInput("quantities", repr(text), "a positive frequency", 'Such as "amplitude at 12.5 Hz".')
+    return frequency
 
 
 class MonolithSettings(Model):
@@ -61,7 +77,7 @@ class StudySettings(Model):
     """Read by cosimo accuracy, stability and effects."""
 
     quantities: tuple[str, ...] = Field(default=(), description=(
-        '"unit.output, kind", after the transient of [analysis]; kinds: ' + ", ".join(QUANTITY_KINDS)
+        '"unit.output, kind", after the transient of [analysis]; kinds: ' + EVERY_KIND
         + "; without it the time history and the maximum of every recorded signal"))
     mesh: tuple[str, ...] = Field(default=(), description="unit.parameter, lengths of elements; halved, the mesh is finer")
     monolith: MonolithSettings | None = Field(default=None, description="a scene that gives the same signals from one unit")

@@ -1,7 +1,8 @@
 """Quantities of interest of a run, and how far they are from a reference: errors a user can read as percent.
 
 The error of a quantity is its distance from the reference's over the range that the reference's signal goes through, or over
-its magnitude where it is constant. The error of a run is the largest of its quantities'.
+its magnitude where it is constant; of a low-pass-filtered signal, over its standard deviation, as contact forces are compared.
+The error of a run is the largest of its quantities'.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ from math import inf, isfinite
 
 import numpy as np
 
+from ....components.core.errors import BadInput
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
-from ..analysis.signals import amplitude_at, uniform
+from ..analysis.signals import Filter, amplitude_at, uniform
 from ..sweep import KINDS
 
 CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is constant
+EDGE = 2.0  # periods of the cut-off: within them of an end of a run, a filtered signal depends on how it is continued there
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,7 @@ class Quantity:
     signal: "unit.output".  kind: of `settings.study.QUANTITY_KINDS`.  frequency: Hz, of an amplitude.
     transient: s from the start that do not count.  nominal: of the signal, the scale where a reference is zero throughout.
     unit: of measure; angles in rad are compared as directions, because some units give them from 0 to a full turn.
+    cutoff: Hz, of the `Filter` that the whole signal goes through first, after which both ends lose `EDGE`; 0 without.
     """
 
     name: str
@@ -44,10 +48,11 @@ class Quantity:
     transient: float
     nominal: float
     unit: str = ""
+    cutoff: float = 0.0
 
     def value(self, history: TimeHistory) -> float:
         """The number that a history gives; NaN for the kind "time history", which only a comparison has."""
-        x, time = self._kept(history, history.time)
+        time, x = self._kept(history)
         if self.kind == "time history":
             return float("nan")
         if self.kind == "end":
@@ -66,8 +71,8 @@ class Quantity:
             return inf
         scale = self.scale(reference)
         if self.kind == "time history":
-            x, time = self._kept(history, history.time)
-            there = reference.columns[self.signal]
+            time, x = self._kept(history)
+            there = self._signal(reference)
             there = np.interp(time, reference.time, np.unwrap(there) if self.unit == "rad" else there)
             distance = float(np.sqrt(np.mean(self._apart(x - there) ** 2))) if np.isfinite(x).all() else inf
         else:
@@ -78,7 +83,7 @@ class Quantity:
         """How far a sampled extreme may be from the true one, by a parabola through it and its neighbours, over the scale."""
         if self.kind not in ("maximum", "minimum"):
             return 0.0
-        x, _ = self._kept(reference, reference.time)
+        _, x = self._kept(reference)
         k = int(np.argmax(x) if self.kind == "maximum" else np.argmin(x))
         if not 0 < k < x.size - 1:
             return 0.0
@@ -87,9 +92,12 @@ class Quantity:
         return (before - after) ** 2 / (8.0 * bend * self.scale(reference)) if bend > 0.0 else 0.0
 
     def scale(self, reference: TimeHistory) -> float:
-        """Range of the reference's signal, or its magnitude where it is constant, or its nominal value where that is zero."""
-        x, _ = self._kept(reference, reference.time)
-        size, width = float(np.abs(x).max()), float(np.ptp(x))
+        """Range of the reference's signal, or its magnitude where it is constant, or its nominal value where that is zero.
+
+        Of a filtered signal its standard deviation is in the place of the range.
+        """
+        _, x = self._kept(reference)
+        size, width = float(np.abs(x).max()), float(np.std(x) if self.cutoff else np.ptp(x))
         if width > CONSTANT * max(size, self.nominal):
             return width
         return size if size > CONSTANT * self.nominal else self.nominal
@@ -97,24 +105,40 @@ class Quantity:
     def _apart(self, differences: np.ndarray) -> np.ndarray:
         return np.remainder(differences + np.pi, 2.0 * np.pi) - np.pi if self.unit == "rad" else differences
 
-    def _kept(self, history: TimeHistory, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The signal after the transient, and its instants."""
-        first = min(int(np.searchsorted(time, self.transient * (1.0 - 1e-12))), time.size - 1)
-        return history.columns[self.signal][first:], time[first:]
+    def _kept(self, history: TimeHistory) -> tuple[np.ndarray, np.ndarray]:
+        """Instants and signal after the transient, without the ends that a filter distorts."""
+        time, x, edge = history.time, self._signal(history), EDGE / self.cutoff if self.cutoff else 0.0
+        first = min(int(np.searchsorted(time, max(self.transient, edge) * (1.0 - 1e-12))), time.size - 1)
+        last = int(np.searchsorted(time, (time[-1] - edge) * (1.0 + 1e-12), side="right"))
+        return time[first : max(last, first + 1)], x[first : max(last, first + 1)]
+
+    def _signal(self, history: TimeHistory) -> np.ndarray:
+        """The signal or the filtered one, (n,), at the history's instants; NaN where these are too far apart for the filter."""
+        x = history.columns[self.signal]
+        if not self.cutoff or not np.isfinite(x).all():
+            return x
+        rate, even, (samples,) = uniform(history.time, x)
+        if not self.cutoff < 0.5 * rate:
+            return np.full_like(x, np.nan)
+        return np.interp(history.time, even, Filter(self.cutoff).apply(samples, rate))
 
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     """The quantities that the scene names, or else the history and the maximum of every recorded signal."""
     coupling = scene.coupling
     texts = [wanted(text) for text in scene.study.quantities] or [
-        Wanted(".".join(end), kind, 0.0) for end in coupling.signals for kind in ("time history", "maximum")]
+        Wanted(".".join(end), kind) for end in coupling.signals for kind in ("time history", "maximum")]
     transient = scene.analysis.transient
     quantities = []
-    for signal, kind, frequency in texts:
-        unit, output = scene.split(signal)
+    for text in texts:
+        unit, output = scene.split(text.signal)
         of = coupling.interfaces[unit].outputs[output]
-        name = f"{signal}, {kind.replace('F Hz', f'{frequency:g} Hz')}"
-        quantities.append(Quantity(name, signal, kind, frequency, transient, of.nominal, of.unit))
+        if text.cutoff and scene.stop_time <= (shortest := transient + 2.0 * EDGE / text.cutoff):
+            raise BadInput(f"{scene.name}: study.quantities", f'"{text}" of a run of {scene.stop_time:g} s',
+                           f"a run of more than {shortest:g} s, with transient and both ends of the filter",
+                           "Lengthen the run, or filter at a higher frequency.")
+        quantities.append(Quantity(
+            str(text), text.signal, text.kind, text.frequency, transient, of.nominal, of.unit, text.cutoff))
     return tuple(quantities)
 
 

@@ -120,7 +120,9 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def settings(scene: Scene) -> Iterator[Setting]:
-    """Settings of the first round, the cheapest first: how the scene is coupled, over macro steps; meshes as the scene has it."""
+    """Settings of the first round: meshes, whose error no coupling mends; then couplings over macro steps, the cheapest first."""
+    for factor in MESHES if scene.study.mesh else ():
+        yield Setting(f"elements x {factor:g}", "mesh", scene.master.step, with_mesh(scene, factor))
     every = list(couplings(scene))
     for step in macro_steps(scene):
         for series, changes in every:
@@ -130,8 +132,6 @@ def settings(scene: Scene) -> Iterator[Setting]:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}
             yield Setting("gauss-seidel, linear, step control", "adaptive", tolerance,
                           {**coupling_changes(scene, "gauss-seidel", 1), "master.control": control})
-    for factor in MESHES if scene.study.mesh else ():
-        yield Setting(f"elements x {factor:g}", "mesh", scene.master.step, with_mesh(scene, factor))
 
 
 def finer_inside(scene: Scene, setting: Setting) -> Iterator[Setting]:

@@ -49,6 +49,27 @@ def test_errors_are_shares_of_the_range():
     assert quantity("time history").error(run, reference) == pytest.approx(0.01)
 
 
+def test_a_low_pass_leaves_what_is_slow_and_measures_it_by_its_standard_deviation():
+    slow, fast = 3.0 * np.sin(2.0 * np.pi * 2.0 * TIME), 5.0 * np.sin(2.0 * np.pi * 60.0 * TIME)
+    filtered = quantity("time history", cutoff=20.0)
+    assert filtered.error(history(slow + fast), history(slow)) < 9.5e-4  # two passes' gain at three times the cut-off: 0.41 / 3^6
+    assert filtered.error(history(1.01 * slow), history(slow)) == pytest.approx(0.01, rel=1e-3)
+    assert quantity("standard deviation", cutoff=20.0).error(history(1.01 * slow), history(slow)) == pytest.approx(0.01, rel=1e-3)
+    assert quantity("maximum", cutoff=20.0).value(history(slow + fast)) == pytest.approx(3.0, rel=3e-3)
+
+
+def test_a_filtered_signal_does_not_depend_on_how_it_goes_on_beyond_the_ends():
+    before, wave = np.where(TIME < 0.02, 30.0, 0.0) + np.where(TIME > 3.98, 30.0, 0.0), np.sin(2.0 * np.pi * TIME)
+    assert quantity("time history", cutoff=20.0).error(history(wave + before), history(wave)) < 0.01
+    assert quantity("time history").error(history(wave + before), history(wave)) > 0.1
+
+
+def test_samples_too_far_apart_for_a_filter_have_an_infinite_error():
+    coarse = slice(None, None, 8)  # 40 ms
+    run = TimeHistory(TIME[coarse], {"m.x": np.sin(TIME[coarse])})
+    assert quantity("time history", cutoff=20.0).error(run, history(np.sin(TIME))) == inf
+
+
 def test_a_constant_signal_is_measured_against_itself_and_zero_against_the_nominal_value():
     assert quantity("end").error(history(np.full_like(TIME, 4.04)), history(np.full_like(TIME, 4.0))) == pytest.approx(0.01)
     zero = history(np.zeros_like(TIME))
@@ -134,3 +155,21 @@ def test_errors_by_name():
     names = [q.name for q in quantities_of(scene)]
     wave = TimeHistory(TIME, {q.signal: np.cos(TIME) for q in quantities_of(scene)})
     assert errors(quantities_of(scene), wave, wave) == dict.fromkeys(names, 0.0)
+
+
+def test_a_scene_may_filter_its_quantities():
+    first, second = quantities_of(read_scene({**SCENE, "study": {"quantities": [
+        "m.x_out, time history below 20 Hz", "m.v_out, maximum below 12.5 Hz"]}}))
+    assert (first.name, first.kind, first.cutoff) == ("m.x_out, time history below 20 Hz", "time history", 20.0)
+    assert (second.kind, second.cutoff, second.frequency) == ("maximum", 12.5, 0.0)
+
+
+@pytest.mark.parametrize("text", ["m.x, amplitude at 5 Hz below 20 Hz", "m.x, end below zero Hz", "m.x, end below -1 Hz"])
+def test_a_filter_needs_a_frequency_and_a_kind_of_the_whole_signal(text):
+    with pytest.raises(BadInput):
+        wanted(text)
+
+
+def test_a_run_shorter_than_the_ends_of_its_filter_is_refused():
+    with pytest.raises(BadInput, match="more than 2 s"):
+        quantities_of(read_scene({**SCENE, "study": {"quantities": ["m.x_out, time history below 2 Hz"]}}))
