@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import signal
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,8 @@ class Snapshot:
 class Result:
     """What a run gave; after a failure, what it had until then.
 
-    time: (n,) s.  columns: "unit.variable" -> (n,).  measures: "unit.variable" -> unit of measure.
+    time: (n,) s.  columns: "unit.variable" -> (n,) numbers.  texts: "unit.variable" -> (n,) texts, of the same rows.
+    measures: "unit.variable" -> unit of measure.
     info: what run.json holds.  outcome: "done", "failed", "unstable" or "stopped", with the reason in `message`.
     """
 
@@ -42,12 +44,14 @@ class Result:
     info: Mapping[str, Any]
     outcome: str
     message: str
+    texts: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """The column "unit.variable", (n,); raises `BadInput` with the near names."""
-        if name not in self.columns:
-            raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, self.columns))
-        return self.columns[name]
+        """The column "unit.variable", (n,) numbers or texts; raises `BadInput` with the near names."""
+        everything = {**self.columns, **self.texts}
+        if name not in everything:
+            raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, everything))
+        return everything[name]
 
     def unless_stopped(self) -> Result:
         """This result; where a signal stopped the run, the signal takes its usual effect, as it must for a study of many runs."""
@@ -56,13 +60,17 @@ class Result:
         return self
 
     def save(self, directory: str | Path) -> Path:
-        """Write result.csv (first column "time"; numbers keep every bit) and run.json into the directory, which is made."""
+        """Write result.csv and run.json into the directory, which is made.
+
+        result.csv: first column "time", then numbers, which keep every bit, then texts in quotation marks.
+        """
         directory = ensure_directory(directory)
         try:
-            with open(directory / "result.csv", "w", encoding="utf-8") as file:
-                file.write(",".join(['"time"', *(f'"{name}"' for name in self.columns)]) + "\n")
-                for row in zip(self.time.tolist(), *(c.tolist() for c in self.columns.values()), strict=True):
-                    file.write(",".join(map(repr, row)) + "\n")
+            with open(directory / "result.csv", "w", encoding="utf-8", newline="") as file:
+                table = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+                table.writerow(["time", *self.columns, *self.texts])
+                columns = [c.tolist() for c in (self.time, *self.columns.values(), *self.texts.values())]
+                table.writerows(zip(*columns, strict=True))
             (directory / "run.json").write_text(json.dumps(self.info, indent=2) + "\n", encoding="utf-8")
         except OSError as error:
             raise not_written(directory, error) from None

@@ -23,7 +23,7 @@ from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
-from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, reading
+from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, TextRecorder, reading
 from .open_all import open_units
 from .results import Result, Snapshot
 from .run_info import CompileTime, describe_run
@@ -118,9 +118,13 @@ class Run:
         self.signals = Recorder(sample, len(self._ends), every, end, of_master=watched)
         self.arrays = {f"{unit}.{array}": Recorder(self.units[unit].reader(names), len(names), snapshot_every, end)
                        for (unit, array), names in coupling.snapshots.items()}
+        self.texts: TextRecorder | None = None
+        if ends := coupling.recorded_texts:
+            self.texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
         self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
         self.observers: list[Observer] = [self.signals, *self.arrays.values(), self.extrapolation, self._interrupt]
+        self.observers[:0] = [self.texts] if self.texts else []  # first: an interrupt leaves them no row behind
         steps = int(scene.stop_time / scene.master.step)
         if scene.master.control is None:  # steps that follow an error estimate need no other
             self.resolution = StepResolution(master, steps)
@@ -139,6 +143,7 @@ class Run:
         parts: dict[str, Part] = {"signals": self.signals, "misses": self.extrapolation, "faults": self.faults,
                                   "stepping": self.stepping}
         parts |= {"resolution": self.resolution} if self.resolution else {}
+        parts |= {"texts": self.texts} if self.texts else {}
         return parts | {f"snapshots of {name}": recorder for name, recorder in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
@@ -177,7 +182,7 @@ class Run:
         self.outcome, self.message = "done", f"{end} of {self.scene.stop_time:.9g} s"
         if len(self.units) == 1:
             self.signals.close(end.time, reading(self.units, self._ends))
-            for recorder in self.arrays.values():
+            for recorder in (*self.arrays.values(), *([self.texts] if self.texts else [])):
                 recorder.close(end.time)
 
     def conclude(self, past: Checkpoint | None) -> Result:
@@ -199,11 +204,13 @@ class Run:
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
         columns = dict(zip(self._ends, signals.values.T, strict=True))
+        texts = self.texts.texts[: signals.rows].T if self.texts else ()
         return Result(
             self.scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
             {name: Snapshot(recorder.time, recorder.values) for name, recorder in self.arrays.items()},
             {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals},
             info, self.outcome, self.message,
+            {f"{u}.{n}": values for (u, n), values in zip(coupling.recorded_texts, texts, strict=True)},
         )
 
     @property

@@ -49,7 +49,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
         yield f"order of stepping: {', '.join(coupling.order(master.order))}"
     if coupling.undriven:
         yield f"inputs at their start values: {', '.join(coupling.undriven)}"
-    yield f"recorded: {', '.join(map('.'.join, coupling.signals)) or 'nothing'}"
+    yield f"recorded: {', '.join(map('.'.join, (*coupling.signals, *coupling.recorded_texts))) or 'nothing'}"
     undeclared = [n for group in coupling.groups if len(group) > 1 for n in group
                   if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())]
     if undeclared and master.algorithm in ("jacobi", "gauss-seidel"):

@@ -110,7 +110,9 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
 def _check_quantities(scene: Scene) -> None:
     """Refuse quantities of interest that no run could have."""
     interfaces = scene.coupling.interfaces
-    outputs = [f"{unit}.{n}" for unit, i in interfaces.items() for n in i.outputs] if scene.study.quantities else []
+    if not scene.study.quantities:
+        return
+    outputs = [f"{unit}.{n}" for unit, i in interfaces.items() for n, s in i.outputs.items() if not s.is_text]
     for text in scene.study.quantities:
         if (signal := wanted(text).signal) not in outputs:
             raise BadInput(f"{scene.name}: study.quantities", repr(signal), "an output of a unit", nearest(signal, outputs))

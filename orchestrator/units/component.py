@@ -120,13 +120,13 @@ class ComponentUnit:
         """For code that reads and writes the component's arrays itself."""
         return self._ports
 
-    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+    def wire_texts(self, inputs: Sequence[str]) -> None:
         raise NotImplementedError  # components have no texts among their inputs and outputs
 
     def set_texts(self, values: Sequence[str]) -> None:
         raise NotImplementedError
 
-    def get_texts(self) -> list[str]:
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
         raise NotImplementedError
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:

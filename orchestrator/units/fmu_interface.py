@@ -44,8 +44,7 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
                  for n, s in there.items() if s.variable.causality == "output"},
         effects={e: "" if e in off else named.get(e, "on by the FMU's default") for e in known},
         set_inputs=frozenset(settings.parameters) & frozenset(inputs),
-        recordable={n: _signal(s, (), measures) for n, s in there.items()
-                    if s.variable.causality in RECORDABLE and s.kind != "string"},
+        recordable={n: _signal(s, (), measures) for n, s in there.items() if s.variable.causality in RECORDABLE},
         arrays=_arrays(there),
         refused={v.name: v.type for v in description.model.modelVariables if v.type in NEITHER},
         **_capabilities(description, real),
@@ -53,10 +52,10 @@ def describe_fmu(name: str, settings: UnitSettings) -> Interface:
 
 
 def _arrays(scalars: Mapping[str, Scalar]) -> dict[str, tuple[str, ...]]:
-    """Elements of each output that is an array of numbers."""
+    """Elements of each array that is an output or may be recorded."""
     arrays: dict[str, tuple[str, ...]] = {}
     for name, scalar in scalars.items():
-        if scalar.variable.causality == "output" and scalar.variable.dimensions and scalar.kind != "string":
+        if scalar.variable.causality in ("output", *RECORDABLE) and scalar.variable.dimensions:
             arrays[scalar.variable.name] = (*arrays.get(scalar.variable.name, ()), name)
     return arrays
 

@@ -230,17 +230,17 @@ class FmuUnit:
         """Inputs that have changed at this instant."""
         inputs.write(values, self._time)
 
-    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+    def wire_texts(self, inputs: Sequence[str]) -> None:
         self._texts = Others(self.name, inputs, *self._common())
-        self._text_outputs = blocks([self._scalars[n] for n in outputs], self._fmi3)
 
     def set_texts(self, values: Sequence[str]) -> None:
         if list(values) != self._last_texts and self._ended is None:
             self._hand_over(self._texts, values)
             self._last_texts = list(values)
 
-    def get_texts(self) -> list[str]:
-        return [text for block in self._text_outputs for text in self._read(block)]
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
+        (block,) = blocks([self._scalars[n] for n in names], self._fmi3)
+        return lambda: self._read(block)
 
     def _read(self, block: Block) -> list[Any]:
         """Present values of a block's scalars."""

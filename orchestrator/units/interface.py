@@ -21,7 +21,7 @@ class Signal:
     """One scalar input or output. `feedthrough` of an output: the inputs it depends on within an instant; None: not declared.
 
     Numbers of every kind travel as floats: integers and members of an enumeration as their value, booleans as 0 and 1.
-    Texts take their own way, see `Unit.set_texts`.
+    Texts take their own way, see `Unit.set_texts` and `Unit.text_reader`.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Interface:
     fixed_step: float = 0.0  # s, that every communication step must be a multiple of; 0: free
     may_return_early: bool = False  # events inside a step are reported by `event`
     recordable: Mapping[str, Signal] = field(default_factory=dict)  # what is no output and may be recorded by its name
-    arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of outputs that are arrays of FMI 3
+    arrays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # elements of what is an array of FMI 3
     refused: Mapping[str, str] = field(default_factory=dict)  # variables that cannot be connected -> what they are
 
 
@@ -73,9 +73,9 @@ class SimulationEnded(StepFailed):
 class Unit(Protocol):
     """One simulated part. Calls come in this order:
 
-    1. `wire` once: which inputs are driven and which outputs are read in every step; `wire_texts` where texts are connected
+    1. `wire` once: which inputs are driven and which outputs are read in every step; `wire_texts` where texts are driven
     2. `initialize`, repeated while the inputs still change, with `get` after each; then `start` once
-    3. for each step `drive`, `step`, `get`; between steps `update`, `get` and the readers of `reader`;
+    3. for each step `drive`, `step`, `get`; between steps `update`, `get` and the readers of `reader` and `text_reader`;
        `save` and `restore` around a repeated step
     4. `close`, always and once
 
@@ -95,14 +95,14 @@ class Unit(Protocol):
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         """Fix the names of the driven inputs and of the outputs that `get` returns."""
 
-    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        """Fix the names of the texts of `set_texts` and `get_texts`; called only where there are some."""
+    def wire_texts(self, inputs: Sequence[str]) -> None:
+        """Fix the names of the texts of `set_texts`; called only where there are some."""
 
     def set_texts(self, values: Sequence[str]) -> None:
         """Texts of the driven inputs from now on."""
 
-    def get_texts(self) -> list[str]:
-        """Present texts of the outputs."""
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
+        """A function that gives the present texts of some outputs."""
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         """A function that gives the present values of some outputs."""

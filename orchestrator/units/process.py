@@ -177,14 +177,15 @@ class WorkerUnit:
                            "a unit that starts in a worker process") from None
         self._started = True
 
-    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
-        self._ask("wire_texts", [*inputs], [*outputs])
+    def wire_texts(self, inputs: Sequence[str]) -> None:
+        self._ask("wire_texts", [*inputs])
 
     def set_texts(self, values: Sequence[str]) -> None:
         self._move("set_texts", [*values])
 
-    def get_texts(self) -> list[str]:
-        return self._ask("get_texts")
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
+        index = self._ask("text_reader", [*names])
+        return lambda: self._ask("read_texts", index)
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:
         if set(names) <= set(self._outputs):  # these come with every answer

@@ -49,6 +49,7 @@ class Worker:
         self._name, self._channel = name, channel
         self._unit: Unit
         self._readers: list[tuple[Callable[[], PortValues], Callable[[PortValues], bytes]]] = []
+        self._text_readers: list[Callable[[], list[str]]] = []
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 
@@ -64,6 +65,13 @@ class Worker:
     def reader(self, names: list[str]) -> int:
         self._readers.append((self._unit.reader(names), packer(len(names))))
         return len(self._readers) - 1
+
+    def text_reader(self, names: list[str]) -> int:
+        self._text_readers.append(self._unit.text_reader(names))
+        return len(self._text_readers) - 1
+
+    def read_texts(self, index: int) -> list[str]:
+        return self._text_readers[index]()
 
     def save(self, number: int) -> None:
         self._states[number] = self._unit.save(self._states.get(number))

@@ -95,7 +95,7 @@ MODELS: dict[str, list[V]] = {
     "moody": [V("now", 6, "Float64", "output", "continuous"), V("tolerance", 7, "Float64", "output", "discrete"),
               *(V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
                 for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)),
-              V("exit_at", 8, "Float64", "parameter", "fixed", "1e9"),
+              V("exit_at", 8, "Float64", "parameter", "fixed", "1e9"), V("words", 9, "String", "output", "discrete"),
               V("restless", 5, "Boolean", "parameter", "fixed", "false")],
 }
 OPTIONS = {"one": 1, "two": 2, "far": 7}  # members of the enumeration

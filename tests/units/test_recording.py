@@ -1,12 +1,14 @@
 """What of an FMU is recorded: scalars and arrays by default, locals by name; a result has a column or is refused."""
 
+import csv
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.engine.coupling.resolve import LONGEST
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import read_scene
-from cosimo.tests.units.native import native_fmu
+from cosimo.tests.units.native import STATE, native_fmu
 
 LOCAL = ('causality="output"', 'causality="local"')
 
@@ -54,9 +56,48 @@ def test_locals_are_no_ends_of_connections():
         read_scene({**data, "connections": ["f.x0 -> g.Float64_continuous_input"]})
 
 
-def test_texts_are_refused_with_what_to_do():
-    with pytest.raises(BadInput, match=r"'f\.String_out', a text; expected a number; .*can be connected"):
-        read_scene(scene(native_fmu("feedthrough", 3), {"signals": ["f.String_out"]}))
+SAID = 'Grüße, "世界"\nand more'
+
+
+def speaking(isolation: str = "none", **more) -> dict:
+    """A text that goes from one unit to another, at the start of each step, and what comes out there."""
+    said = {"fmu": native_fmu("feedthrough", 3, STATE[3]), "parameters": {"String_in": SAID}, "isolation": isolation}
+    return {"stop_time": 1.0, "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 2, STATE[2])}},
+            "connections": ["a.String_out -> b.String_in"], "master": {"step": 0.1},
+            "record": {"signals": ["b.String_out", "a.Boolean_out", "a.String_out", "b.Enumeration_out"], **more}}
+
+
+@pytest.mark.parametrize("isolation", ["none", "process"])
+def test_texts_truth_values_and_enumerations_are_recorded_where_asked(isolation, tmp_path):
+    result = run(read_scene(speaking(isolation)))
+    assert list(result.columns) == ["a.Boolean_out", "b.Enumeration_out"]  # what figures and statistics are of
+    assert (set(result["a.Boolean_out"]), set(result["b.Enumeration_out"])) == ({0.0}, {1.0})
+    assert result["b.String_out"].tolist() == result["a.String_out"].tolist() == [SAID] * 11
+    with open(result.save(tmp_path) / "result.csv", encoding="utf-8", newline="") as file:
+        names, *rows = csv.reader(file)
+    assert names == ["time", "a.Boolean_out", "b.Enumeration_out", "b.String_out", "a.String_out"]
+    assert [row[1:] for row in rows] == [["0.0", "1.0", SAID, SAID]] * 11
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_text_that_changes_is_recorded_with_its_rows(fmi):
+    """Every third step, and alone: a result of texts has no column of numbers."""
+    data = scene(native_fmu("moody", fmi), {"signals": ["f.words"], "interval": 0.3})
+    result = run(read_scene(data))
+    assert (list(result.columns), result.time.tolist()) == ([], pytest.approx([0.0, 0.3, 0.6, 0.9, 1.0]))
+    assert result["f.words"].tolist() == ["at 0.0", "at 0.3", "at 0.6", "at 0.9", "at 1.0"]
+
+
+def test_texts_of_a_run_that_is_resumed_are_those_of_the_whole_one(tmp_path):
+    loaded = read_scene(speaking())
+    whole = run(loaded, checkpoint_every=0.4, checkpoint_to=tmp_path / "half")
+    resumed = run(loaded, resume=tmp_path / "half")
+    assert resumed["b.String_out"].tolist() == whole["b.String_out"].tolist() == [SAID] * 11
+
+
+def test_binaries_are_refused_by_name():
+    with pytest.raises(BadInput, match=r"f\.Binary_input, a Binary; expected a number, a truth value or a text"):
+        read_scene(scene(native_fmu("feedthrough", 3), {"signals": ["f.Binary_input"]}))
 
 
 def test_an_empty_list_of_signals_is_refused():

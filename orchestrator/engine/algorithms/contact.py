@@ -128,13 +128,13 @@ class ContactUnit:
         self._picks = [[names.index(n) if (n := f"{label}_{part}") in names else -1 for part in PARTS] for label in SIDES]
         self._outputs = tuple(outputs)
 
-    def wire_texts(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
+    def wire_texts(self, inputs: Sequence[str]) -> None:
         raise NotImplementedError  # a contact has no texts
 
     def set_texts(self, values: Sequence[str]) -> None:
         raise NotImplementedError
 
-    def get_texts(self) -> list[str]:
+    def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
         raise NotImplementedError
 
     def reader(self, names: Sequence[str]) -> Callable[[], list[float]]:

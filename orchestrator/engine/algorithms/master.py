@@ -82,13 +82,13 @@ class Master:
         self._size = (lambda: signals.dot(inverse)) if wide else (lambda: sum(map(mul, signals, sizes)))
         self.steps = 0
         self.initialization: list[InitializationResult] = []  # how each group came to its initial values
-        self.texts = Texts(units, coupling) if coupling.texts else None
-        if self.texts is not None:
-            self._step, self.step = self.step, self._step_with_texts  # type: ignore[method-assign]
         order = tuple(order) or self.usual_order(tuple(units))
         make = SmoothNode if smoothing else Node
         nodes = {name: self._node(make, unit, read, order, end) for name, unit in units.items()}
         self.nodes = [nodes[name] for name in order]
+        self.texts = Texts(units, coupling) if coupling.texts else None  # behind the nodes, which wire the units
+        if self.texts is not None:
+            self._step, self.step = self.step, self._step_with_texts  # type: ignore[method-assign]
         self.feedthrough_schedule, self.loops, self._plan = (
             self._following(nodes, read) if feedthrough == "immediate" else ([], [], []))
         self._fed = [node for node in self.nodes if node.sources]

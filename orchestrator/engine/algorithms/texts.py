@@ -24,8 +24,9 @@ class Texts:
                 names.append(link.source[1])
             self._taken.setdefault(link.target[0], []).append(link.source)
             inputs.setdefault(link.target[0], []).append(link.target[1])
-        for name in dict.fromkeys([*self._given, *inputs]):
-            units[name].wire_texts(inputs.get(name, []), self._given.get(name, []))
+        for name, driven in inputs.items():
+            units[name].wire_texts(driven)
+        self._read = {name: units[name].text_reader(outputs) for name, outputs in self._given.items()}
 
     def give(self, unit: str) -> None:
         """Hand a unit the texts that it takes."""
@@ -35,7 +36,7 @@ class Texts:
     def take(self, unit: str) -> None:
         """Ask a unit for the texts that it gives."""
         if unit in self._given:
-            for name, value in zip(self._given[unit], self._units[unit].get_texts(), strict=True):
+            for name, value in zip(self._given[unit], self._read[unit](), strict=True):
                 self._values[unit, name] = value
 
     def hand_over(self) -> None:

@@ -32,7 +32,8 @@ class Coupling:
     links: tuple[Link, ...]  # of numbers
     texts: tuple[Link, ...]  # of texts, which are handed over at the start of every macro step
     undriven: tuple[str, ...]  # "unit.input" that keeps its start value
-    signals: tuple[Endpoint, ...]  # recorded outputs
+    signals: tuple[Endpoint, ...]  # recorded outputs that are numbers
+    recorded_texts: tuple[Endpoint, ...]  # and those that are texts
     snapshots: Mapping[Endpoint, tuple[str, ...]]  # (unit, array) -> its elements
     feedthrough_schedule: tuple[str | Loop, ...]  # units to update and loops to solve, in this order
     groups: tuple[tuple[str, ...], ...]  # units that feed one another in a circle, sources before those they feed
@@ -56,10 +57,13 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in connected if link not in texts)
         interfaces = _with_recorded(scene, interfaces)  # behind the connections: only outputs can be connected
+        recorded = _recorded(scene, interfaces)
+        spoken = tuple((u, n) for u, n in recorded if interfaces[u].outputs[n].is_text)
         coupling = Coupling(
             interfaces, links, texts,
             undriven=_undriven(interfaces, connected),
-            signals=_signals(scene, interfaces),
+            signals=tuple(end for end in recorded if end not in spoken),
+            recorded_texts=spoken,
             snapshots={_endpoint(s, "record.snapshots", interfaces): _array(s, interfaces) for s in scene.record.snapshots},
             feedthrough_schedule=feedthrough_schedule(interfaces, links),
             groups=groups(interfaces, connected),
@@ -178,6 +182,8 @@ def _array(text: str, interfaces: Mapping[str, Interface]) -> tuple[str, ...]:
     elements = _elements(variable, interfaces[unit])
     if not elements:
         raise _no_variable("record.snapshots", (unit, variable), "output", interfaces)
+    if interfaces[unit].outputs[elements[0]].is_text:
+        raise BadInput("record.snapshots", f"{text!r}, an array of texts", "one of numbers", "Write it under record.signals.")
     return elements
 
 
@@ -185,9 +191,10 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
     return tuple(n for n in interface.outputs if n.startswith(variable + "[") and n.removeprefix(variable)[1:-1].isdigit())
 
 
-def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+    """Outputs to record, of numbers and texts."""
     if scene.record.signals is None:
-        return _signals_by_default(scene, interfaces)
+        return _recorded_by_default(scene, interfaces)
     recorded: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)
@@ -196,16 +203,13 @@ def _signals(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple
             _elements(variable, interfaces[unit])
         if not names:
             raise _no_variable("record.signals", (unit, variable), "output", interfaces)
-        if outputs[names[0]].is_text:
-            raise BadInput("record.signals", f"{text!r}, a text", "a number; result.csv holds numbers",
-                           "Leave it out; a text can be connected with an input of another unit.")
         recorded |= dict.fromkeys((unit, n) for n in names)
     if not (recorded or scene.record.snapshots):
         raise BadInput("record.signals", "no signal", "at least one; a result without columns tells nothing", "Or leave it out.")
     return tuple(recorded)
 
 
-def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+def _recorded_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
     """Scalar outputs, and arrays of FMI 3 that are not too long; elements of other arrays where there is nothing else.
 
     Raises `BadInput` where a result would have no column.
@@ -216,7 +220,7 @@ def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface
     if not recorded and not scene.record.snapshots:
         recorded = tuple(numbers[:LONGEST])
     if not recorded and not scene.record.snapshots:
-        names = [f"{u}.{n}" for u, i in interfaces.items() for n in i.recordable]
+        names = [f"{u}.{n}" for u, i in interfaces.items() for n in (*i.outputs, *i.recordable)]
         shown = ", ".join(names[:SHOWN]) + (", ..." if len(names) > SHOWN else "")
         raise BadInput("record.signals", "no unit with an output that is a number", "at least one signal to record",
                        f"What can be recorded by its name: {shown}." if names else "Nothing else can be recorded, either.")
@@ -225,7 +229,8 @@ def _signals_by_default(scene: SceneSettings, interfaces: Mapping[str, Interface
 
 def _with_recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> dict[str, Interface]:
     """Interfaces in which the variables that the scene records by name are outputs, too."""
-    wanted = [_endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
+    named = [_endpoint(text, "record.signals", interfaces) for text in scene.record.signals or ()]
+    wanted = [(u, n) for u, name in named for n in interfaces[u].arrays.get(name, (name,))]
     return {unit: replace(i, outputs={**i.outputs, **{n: i.recordable[n] for u, n in wanted if u == unit and n in i.recordable}})
             if i.recordable else i for unit, i in interfaces.items()}
 

@@ -85,26 +85,52 @@ class Recorder(BatchObserver):
         self._times, self._values = array("d", state["times"].tolist()), array("d", state["values"].ravel().tolist())
 
     @property
+    def rows(self) -> int:
+        """How many there are; an interrupt may have left a time without its row, or a row that is not complete."""
+        return min(len(self._times), len(self._values) // self._width) if self._width else len(self._times)
+
+    @property
     def time(self) -> np.ndarray:
         """Times of the rows, (n,) s."""
-        return np.array(self._times)
+        return np.array(self._times)[: self.rows]
 
     @property
     def values(self) -> np.ndarray:
         """The rows, (n, width)."""
-        n = len(self._times)  # an interrupt may leave a time without its row, or a row that is not complete
-        values = np.array(self._values)[: n * self._width]
-        return values.reshape(n, self._width)
+        return np.array(self._values)[: self.rows * self._width].reshape(self.rows, self._width)
 
 
-def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint]) -> Sample:
-    """A function that asks the units for the present values of some outputs, in the order of `ends`."""
+class TextRecorder(Recorder):
+    """Rows of texts: what is kept of each is its place in the list of all different ones."""
+
+    def __init__(self, sample: Callable[[], list[str]], width: int, interval: int, end: int):
+        self._places: dict[str, float] = {}
+        places = self._places
+        super().__init__(lambda: [places.setdefault(text, float(len(places))) for text in sample()], width, interval, end)
+
+    def state(self) -> dict[str, Any]:
+        """As in `Recorder`."""
+        return super().state() | {"texts": list(self._places)}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """As in `Recorder`."""
+        super().take(state)
+        self._places |= {text: float(k) for k, text in enumerate(state["texts"])}
+
+    @property
+    def texts(self) -> np.ndarray:
+        """The rows, (n, width), of texts."""
+        return np.array(list(self._places), dtype=object)[self.values.astype(int)]
+
+
+def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:
+    """A function that asks the units for the present values of some outputs, in the order of `ends`; `texts`: they are texts."""
     by_unit = {u: [n for v, n in ends if v == u] for u, _ in ends}
-    readers = [units[u].reader(names) for u, names in by_unit.items()]
+    readers = [(units[u].text_reader if texts else units[u].reader)(names) for u, names in by_unit.items()]
     flat = [(u, n) for u, names in by_unit.items() for n in names]
     order = [flat.index(end) for end in ends]
 
-    def sample() -> list[float]:
+    def sample() -> list[Any]:
         values = [v for read in readers for v in read()]
         return [values[k] for k in order]
 

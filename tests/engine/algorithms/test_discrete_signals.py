@@ -171,14 +171,17 @@ def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(fee
 class Speaker(ComponentUnit):
     """A component with a text output that tells its last step, and a text input that it keeps."""
 
-    def wire_texts(self, inputs, outputs):
-        self.text_inputs, self.text_outputs, self.heard = list(inputs), list(outputs), []
+    heard = ()
+
+    def wire_texts(self, inputs):
+        self.text_inputs, self.heard = list(inputs), []
 
     def set_texts(self, values):
         self.heard.append((round(self.component.t, 9), *values))
 
-    def get_texts(self):
-        return [f"{name} of {self.name} at {self.component.t:.1f}" for name in self.text_outputs]
+    def text_reader(self, names):
+        self.text_outputs = list(names)
+        return lambda: [f"{name} of {self.name} at {self.component.t:.1f}" for name in names]
 
 
 def test_texts_are_handed_over_at_the_start_of_each_step(monkeypatch):
