@@ -39,7 +39,7 @@ class RecordSettings(Model):
     """What is kept. Samples are taken at the first macro step not before each multiple of the interval, and at the end."""
 
     signals: tuple[str, ...] | None = Field(
-        default=None, description="unit.output, or unit.array for all its elements; default: all outputs that are numbers, long arrays left out")
+        default=None, description="unit.output, or unit.array for all its elements; default: all numbers but long arrays")
     interval: Seconds | None = Field(default=None, description="s; default: every macro step")
     snapshots: tuple[str, ...] = Field(default=(), description="unit.array, kept as whole arrays")
     snapshot_interval: Seconds | None = Field(default=None, description="s; default: every macro step")
