@@ -19,7 +19,7 @@ except ImportError:  # an FMU's host may lack Numba: slower, the same equations
 
 # NUMBA_DISABLE_JIT=1: plain Python, without waiting for the compiler
 COMPILED = njit is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
-OPTIONS: dict[str, Any] = {"error_model": "numpy"}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 if COMPILED:
     from .kernel_cache import KernelCache
     from .pruning import KernelCompiler

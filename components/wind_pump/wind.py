@@ -113,7 +113,7 @@ class Wind(Component):
         return DONE
 
     def _outputs(self, t: float) -> None:
-        self.y[0] = wind_speed(t, self.x, *self.arguments)
+        wind_speed(t, self.x, self.y, *self.arguments)
 
 
 @kernel
@@ -146,8 +146,8 @@ def gust_share(s, rise, stay):
 
 
 @kernel
-def wind_speed(t, x, p, e):
-    """Wind speed at time t, m/s."""
+def wind_speed(t, x, y, p, e):
+    """Wind speed at time t into y, (1,), m/s."""
     speed = p.mean_speed
     if e.ramp is not None:
         change = e.ramp.end_speed - speed
@@ -164,4 +164,4 @@ def wind_speed(t, x, p, e):
         if s > 0.0:
             s %= e.gusts.period
         speed += e.gusts.amplitude * gust_share(s, e.gusts.rise, e.gusts.stay)
-    return max(speed, 0.0)
+    y[0] = max(speed, 0.0)

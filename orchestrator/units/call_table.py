@@ -1,4 +1,4 @@
-"""What compiled code needs of an FMU of FMI 2.0 to call it without Python: addresses, as plain numbers."""
+"""What compiled code needs of a unit to call it without Python: addresses, as plain numbers."""
 
 from __future__ import annotations
 
@@ -11,20 +11,27 @@ from .description import Scalar, has_companions
 from .values import blocks
 
 HELD, COMPANIONS, DERIVATIVES, MEAN = range(4)  # ways to give an FMU inputs that change over a step, see `inputs`
+IN_MEMORY = 4  # a component's inputs are written where they lie
 FUNCTIONS = ("GetReal", "SetReal", "SetRealInputDerivatives", "DoStep")
 
 
 @dataclass(frozen=True)
-class FmiCallTable:
-    """Addresses: of `FUNCTIONS`, the instance, the references of inputs and outputs, the orders 1 ... 1, 2 ... 2 of inputs."""
+class CallTable:
+    """Addresses: of `FUNCTIONS`, the instance, the references of inputs and outputs, the orders 1 ... 1, 2 ... 2 of inputs.
+
+    Of a component: 0, function of the outputs and its argument, function of the step and its argument, distance of two rows of
+    inputs, 0, 0; and where the driven inputs and the read outputs lie.
+    """
 
     calls: tuple[int, ...]
     way: int
     alive: tuple[Any, ...]  # the memory that addresses point to
+    inputs_at: tuple[int, ...]
+    outputs_at: tuple[int, ...]
 
 
 def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
-               scalars: Mapping[str, Scalar]) -> FmiCallTable | None:
+               scalars: Mapping[str, Scalar]) -> CallTable | None:
     """The call table of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
     companions = has_companions(scalars, inputs)
     names = [*inputs, *(f"der({n})" for n in inputs), *(f"der({n},2)" for n in inputs)] if companions else inputs
@@ -35,4 +42,5 @@ def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequ
     references = [ctypes.addressof(part[0].references) if part else 0 for part in parts]
     calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS]
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    return FmiCallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (parts, orders))
+    return CallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (parts, orders),
+                     (0,) * len(inputs), (0,) * len(outputs))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -12,8 +12,14 @@ import numpy as np
 from ...components.catalogue import component_class
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, StepFailed, nearest
+from ...components.core.kernels import DONE
 from ..settings import UnitSettings
+from .call_table import IN_MEMORY, CallTable
+from .entries import RAISED, Entry
+from .hook_calls import KernelCall, PythonInHook, output_calls, step_calls
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
+
+HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 
 
 def find(component: str, where: str) -> type[Component]:
@@ -78,14 +84,23 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
-@dataclass(frozen=True)
-class Ports:
-    """Where a component's driven inputs and read outputs stand in its own arrays."""
+class _Callback:
+    """A hook with Python in it, for compiled code: function and argument as in `entries.Entry`. Keeps what it has raised."""
 
-    inputs: list[memoryview]  # values, slopes and halves of all inputs
-    columns: list[int]  # of the driven inputs
-    outputs: memoryview
-    places: list[int]  # of the read outputs
+    argument = 0
+    error: BaseException | None = None
+
+    def __init__(self, hook: Callable[[float, float], None]):
+        def call(t: float, h: float, _: int | None) -> int:
+            try:
+                hook(t, h)
+            except BaseException as error:  # none may pass through compiled code
+                self.error = error
+                return RAISED
+            return DONE
+
+        self._call = HOOK(call)
+        self.function = ctypes.cast(self._call, ctypes.c_void_p).value or 0
 
 
 class ComponentUnit:
@@ -96,6 +111,7 @@ class ComponentUnit:
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component
+        self.starts = 0  # how often it was initialized; its arrays are others each time
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         u, y = self.component.u, self.component.y
@@ -111,14 +127,42 @@ class ComponentUnit:
         places = _stretch(self.component.output_positions(outputs))
         self.get = (lambda: y[places]) if len(outputs) > ARRAY_THRESHOLD else self.reader(outputs)
         self.step = self.component.step
-        arrays: list[Any] = [*u, y]
-        views: list[Any] = [memoryview(a) for a in arrays]
-        columns, positions = self.component.input_positions(inputs), self.component.output_positions(outputs)
-        self._ports = Ports(views[:-1], columns.tolist(), views[-1], positions.tolist())
+        ends = ((u[0], self.component.input_positions(inputs)), (y, self.component.output_positions(outputs)))
+        self._at = [tuple(row.ctypes.data + row.itemsize * int(k) for k in at) for row, at in ends]
 
-    def ports(self) -> Ports:
-        """For code that reads and writes the component's arrays itself."""
-        return self._ports
+    def call_table(self, h: float) -> CallTable:
+        """For compiled steps of length h, s, of the initialized component."""
+        c = self.component
+
+        def refresh(t: float, _: float) -> None:
+            c.t = t
+            c.refresh()
+
+        outputs = self._hook(lambda: output_calls(c), refresh)
+        step = self._hook(lambda: step_calls(c, h), c.step)
+        self._hooks = outputs, step
+        calls = (0, outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0], 0, 0)
+        return CallTable(calls, IN_MEMORY, self._hooks, *self._at)
+
+    def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | _Callback:
+        try:
+            return Entry(calls())
+        except PythonInHook:
+            return _Callback(python)
+
+    def stepped(self, steps: int, t: float) -> None:
+        """Compiled code has taken steps of this unit, to the time t, s."""
+        self.component.t = t
+
+    def stopped(self, status: int, t: float) -> None:
+        """A hook has ended the step from t, s, with this status; raises the reason."""
+        for hook in self._hooks:
+            if isinstance(hook, _Callback) and hook.error is not None:
+                error, hook.error = hook.error, None
+                raise error
+        if status == RAISED:
+            raise RuntimeError(f"a kernel of {self.name} has raised an exception")
+        self.component._check(status)
 
     def wire_texts(self, inputs: Sequence[str]) -> None:
         raise NotImplementedError  # components have no texts among their inputs and outputs
@@ -140,6 +184,7 @@ class ComponentUnit:
     def initialize(self, t: float, values: PortValues) -> None:
         self._write(*self._rows[0], values)
         self.component.initialize(t)
+        self.starts += 1
 
     def start(self) -> None:
         """Nothing to do: the component stands at its initial state."""

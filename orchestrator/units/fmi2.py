@@ -18,7 +18,7 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
-from .call_table import FmiCallTable, call_table
+from .call_table import CallTable, call_table
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
 from .interface import SimulationEnded
@@ -81,8 +81,8 @@ class Fmi2CoSimulation(Fmi2Unit):
         self._do_step = self._function("DoStep", ctypes.c_double, ctypes.c_double, ctypes.c_int)
         self._instance = self._fmu.component
 
-    def call_table(self) -> FmiCallTable | None:
-        """For compiled steps; None where they need Python."""
+    def call_table(self, h: float = 0.0) -> CallTable | None:
+        """For compiled steps of any length; None where they need Python."""
         interface = self._interface()
         if interface.canRunAsynchronuously:
             return None

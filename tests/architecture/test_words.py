@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # former name: the one to use. Banned in the whole of the orchestrator.
 FORMER = {
     "settle": "resolve_coupling", "settling": "resolve", "Settled": "InitializationResult", "Slow": "MultirateUnit",
-    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping", "StraightStretch": "GeneratedLoop", "Stretch": "CompiledLoop",
+    "Guided": "AdaptiveStepping", "Stretched": "BatchStepping", "Stretch": "CompiledLoop",
     "march": "run_steps", "Patient": "BatchObserver", "idle": "steps_not_needed", "Mortal": "LosableUnit",
     "mortals": "losable", "Misses": "ExtrapolationError", "Chain": "StronglyConnectedGroup", "told_late": "delayed_feedthrough",
     "Now": "LoopState", "Plan": "LoopLayout", "Row": "PortValues", "WIDE": "ARRAY_THRESHOLD", "KEPT": "CACHED_CALLS",

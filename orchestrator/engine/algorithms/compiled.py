@@ -1,7 +1,8 @@
-"""Many macro steps of Jacobi or Gauss-Seidel in one compiled loop, for scenes whose units are all FMUs of FMI 2.0.
+"""Many macro steps of Jacobi or Gauss-Seidel in one compiled loop, for components of this process and FMUs of FMI 2.0.
 
-The same steps as `Jacobi.step` and `GaussSeidel.step`, in the same order and to the last bit, without Python between the
-calls of the FMUs. The functions of an FMU are called by their addresses; these are data, so one compiled loop serves every FMU.
+The same steps as `Jacobi.step` and `GaussSeidel.step`, in the same order and to the last bit, without Python between the units.
+Their functions are called by address; addresses are data, so one compiled loop serves every unit. Inputs and outputs of a
+component are written and read where they lie in memory.
 Everything stands in this one file, because Numba looks at no other one to see whether its machine code on disk is fresh.
 """
 
@@ -15,21 +16,24 @@ from numba import types
 from numba.extending import intrinsic
 
 from ....components.core.kernels import kernel, kernel_tuple
-from ...units.call_table import COMPANIONS, DERIVATIVES, MEAN
+from ...units.call_table import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN
 
 GET, SET, SET_DERIVATIVES, DO_STEP, INSTANCE, INPUT_REFERENCES, OUTPUT_REFERENCES, ORDERS = range(8)
 FIRST_LINK, LINKS, FIRST_SIGNAL, SIGNALS, WAY, LATE, LED = range(7)
 WARNING = 1
+FAILED = 16  # times the status of a component: larger than any of an FMU
+OUTPUTS, OUTPUTS_ARGUMENT, ROW = SET, SET_DERIVATIVES, INPUT_REFERENCES  # of a component, in the same places
 POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
-
 
 
 @kernel_tuple
 class LoopLayout(NamedTuple):
     """What stays the same over a run. U units in the order of stepping, L links sorted by unit, P passes, D direct links."""
 
-    calls: np.ndarray  # (U, 8) addresses
+    calls: np.ndarray  # (U, 8) addresses; in the row of a component, from a row of its inputs to the next, bytes
     shape: np.ndarray  # (U, 7)
+    inputs_at: np.ndarray  # (L,) addresses of the values of components' inputs
+    outputs_at: np.ndarray  # (S,) addresses of components' outputs
     source: np.ndarray  # (L,) positions in the table of signals
     factor: np.ndarray  # (L,)
     offset: np.ndarray  # (L,)
@@ -58,6 +62,7 @@ class LoopState(NamedTuple):
     interpolates: np.ndarray  # (U,) bool: inputs were interpolated to values known already
     no_return: np.ndarray  # (U,) int32, as of `call_step`
     taken: np.ndarray  # (U,) steps
+    time: np.ndarray  # (U,) s, that each unit has reached
 
 
 def _call(builder, address, kinds, arguments):
@@ -92,6 +97,34 @@ def call_step(typing, address, instance, t, h, no_return):
         return _call(builder, arguments[0], [POINTER, DOUBLE, DOUBLE, INT], arguments[1:])
 
     return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
+
+
+@intrinsic
+def call_hook(typing, address, t, h, argument):
+    """A function of `entries.Entry`; returns its status, int32."""
+    def generate(context, builder, signature, arguments):
+        return _call(builder, arguments[0], [DOUBLE, DOUBLE, POINTER], arguments[1:])
+
+    return types.int32(types.int64, types.float64, types.float64, types.int64), generate
+
+
+@intrinsic
+def load(typing, address):
+    """The number at an address."""
+    def generate(context, builder, signature, arguments):
+        return builder.load(builder.inttoptr(arguments[0], DOUBLE.as_pointer()))
+
+    return types.float64(types.int64), generate
+
+
+@intrinsic
+def store(typing, address, value):
+    """Write a number to an address."""
+    def generate(context, builder, signature, arguments):
+        builder.store(arguments[1], builder.inttoptr(arguments[0], DOUBLE.as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.float64), generate
 
 
 @kernel
@@ -135,13 +168,19 @@ def _terms(plan, now, unit, late, h):
 
 @kernel
 def _drive(plan, now, unit, degree, h):
-    """Hand the polynomials of `_terms` to the FMU; returns its status."""
+    """Hand the polynomials of `_terms` to the unit; returns the status of an FMU."""
     calls, shape = plan.calls[unit], plan.shape[unit]
     first, n, way = shape[FIRST_LINK], shape[LINKS], shape[WAY]
     base, address = 3 * first, now.inputs.ctypes.data
     for k in range(n):
         i = first + k
         v, s, c = now.inputs[base + k], now.inputs[base + n + k], now.inputs[base + 2 * n + k]
+        if way == IN_MEMORY:
+            store(plan.inputs_at[i], v)
+            if degree > 0:
+                store(plan.inputs_at[i] + calls[ROW], s)
+            if degree > 1:
+                store(plan.inputs_at[i] + 2 * calls[ROW], c)
         if degree == 2:
             now.reached[i] = v + h * (s + h * c)
             now.inputs[base + 2 * n + k] = 2.0 * c
@@ -149,6 +188,8 @@ def _drive(plan, now, unit, degree, h):
             now.reached[i] = v + h * s if degree == 1 else v
         if way == MEAN and degree > 0:
             now.inputs[base + k] = v + h * (s / 2.0 + h * c / 3.0)
+    if way == IN_MEMORY:
+        return 0
     references, values = calls[INPUT_REFERENCES], address + 8 * base
     if way == COMPANIONS:
         return call_values(calls[SET], calls[INSTANCE], references, n * (degree + 1), values)
@@ -162,9 +203,26 @@ def _drive(plan, now, unit, degree, h):
 
 
 @kernel
+def _step(plan, now, unit, t, h):
+    """Step one unit; returns its status."""
+    calls = plan.calls[unit]
+    now.taken[unit] += 1
+    if plan.shape[unit, WAY] != IN_MEMORY:
+        return call_step(calls[DO_STEP], calls[INSTANCE], t, h, now.no_return[unit])
+    status = FAILED * call_hook(calls[DO_STEP], t, h, calls[INSTANCE])
+    if status == 0:
+        now.time[unit] = t + h
+    return status
+
+
+@kernel
 def _read(plan, now, unit):
-    """Outputs of a unit into the table of signals; returns the FMU's status."""
+    """Outputs of a unit into the table of signals; returns the status of an FMU."""
     first, n = plan.shape[unit, FIRST_SIGNAL], plan.shape[unit, SIGNALS]
+    if plan.shape[unit, WAY] == IN_MEMORY:
+        for k in range(first, first + n):
+            now.signals[k] = load(plan.outputs_at[k])
+        return 0
     if n == 0:
         return 0
     calls = plan.calls[unit]
@@ -194,11 +252,15 @@ def _follow(plan, now):
         _gather(plan, now, unit, now.known)
         if _stands(plan, now, unit):
             continue
-        first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
-        for k in range(n):
-            now.inputs[3 * first + k] = now.known[first + k]
-        calls = plan.calls[unit]
-        status = call_values(calls[SET], calls[INSTANCE], calls[INPUT_REFERENCES], n, now.inputs.ctypes.data + 24 * first)
+        first, n, calls = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS], plan.calls[unit]
+        if plan.shape[unit, WAY] == IN_MEMORY:
+            for i in range(first, first + n):
+                store(plan.inputs_at[i], now.known[i])
+            status = FAILED * call_hook(calls[OUTPUTS], now.time[unit], 0.0, calls[OUTPUTS_ARGUMENT])
+        else:
+            for k in range(n):
+                now.inputs[3 * first + k] = now.known[first + k]
+            status = call_values(calls[SET], calls[INSTANCE], calls[INPUT_REFERENCES], n, now.inputs.ctypes.data + 24 * first)
         if status <= WARNING:
             status = _read(plan, now, unit)
         if status > WARNING:
@@ -240,9 +302,7 @@ def run_steps(plan, now, times, h, limit, halt, rows):
                 status = _drive(plan, now, unit, _terms(plan, now, unit, shape[LATE], h), h)
                 if status > WARNING:
                     return step, unit, status
-            calls = plan.calls[unit]
-            status = call_step(calls[DO_STEP], calls[INSTANCE], times[step], h, now.no_return[unit])
-            now.taken[unit] += 1
+            status = _step(plan, now, unit, times[step], h)
             if status <= WARNING and plan.sequential:
                 status = _read(plan, now, unit)
             if status > WARNING:

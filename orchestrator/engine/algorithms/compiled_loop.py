@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ....components.core.errors import StepFailed
 from ....components.core.kernels import COMPILED
-from ...units.call_table import FmiCallTable
+from ...units.component import ComponentUnit
 from ...units.fmi2 import Fmi2CoSimulation
-from .compiled import LoopLayout, LoopState, run_steps
+from .compiled import FAILED, WAY, LoopLayout, LoopState, run_steps
 from .gauss_seidel import GaussSeidel
-from .generated_loop import beyond
 from .initial import RUNAWAY
 from .master import Master
+
+Unit = ComponentUnit | Fmi2CoSimulation
 
 
 class CompiledLoop:
@@ -24,22 +26,22 @@ class CompiledLoop:
     changes a master there need not know of this.
     """
 
-    def __init__(self, master: Master, units: Sequence[Fmi2CoSimulation], tables: Sequence[FmiCallTable], halt: np.ndarray):
-        self._master, self._units, self._alive, self._halt = master, units, tables, halt
+    def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray):
+        self._master, self._units, self._halt = master, units, halt
+        self._made_for: Any = None  # what the addresses of the units follow from
         nodes = master.nodes
         links = [link for node in nodes for link in node.links]
         ends = np.cumsum([0] + [len(node.links) for node in nodes])
-        n, u = len(links), len(nodes)
+        n, u, signals = len(links), len(nodes), len(master.signals)
         late = master.late if isinstance(master, GaussSeidel) else [len(node.links) for node in nodes]
-        shape = [(first, len(node.links), node.place.start, node.place.stop - node.place.start, table.way, behind,
-                  behind == 0 and node.follows)
-                 for node, table, first, behind in zip(nodes, tables, ends, late, strict=False)]
+        shape = [(first, len(node.links), node.place.start, node.place.stop - node.place.start, 0, behind,
+                  behind == 0 and node.follows) for node, first, behind in zip(nodes, ends, late, strict=False)]
         feedthrough_schedule = [nodes.index(node) for node in master.feedthrough_schedule]
         direct = [(k, place, change) for k, node in enumerate(nodes) for place, change in node.direct]
         factors, offsets = (np.array([getattr(link, name) for link in links], dtype=float) for name in ("factor", "offset"))
         self._plan = LoopLayout(
-            calls=np.array([table.calls for table in tables], dtype=np.int64),
-            shape=np.array(shape, dtype=np.int64),
+            calls=np.zeros((u, 8), dtype=np.int64), shape=np.array(shape, dtype=np.int64),
+            inputs_at=np.zeros(n, dtype=np.int64), outputs_at=np.zeros(signals, dtype=np.int64),
             source=np.array([s for node in nodes for s in node.sources], dtype=np.int64),
             factor=factors, offset=offsets, converted=(factors != 1.0) | (offsets != 0.0),
             feedthrough_schedule=np.array(feedthrough_schedule, dtype=np.int64),
@@ -50,11 +52,11 @@ class CompiledLoop:
         )
         link, unit = np.zeros(n), np.zeros(u)
         self._now = LoopState(
-            signals=np.zeros(len(master.signals)), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
+            signals=np.zeros(signals), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
             known=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
-            interpolates=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64),
+            interpolates=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64), time=unit,
         )
-        run_steps(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, self._now.signals.size)))  # compiles it
+        run_steps(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, signals)))  # compiles it
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     @property
@@ -62,25 +64,48 @@ class CompiledLoop:
         """Whether the next steps may be taken so: no input is altered by a fault."""
         return all(node.alter is None for node in self._master.nodes)
 
-    def run(self, times: list[float], h: float) -> tuple[np.ndarray, StepFailed | None]:
+    def run(self, times: list[float], h: float) -> tuple[np.ndarray, BaseException | None]:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
+        self._find_units(h)
         self._load()
         rows = np.empty((len(times), self._now.signals.size))
         done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows)
         self._store(done)
-        failure = None
+        failure: BaseException | None = None
         t = times[min(done, len(times) - 1)]
-        for fmu, steps in zip(self._units, self._now.taken.tolist(), strict=True):
-            fmu.stepped(steps, t)
+        for k, (taken, reached) in enumerate(zip(self._now.taken.tolist(), self._now.time.tolist(), strict=True)):
+            one = self._units[k]
+            one.stepped(taken, reached if isinstance(one, ComponentUnit) else t)
         if unit >= 0:
+            one = self._units[unit]
             try:
-                self._units[unit].stopped(status, t)
-            except StepFailed as error:
+                one.stopped(status // FAILED if isinstance(one, ComponentUnit) else status, t)
+            except BaseException as error:  # those of Python in a component, too: the steps before it stand
                 failure = error
         if unit == -2:
-            failure = beyond(self._master, times[done - 1] + h)
+            failure = self._beyond(times[done - 1] + h)
             done -= failure is not None
         return rows[:done], failure
+
+    def _find_units(self, h: float) -> None:
+        """The addresses of the units for steps of length h; of components they depend on it."""
+        needed = h, [unit.starts for unit in self._units if isinstance(unit, ComponentUnit)]
+        if needed == self._made_for:
+            return
+        self._made_for, plan = needed, self._plan
+        self._tables = [unit.call_table(h) for unit in self._units]  # keeps alive what the addresses point to
+        for k, (table, at, node) in enumerate(zip(self._tables, self._slices, self._master.nodes, strict=True)):
+            assert table is not None
+            plan.calls[k], plan.shape[k, WAY] = table.calls, table.way
+            plan.inputs_at[at], plan.outputs_at[node.place] = table.inputs_at, table.outputs_at
+
+    def _beyond(self, t: float) -> StepFailed | None:
+        """What is wrong with the master's signals at t, s; None where nothing is."""
+        try:
+            self._master.check_finite(t)
+        except StepFailed as error:
+            return error
+        return None
 
     def _load(self) -> None:
         now = self._now
@@ -89,7 +114,11 @@ class CompiledLoop:
         for k, (node, at) in enumerate(zip(self._master.nodes, self._slices, strict=True)):
             past = node.history
             now.samples[k], now.spacing[k] = past.count, (past.h1, past.h2)
-            now.no_return[k] = not self._units[k].keeps_states()
+            unit = self._units[k]
+            if isinstance(unit, ComponentUnit):
+                now.time[k] = unit.component.t
+            else:
+                now.no_return[k] = not unit.keeps_states()
             for row, values in ((now.present, past.present), (now.before, past.before), (now.earlier, past.earlier)):
                 if values is not None:
                     row[at] = values
@@ -111,9 +140,12 @@ class CompiledLoop:
 
 
 def compiled_loop_for(master: Master, halt: np.ndarray) -> CompiledLoop | None:
-    """The stretches of a master whose units are FMUs; None where one of them needs Python. `halt`: as in `batch_loop_for`."""
-    if not COMPILED:
+    """The stretches of a master; None where a unit is of another kind. `halt`: as in `batch_loop_for`."""
+    units = [node.unit for node in master.nodes]
+    if not COMPILED or not all(isinstance(u, ComponentUnit) or _by_address(u) for u in units):
         return None
-    units = [node.unit for node in master.nodes if isinstance(node.unit, Fmi2CoSimulation)]
-    tables = [table for unit in units if (table := unit.call_table()) is not None]
-    return CompiledLoop(master, units, tables, halt) if len(tables) == len(master.nodes) else None
+    return CompiledLoop(master, units, halt)  # type: ignore[arg-type]
+
+
+def _by_address(unit: Any) -> bool:
+    return isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None

@@ -8,10 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ...units.component import ComponentUnit
 from ..algorithms import Master
 from ..algorithms.gauss_seidel import GaussSeidel
-from ..algorithms.generated_loop import GeneratedLoop
 from ..algorithms.jacobi import Jacobi
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
@@ -22,7 +20,7 @@ PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar
 
 
 class BatchStepping(Stepping):
-    """Equal steps in batches, see `algorithms.generated_loop` and `algorithms.compiled_loop`; observers are `BatchObserver`s.
+    """Equal steps in batches, see `algorithms.compiled_loop`; observers are `BatchObserver`s.
 
     The observers see what they would have seen step by step.
     """
@@ -83,9 +81,6 @@ def batch_loop_for(master: Master, halt: np.ndarray) -> Any:
     plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
     if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
         return None
-    if components := [node.unit for node in nodes if isinstance(node.unit, ComponentUnit)]:
-        narrow = isinstance(master.signals, list)
-        return GeneratedLoop(master, components, halt) if narrow and len(components) == len(nodes) else None
-    from ..algorithms.compiled_loop import compiled_loop_for  # loads what only FMUs need
+    from ..algorithms.compiled_loop import compiled_loop_for  # loads Numba
 
     return compiled_loop_for(master, halt)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
-from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -54,7 +53,7 @@ def test_components_give_the_same_bits(algorithm, degree, monkeypatch):
     data = two_masses(algorithm, 7e-3, degree)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe"}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, alone = both_ways(data, monkeypatch, GeneratedLoop)
+    together, apart, alone = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert alone <= degree  # only those from which the histories get their first samples
 
@@ -97,13 +96,13 @@ def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, fore
 @pytest.mark.parametrize("interval", [0.01, 0.03, 0.035])
 def test_records_at_intervals_are_the_same(interval, monkeypatch):
     data = two_masses("jacobi", 1e-2, 1) | {"record": {"signals": ["b.x_out"], "interval": interval}}
-    assert_alike(*both_ways(data, monkeypatch, GeneratedLoop)[:2])
+    assert_alike(*both_ways(data, monkeypatch, CompiledLoop)[:2])
 
 
 def test_faults_cut_a_stretch(monkeypatch):
     faults = [{"signal": "b.force", "kind": "offset", "value": 50.0, "begin": 0.333, "end": 0.5},
               {"signal": "a.x_out", "kind": "freeze", "begin": 0.7}]
-    together, apart, alone = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch, GeneratedLoop)
+    together, apart, alone = both_ways(two_masses("gauss-seidel", 1e-3, 1) | {"faults": faults}, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert alone >= 450  # while a fault lasts
 
@@ -121,7 +120,7 @@ def test_a_failure_keeps_every_step_before_it(monkeypatch):
     data = two_masses("jacobi", 1e-2, 1)
     data["units"]["p"] = {"component": "cosimo.tests.support:Probe", "parameters": {"fail_at": 0.555}}
     data["connections"].append("a.x_out -> p.length")
-    together, apart, _ = both_ways(data, monkeypatch, GeneratedLoop)
+    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert len(together.time) == 56
     assert together.message.startswith("p failed at t = 0.5")
@@ -141,6 +140,6 @@ def test_a_failure_of_an_fmu_keeps_every_step_before_it(foreign, monkeypatch):
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
 def test_growth_without_bound_ends_both_at_the_same_step(monkeypatch):
     data = two_masses("jacobi", 0.2, 2) | {"stop_time": 200.0}
-    together, apart, _ = both_ways(data, monkeypatch, GeneratedLoop)
+    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert "has grown to" in together.message

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.engine.algorithms.generated_loop import GeneratedLoop
+from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.stepping.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
@@ -87,7 +87,7 @@ def test_no_shipped_scene_raises_an_alarm(name):
 def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
     """Counted: as many stretches with it as without it, and one look in 29 steps."""
     stretches, looks = [], []
-    taken, looked = GeneratedLoop.run, InstabilityMonitor.__call__
+    taken, looked = CompiledLoop.run, InstabilityMonitor.__call__
 
     def counted(self, times, h):
         stretches.append(len(times))
@@ -97,7 +97,7 @@ def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
         looks.append(tick)
         looked(self, tick, t)
 
-    monkeypatch.setattr(GeneratedLoop, "run", counted)
+    monkeypatch.setattr(CompiledLoop, "run", counted)
     scene = spring(0.01, 1, steps=6000)
     monkeypatch.setattr(InstabilityMonitor, "__call__", seen)
     run(scene)

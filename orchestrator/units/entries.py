@@ -1,0 +1,122 @@
+"""Machine code that makes the kernel calls of a component's hook: one function `int32 f(double t, double h, int64 *cells)`.
+
+A kernel that Numba has compiled is called where it lies, with arguments that stand in cells of eight bytes: numbers, and of
+arrays address, shape and strides. Functions that load arguments of the same types are one function, which takes milliseconds to
+make; nothing is compiled again, and so nothing of them is kept on disk.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from .hook_calls import KernelCall, PythonInHook, Symbol
+
+RAISED = 99  # status of an error inside a kernel that is no status
+_engines: list[Any] = []  # what owns the machine code
+
+
+class Entry:
+    """A function and its argument; both addresses are valid as long as this lives. The arrays are those of the component."""
+
+    def __init__(self, calls: Sequence[KernelCall]):
+        """Raises `PythonInHook` where an argument has no form that a kernel takes."""
+        cells: list[Any] = []
+        shapes = []
+        for call in calls:
+            function, kinds = _compiled(call)
+            values = list(_flat(_folded(call)))
+            if len(values) != len(kinds):
+                raise PythonInHook(f"arguments of {call.kernel.__name__}")
+            shapes.append((kinds, tuple(v if isinstance(v, Symbol) else None for v in values), call.checked))
+            cells += [function, *values]
+        self.cells = np.zeros(max(len(cells), 1), dtype=np.int64)
+        floats = self.cells.view(np.float64)
+        for k, value in enumerate(cells):
+            if isinstance(value, float):
+                floats[k] = value
+            elif not isinstance(value, Symbol):
+                self.cells[k] = value
+        self._calls = tuple(calls)  # keeps their arrays and machine code alive
+        self.function, self.argument = _function(tuple(shapes)), self.cells.ctypes.data
+
+
+def _folded(call: KernelCall) -> tuple[Any, ...]:
+    """Arguments as Numba has them: those behind a star are one tuple."""
+    code = call.kernel.py_func.__code__
+    if not code.co_flags & inspect.CO_VARARGS:
+        return call.arguments
+    return (*call.arguments[: code.co_argcount], call.arguments[code.co_argcount :])
+
+
+def _compiled(call: KernelCall) -> tuple[int, tuple[str, ...]]:
+    """(address, types of the arguments in machine code) of a kernel for these arguments."""
+    kernel = call.kernel
+    signature = tuple(kernel.typeof_pyval(0.0 if isinstance(a, Symbol) else a) for a in _folded(call))
+    if signature not in kernel.overloads:
+        kernel.compile(signature)
+    compiled = kernel.overloads[signature]
+    kinds = [str(k) for k in compiled.target_context.get_arg_packer(compiled.fndesc.argtypes).argument_types]
+    result = str(compiled.signature.return_type)
+    if result not in ("int64", "none") or (call.checked and result == "none"):
+        raise PythonInHook(f"{kernel.__name__}, which returns {result}")
+    return (compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name),
+            tuple("ptr" if k.endswith("*") else k for k in kinds))
+
+
+def _flat(values: Sequence[Any]) -> Iterator[Any]:
+    """The numbers that stand for values, in the order of Numba's data models."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            yield from (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
+        elif isinstance(value, tuple):
+            yield from _flat(value)
+        elif value is None:
+            yield 0
+        elif isinstance(value, float | np.floating):
+            yield float(value)
+        elif isinstance(value, bool | np.bool_ | int | np.integer):
+            yield int(value)
+        elif isinstance(value, Symbol):
+            yield value
+        else:
+            raise PythonInHook(f"a {type(value).__name__} for a kernel")
+
+
+@lru_cache(maxsize=256)
+def _function(shapes: tuple[Any, ...]) -> int:
+    """The address of a function that makes calls of these types: (types, symbols, checked) of each."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly("\n".join(_lines(shapes))), machine)
+    engine.finalize_object()
+    _engines.append(engine)
+    return engine.get_function_address("entry")
+
+
+def _lines(shapes: tuple[Any, ...]) -> Iterator[str]:
+    yield "define i32 @entry(double %t, double %h, ptr %cells) {"
+    yield "%result = alloca i64\n%raised = alloca ptr\n%end = fadd double %t, %h"
+    cell = 0
+    for c, (kinds, symbols, checked) in enumerate(shapes):
+        arguments = ["ptr %result", "ptr %raised"]
+        for k, (kind, symbol) in enumerate(zip(("ptr", *kinds), (None, *symbols), strict=True)):
+            if symbol is None:
+                yield f"%p{c}_{k} = getelementptr i64, ptr %cells, i64 {cell}"
+                yield f"%a{c}_{k} = load {kind}, ptr %p{c}_{k}"
+            if k:
+                arguments.append({Symbol.TIME: "double %t", Symbol.END: "double %end"}.get(symbol, f"{kind} %a{c}_{k}"))
+            cell += 1
+        yield f"%s{c} = call i32 %a{c}_0({', '.join(arguments)})"
+        yield f"%f{c} = icmp ne i32 %s{c}, 0\nbr i1 %f{c}, label %raise, label %fine{c}\nfine{c}:"
+        if checked:
+            yield f"%v{c} = load i64, ptr %result\n%w{c} = trunc i64 %v{c} to i32\n%d{c} = icmp ne i32 %w{c}, 0"
+            yield f"br i1 %d{c}, label %stop{c}, label %next{c}\nstop{c}:\nret i32 %w{c}\nnext{c}:"
+    yield f"ret i32 0\nraise:\nret i32 {RAISED}\n}}"
