@@ -12,7 +12,7 @@ from ..core.errors import BadInput
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
-from .contact import at_contact, contact_compliance, in_range, wire_height
+from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import effective_band, implicit_steps
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
@@ -338,9 +338,7 @@ def catenary_outputs(x, u, y, mesh, watched, second, profile):
         y[second.y + 1] = at_contact(u[second.u], v, mesh)
         y[second.y + 2] = contact_compliance(x[3 * N + 3], mesh)
     if profile is not None:
-        end = mesh.position[mesh.position.size - 1]
-        for k in range(PROFILE):
-            y[profile.y + k] = wire_height(min(max(position + k - PROFILE // 2, 0.0), end), q, mesh)
+        heights_around(position, q, mesh, y[profile.y : profile.y + PROFILE])
 
 
 @kernel

@@ -86,6 +86,30 @@ def wire_height(position, q, mesh):
     return shape + at_contact(position, q, mesh)
 
 
+@kernel
+def heights_around(position, q, mesh, heights):
+    """Heights of the contact wire at points 1 m apart, `position` in the middle and the wire's ends beyond them, m; heights (n,).
+
+    As `wire_height`, for many points at once: nodes are passed in order, and few numbers are divided by others.
+    """
+    n = mesh.position.size
+    first = position - heights.size // 2
+    i = element_at(min(max(first, 0.0), mesh.position[n - 1]), mesh)
+    for k in range(heights.size):
+        x = min(max(first + k, 0.0), mesh.position[n - 1])
+        while i < n - 2 and mesh.position[i + 1] <= x:
+            i += 1
+        s = (x - mesh.position[i]) * mesh.inverse_length[2 * i]
+        here, there = q[2 * i], q[2 * i + 2]
+        value = (1.0 - s) * (mesh.height[i] + here) + s * (mesh.height[i + 1] + there) - s * (1.0 - s) * mesh.bow[i]
+        if 0 < i < n - 2:
+            left, right = mesh.length[i] * mesh.inverse_length[2 * i - 2], mesh.length[i] * mesh.inverse_length[2 * i + 2]
+            bend_left = left / (1.0 + left) * (there - here - left * (here - q[2 * i - 2]))
+            bend_right = right / (1.0 + right) * (right * (q[2 * i + 4] - there) - there + here)
+            value -= 0.5 * mesh.sharpness * s * (1.0 - s) * (bend_left + bend_right)
+        heights[k] = value
+
+
 @kernel_tuple
 class WireOnMesh(NamedTuple):
     """What decides how waves travel along one wire, and along its mesh."""
