@@ -35,6 +35,7 @@ from .units.interface import SimulationEnded
 if TYPE_CHECKING:
     from .units.native import NativeFmu
 
+END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
 TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 
@@ -178,12 +179,19 @@ class Run:
             print(f"cosimo: partial result in {self.conclude(None).save(self.rescue_to)}", file=sys.stderr)
 
     def _end_early(self, end: SimulationEnded) -> None:
-        """A unit has ended the simulation: that is no failure. Its last row is kept; of coupled ones the last step of all."""
+        """A unit has ended the simulation: that is no failure. The last row is of its end, or of the last step of all units."""
         self.outcome, self.message = "done", f"{end} of {self.scene.stop_time:.9g} s"
-        if len(self.units) == 1:
-            self.signals.close(end.time, reading(self.units, self._ends))
+        rewinds = self.stepping.rewinds
+        if len(self.units) == 1 or rewinds:
+            t = self._now if rewinds else end.time
+            self.signals.close(t, reading(self.units, self._ends))
             for recorder in (*self.arrays.values(), *([self.texts] if self.texts else [])):
-                recorder.close(end.time)
+                recorder.close(t)
+        rows, near = self.signals.time, END * self.scene.master.step
+        if (rows[-1:] < end.time - near).any():
+            self.message += f"; the last row, of all units at the same time, is that of t = {rows[-1]:.9g} s"
+        if (rows[-1:] > end.time + near).any():  # it steps with every n-th macro step
+            self.message += "; the rows behind it hold extrapolated outputs of this unit"
 
     def conclude(self, past: Checkpoint | None) -> Result:
         """The result, with all that run.json says of the run."""

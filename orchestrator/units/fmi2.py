@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from math import inf
 from time import sleep
 from typing import Any
 from weakref import WeakValueDictionary
@@ -89,6 +88,11 @@ class Fmi2CoSimulation(Fmi2Unit):
         return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
                           interface.canInterpolateInputs, self._scalars)
 
+    @property
+    def ended(self) -> bool:
+        """Whether the FMU has ended the simulation."""
+        return self._ended is not None
+
     def keeps_states(self) -> bool:
         """Whether a step may be repeated from an earlier state."""
         return not self._states.none
@@ -98,9 +102,9 @@ class Fmi2CoSimulation(Fmi2Unit):
         self._steps += steps
         self._time = t
 
-    def stopped(self, status: int, t: float) -> None:
-        """A call of this unit from compiled code had this status, which ends the step from t; raises `StepFailed`."""
-        self._not_done(status, t, inf)
+    def stopped(self, status: int, t: float, h: float) -> None:
+        """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""
+        self._not_done(status, t, t + h)
 
     def step(self, t: float, h: float) -> None:
         if self._ended is not None:
@@ -125,7 +129,7 @@ class Fmi2CoSimulation(Fmi2Unit):
                 ended.value = 0
             known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
             if ended.value:
-                self._step_end = end
+                self._step_start, self._step_end = t, end
                 self._end_at(last.value if known else t)
                 return
             if known and last.value > t:

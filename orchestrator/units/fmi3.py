@@ -118,7 +118,7 @@ class Fmi3CoSimulation(FmuUnit):
     def step(self, t: float, h: float) -> None:
         if self._ended is not None:
             raise SimulationEnded(self.name, self._ended)
-        self._time, self.event, self._step_end = t, None, t + h
+        self._time, self.event, self._step_start, self._step_end = t, None, t, t + h
         self._steps += 1
         if self.next_event <= t + h:
             self._step_by_events(t, h, self._advance(t, self._stride(t, h)))

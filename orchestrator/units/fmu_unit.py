@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger("cosimo.units")  # a worker process keeps it for the message about its end
 FATAL = 4
+NEAR = 1e-6  # of a step
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
 _once: set[str] = set()  # running FMUs that allow one instance in a process only
 
@@ -55,7 +56,8 @@ class FmuUnit:
         self._time, self._steps = 0.0, 0
         self._initializing = self._started = False
         self._ended: float | None = None  # s, where the FMU ended the simulation
-        self._step_end = 0.0  # s, of the present step
+        self._step_start = self._step_end = 0.0  # s, of the present step
+        self._near = 0.0  # s: so near to the end of a step an end of the simulation completes it
         self._forget = 1  # argument of a step: no earlier state will come back
         self._last_held: list[Any] | None = None  # values and texts that the FMU has
         self._last_texts: list[str] | None = None
@@ -142,9 +144,13 @@ class FmuUnit:
         raise StepFailed(self.name, self._time, reason, remedy)
 
     def _end_at(self, t: float) -> None:
-        """The FMU ends the simulation: where that is the end of a step, all units complete it, and the next one is not begun."""
+        """The FMU ends the simulation: where that is the end of a step, all units complete it, and the next one is not begun.
+
+        A step that is repeated to an end inside of it ends at the next tick of the clock, which may be a little later.
+        """
         self._ended = t
-        if not self._started or self._step_end - t > 4.0 * ulp(t):
+        self._near = max(self._near, 4.0 * ulp(t), NEAR * (self._step_end - self._step_start))
+        if not self._started or self._step_end - t > self._near:
             raise SimulationEnded(self.name, t)
 
     # Values

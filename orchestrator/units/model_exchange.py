@@ -210,7 +210,7 @@ class Fmi2ModelExchange(Fmi2Unit):
             raise SimulationEnded(self.name, self._ended)
         self._time, self.event, self._origin = t, None, t
         self._steps += 1
-        self._step_end = t + h
+        self._step_start, self._step_end = t, t + h
         try:
             self._integrate(t, t + h)
         except SolverFailed as error:
@@ -236,7 +236,7 @@ class Fmi2ModelExchange(Fmi2Unit):
                 if self.event is None and now - t > near:
                     self.event = now
                 self._event(now)
-            if end - now <= near and self.next_event > now:
+            if self._ended is not None or (end - now <= near and self.next_event > now):
                 return
             self._restart(now)
         raise StepFailed(self.name, now, f"more than {EVENTS} events in one step{self._log_lines()}")
@@ -257,6 +257,8 @@ class Fmi2ModelExchange(Fmi2Unit):
             self._time = now
             self._check(self._at(now, solver.address))
             wanted, signs = self._completed(now), self._present_signs()
+            if self._ended is not None:
+                return now, False
             if wanted or crossed or now >= self.next_event or (signs != self._signs).any():
                 return now, True
             if now >= goal:

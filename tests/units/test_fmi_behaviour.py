@@ -125,6 +125,25 @@ def test_units_that_are_coupled_end_with_the_one_that_ends(flags):
     assert (result.time[-1], result["other.Int32_out"][-1]) == (10.0, 11.0)
 
 
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+@pytest.mark.parametrize(("fmi", "flags"), [(2, ""), (3, ""), (3, EVENTS), (3, f"{EVENTS} {STATE[3]}")])
+@pytest.mark.parametrize("end", [0.35, 0.4])
+def test_all_units_have_a_row_where_one_ends_inside_or_at_the_end_of_a_step(algorithm, fmi, flags, end):
+    """Compiled steps of FMI 2 as well. Without states to go back to, units may already have passed an end inside of a step."""
+    record = {"signals": ["f.now", "first.Float64_continuous_output", "last.Float64_continuous_output"]}
+    other = {"fmu": native_fmu("feedthrough", fmi, flags)}
+    result = run(read_scene({
+        "stop_time": 1.0, "master": {"algorithm": algorithm, "step": 0.1}, "record": record,
+        "connections": ["f.now -> first.Float64_continuous_input", "f.now -> last.Float64_continuous_input"],
+        "units": {"first": other, "f": {"fmu": native_fmu("moody", fmi, flags), "parameters": {"end_at": end}}, "last": other}}))
+    stays = (fmi, flags) == (3, "")  # it completes the step
+    ended, last = (0.4, 0.4) if stays else (end, 0.3 if end == 0.35 and STATE[3] not in flags else end)
+    assert (result.outcome, result.time[-1]) == ("done", last)
+    more = f"; the last row, of all units at the same time, is that of t = {last} s" if last < ended else ""
+    assert result.message == f"f ended the simulation at t = {ended} s of 1 s{more}"
+    assert [result[name][-1] for name in record["signals"]] == pytest.approx([last] * 3, abs=1e-15)
+
+
 def test_discrete_states_that_never_converge_fail():
     with pytest.raises(StepFailed, match="the discrete states do not converge in 100 iterations"):
         started("moody", 3, EVENTS, restless=True)

@@ -152,6 +152,39 @@ def test_an_fmu_that_ends_the_simulation():
     assert result["f.h"][-1] == pytest.approx(height(result.time[-1])[0], abs=1e-6)
 
 
+COUPLED = [("jacobi", {}), ("gauss-seidel", {}), ("iterative", {"extrapolation": 1}), ("jacobi", {"every": 3}),
+           ("jacobi", {"isolation": "process"}), ("iterative", {"extrapolation": 1, "isolation": "process"}),
+           ("jacobi", {"control": {"method": "milne", "relative": 1e-3}}), ("gauss-seidel", {"events": ["f.h"]})]
+
+
+@pytest.mark.parametrize("saves", [True, False])
+@pytest.mark.parametrize(("algorithm", "more"), COUPLED)
+def test_coupled_units_end_where_one_of_them_ends_inside_a_step(algorithm, more, saves):
+    """Where states are saved the last step of all is shortened to that instant; else the last row is of the step before."""
+    if not saves and (algorithm == "iterative" or "events" in more):
+        return  # refused
+    unit = {k: v for k, v in more.items() if k in ("every", "isolation")}
+    result = run(read_scene({
+        "stop_time": 1.0, "connections": ["p.time -> f.u", "f.y -> p.length"],
+        "units": {"p": {"component": "cosimo.tests.support:Probe"}, "f": {
+            "fmu": exchange_fmu(capabilities=CAPABILITIES if saves else ""), **unit,
+            "parameters": {"period": 0.35, "end": 0.35}}},
+        "master": {"algorithm": algorithm, "step": 0.1, **{k: v for k, v in more.items() if k not in unit}},
+        "record": {"signals": ["p.time", "f.h"]}}))
+    assert result.outcome == "done", result.message
+    assert result.message.startswith("f ended the simulation at t = 0.35 s of 1 s")
+    last = 0.35 if saves and "every" not in more else result.time[-1]
+    assert (result.time[-1], result["p.time"][-1]) == (pytest.approx(last, abs=2e-7), pytest.approx(last, abs=2e-7))
+    assert (f"that of t = {last:.9g} s" in result.message) == (last < 0.35 - 1e-4)
+    if "every" in more:
+        assert last == 0.5
+        assert "the rows behind it hold extrapolated outputs" in result.message
+        return
+    assert result["f.h"][-1] == pytest.approx(height(last)[0], abs=1e-6)
+    assert 0.25 < result.time[-1] <= 0.35 + 2e-7
+    assert (np.diff(result.time) > 0.0).all()
+
+
 @pytest.mark.parametrize("solver", ["CVode", "RK45"])
 def test_equations_that_cannot_be_evaluated_fail_the_step(solver):
     """x = t, and no derivatives for x > 0.42."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ...units.fmi2 import Fmi2CoSimulation
 from .compiled import FAILED, WAY, LoopLayout, LoopState, run_steps
 from .gauss_seidel import GaussSeidel
 from .initial import RUNAWAY
+from .jacobi import Jacobi
 from .master import Master
 
 Unit = ComponentUnit | Fmi2CoSimulation
@@ -61,8 +62,9 @@ class CompiledLoop:
 
     @property
     def possible(self) -> bool:
-        """Whether the next steps may be taken so: no input is altered by a fault."""
-        return all(node.alter is None for node in self._master.nodes)
+        """Whether the next steps may be taken so: no input is altered by a fault, and no unit has ended the simulation."""
+        ended = any(unit.ended for unit in self._units if isinstance(unit, Fmi2CoSimulation))
+        return not ended and all(node.alter is None for node in self._master.nodes)
 
     def run(self, times: list[float], h: float) -> tuple[np.ndarray, BaseException | None]:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
@@ -79,7 +81,12 @@ class CompiledLoop:
         if unit >= 0:
             one = self._units[unit]
             try:
-                one.stopped(status // FAILED if isinstance(one, ComponentUnit) else status, t)
+                if isinstance(one, ComponentUnit):
+                    one.stopped(status // FAILED, t)
+                else:
+                    one.stopped(status, t, h)
+                    self._complete(unit, t, h)
+                    rows[done], done = self._master.signals, done + 1
             except BaseException as error:  # those of Python in a component, too: the steps before it stand
                 failure = error
         if unit == -2:
@@ -106,6 +113,13 @@ class CompiledLoop:
         except StepFailed as error:
             return error
         return None
+
+    def _complete(self, unit: int, t: float, h: float) -> None:
+        """The rest of a step in which a unit has stepped although it does not say so: it has ended the simulation there."""
+        node, master = self._master.nodes[unit], cast(Jacobi | GaussSeidel, self._master)
+        if isinstance(master, GaussSeidel):
+            master.signals[node.place] = node.unit.get()
+        master.step(t, h, unit + 1)
 
     def _load(self) -> None:
         now = self._now

@@ -41,9 +41,10 @@ class GaussSeidel(Master):
         """Links from later units first, so that both groups are contiguous."""
         return sorted(links, key=lambda link: order.index(link.source[0]) < order.index(link.target[0]))
 
-    def step(self, t: float, h: float) -> None:
+    def step(self, t: float, h: float, done: int = 0) -> None:
+        """As in `Steppable`; the first units may have been `done` already."""
         signals = self.signals
-        for node, unit, late, way in self._turns:
+        for node, unit, late, way in self._turns[done:] if done else self._turns:
             if way == LED:
                 node.interpolate(node.inputs(), h)
             elif way == AHEAD:

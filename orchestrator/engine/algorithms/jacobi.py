@@ -18,9 +18,10 @@ class Jacobi(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
-    def step(self, t: float, h: float) -> None:
+    def step(self, t: float, h: float, done: int = 0) -> None:
+        """As in `Steppable`; the first units may have been `done` already."""
         signals = self.signals
-        for node in self.nodes:
+        for node in self.nodes[done:] if done else self.nodes:
             unit = node.unit
             if node.sources:
                 node.drive(node.history.ahead(), h)

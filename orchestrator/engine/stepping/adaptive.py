@@ -34,7 +34,7 @@ class AdaptiveStepping(Stepping):
     a unit could not complete, is repeated, shorter; else the next one is shorter, and a failure ends the run. An event ends its
     step: one of `crossings` where its signal has just changed its sign, to `resolution` ticks; one of the units `early`, which
     tell their own, at the next tick. Without `rollback` a step with an event of a unit is left as it is. Behind an event
-    inputs are extrapolated from what they are then.
+    inputs are extrapolated from what they are then. The last step ends where a unit ends the simulation.
     """
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None, *,
@@ -44,6 +44,7 @@ class AdaptiveStepping(Stepping):
         super().__init__(master, clock, stride, end, stops)
         self.control, self._estimate, self._crossings, self._early = control, estimate, crossings, early
         self._restarts, self._resolution, self._rollback = restarts, resolution, rollback
+        self.rewinds = rollback
         self._saved: Any = None
         self.counts = dict.fromkeys(("accepted", "rejected", "failed", "inaccurate", "events", "restores"), 0)
         self._behind_event = False  # the tick is no multiple of the stride, because an event ended the last step
@@ -65,12 +66,20 @@ class AdaptiveStepping(Stepping):
             self._saved = self.master.save(self._saved)
         if self._crossings is not None:
             self._crossings.start_step()
+        ends: int | None = None  # ticks from here to where a unit ends the simulation
         while True:
-            length = self._length(stop)
+            length = ends or self._length(stop)
             try:
                 reached, event, error, order = self._attempt(self.tick + length)
+            except SimulationEnded as end:
+                if not self._rollback:
+                    raise
+                ends = min(self.clock.not_before(end.time) - self.tick, length - 1)
+                if ends < 1:
+                    self._back()
+                    raise
             except StepFailed as failure:
-                if control is None or not self._rollback or isinstance(failure, SimulationEnded):
+                if control is None or not self._rollback:
                     raise
                 if length <= control.unit:
                     raise StepFailed(failure.unit, failure.time, f"{failure.reason}; so did shorter steps, down to "

@@ -37,6 +37,8 @@ class Stepping:
     their history (`Node.restart`), so that the steps behind it extrapolate nothing of what was before.
     """
 
+    rewinds = False  # whether all units stand at the tick again behind a step that was not completed
+
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None):
         self.master, self.clock, self.stride, self.end = master, clock, stride, end
         self.stops = dict(stops or {})

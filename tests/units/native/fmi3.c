@@ -179,6 +179,11 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 h, fmi3B
         return fmi3Discard;
     }
     *ends = unit->now.data.end_at <= end;
+    if (*ends && unit->event_mode && unit->early_return) { /* without event mode it completes its step */
+        *early = unit->now.data.end_at < end;
+        *reached = *clock = unit->now.data.end_at;
+        return fmi3OK;
+    }
 #endif
     for (bool due = true; due && *clock < end;) {
         due = advance(&unit->now.data, end);
