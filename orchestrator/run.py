@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..components.core.errors import StepFailed
 from .advice.limits import beyond_limit, remedy
+from .advice.local_error import RepeatedSteps, repeatable
 from .advice.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import master_of
@@ -77,6 +78,7 @@ class Run:
         self.rescue_to: str | Path | None = None
         self.checkpoints: Checkpoints | None = None
         self.resolution: StepResolution | None = None
+        self.repeated: RepeatedSteps | None = None
 
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
@@ -130,6 +132,9 @@ class Run:
         if scene.master.control is None:  # steps that follow an error estimate need no other
             self.resolution = StepResolution(master, steps)
             self.observers.append(self.resolution)
+        if repeatable(scene):
+            self.repeated = RepeatedSteps(master, self.stepping, steps)
+            self.observers.append(self.repeated)
         if any(len(group) > 1 for group in coupling.groups):
             self.observers.append(InstabilityMonitor(master, steps, self.account))
         if checkpoint_every is not None and checkpoint_to is not None:
@@ -206,11 +211,11 @@ class Run:
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
         info |= {"signal": (self._interrupt.taken or SIGINT).name} if self.outcome == "stopped" else {}
-        info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
+        info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
         columns = dict(zip(self._ends, signals.values.T, strict=True))
         texts = self.texts.texts[: signals.rows].T if self.texts else ()
         return Result(
@@ -257,11 +262,12 @@ class Run:
         return self.master.delayed_feedthrough or remedy(self.scene)
 
     def _warnings(self, errors: Mapping[str, float], resolved: list[SignalResolution]) -> list[str]:
-        """What a user should know of the run; `errors`: of extrapolation, relative, by input."""
+        """What a user should know; `errors`: of extrapolation, relative, by input. Units and account move: call it last."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
         texts += self.account.warnings() if self.account else []
         texts += [self.message] if self.outcome == "done" and self.message else []
+        local = self.repeated.errors() if self.repeated and self.outcome == "done" else {}
         of_step = []  # what the run shows of its macro step, and what a closed form says of it: one warning
         worst = max(errors, key=errors.__getitem__, default="")
         if worst and errors[worst] >= TOO_FAR:
@@ -269,7 +275,7 @@ class Run:
                 "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")
             of_step.append(f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread "
                            f"(rms): {reason}")
-        elif self.outcome == "done" and (coarse := too_coarse(resolved)):
+        elif self.outcome == "done" and (coarse := too_coarse(resolved, self.coupling, local)):
             of_step.append(f"{'; '.join(coarse)}. {self._remedy()}")
         ask, grows = worth_a_limit(resolved, self.coupling)
         if self.outcome == "done" and ask:

@@ -32,6 +32,7 @@ NEGLIGIBLE = 1e-9  # of the largest value, or of the nominal one: a spread below
 PARTS = 4  # of a run, whose second differences are compared
 # Set above what half of the shipped scenes have at their own settings, e up to 0.34 and q up to 0.32; docs/stability-hunt.md.
 INACCURATE = 0.5  # e from which an extrapolation is no approximation of its signal
+WRONG_STEP = 0.1  # of a signal's spread, that a single macro step is wrong by; shipped scenes have up to 0.06
 UNRESOLVED = 0.4  # q from which samples do not show a signal: fewer than 4.6 of them in a period
 SUSPICIOUS = 0.02  # e from which a coupling that does not die out is compared with its closed-form limit,
 COARSE = 0.23  # and from which any is: 13 steps of linear extrapolation in a period
@@ -47,7 +48,7 @@ class SignalResolution:
 
     resolution: q, extrapolation: e, as above; e is 0 where no unit extrapolates the signal, and where it jumps from rest.
     growth: rms of the second differences in the last quarter of the run over the largest of the quarters before.
-    peak: largest absolute value.
+    peak: largest absolute value.  spread: standard deviation.
     """
 
     end: Endpoint
@@ -56,6 +57,7 @@ class SignalResolution:
     extrapolation: float
     growth: float
     peak: float
+    spread: float = 0.0
 
     @property
     def text(self) -> str:
@@ -165,7 +167,7 @@ class StepResolution(BatchObserver):
             growth = by_part[-1] / by_part[:-1].max(axis=0) if len(by_part) > 1 else np.zeros(len(spread))
             errors[(self._largest > JUMP * self._before) & (growth > AT_REST)] = 0.0  # a jump, which no extrapolation foretells
         return [SignalResolution(end, signal, float(resolution[k]), float(errors[k]) if end in self._extrapolated else 0.0,
-                                 float(growth[k]), float(self._peak[k]))
+                                 float(growth[k]), float(self._peak[k]), float(spread[k]))
                 for k, (end, signal) in enumerate(self._signals)
                 if self._judged[k] and not is_discrete(signal) and spread[k] > NEGLIGIBLE * max(self._peak[k], signal.nominal)]
 
@@ -211,9 +213,17 @@ def fed_back(signals: Sequence[SignalResolution], coupling: Coupling) -> list[Si
     return [one for one in signals if one.end in inner]
 
 
-def too_coarse(signals: Sequence[SignalResolution]) -> list[str]:
-    """What a user should know of signals that the macro steps were too long for, without what would help."""
+def too_coarse(signals: Sequence[SignalResolution], coupling: Coupling, local: Mapping[Endpoint, float]) -> list[str]:
+    """What a user should know of signals that the macro steps were too long for, without what would help.
+
+    local: errors of single macro steps by signal, as of `RepeatedSteps.errors`.
+    """
     texts = []
+    shares = {one.text: local.get(one.end, 0.0) / one.spread for one in fed_back(signals, coupling)}
+    wrong = max(shares, key=shares.__getitem__, default="")
+    if wrong and shares[wrong] > WRONG_STEP:
+        texts.append(f"a single macro step is wrong by {100.0 * shares[wrong]:.0f} % of the spread of {wrong} (rms), compared "
+                     "with two steps of half its length")
     missed = max(signals, key=lambda one: one.extrapolation, default=None)
     if missed is not None and missed.extrapolation > INACCURATE:
         texts.append(f"the values extrapolated of {missed.text} over a macro step were wrong by "

@@ -20,7 +20,7 @@ LINES = {  # what ended as done, without a warning: changes, outcome, part of th
     "a stiff contact": ("en50318-2002", {
         "units.pantograph.parameters.contact_stiffness": 1e9, "units.pantograph.parameters.substep": 1e-5, "stop_time": 0.5,
     }, "done", "the values extrapolated for input catenary.contact_force"),
-    "step drive, 10": ("friction-drive-step", {"master.step": 0.01}, "done", "too long to show them"),
+    "step drive, 10": ("friction-drive-step", {"master.step": 0.01}, "done", "the values extrapolated"),
     "step drive, 50": ("friction-drive-step", {"master.step": 0.05}, "done", "the values extrapolated of wheels.second_torque"),
     "preload, 10": ("friction-drive-preload", {"master.step": 0.01}, "done", "the values extrapolated"),
     "preload, 50": ("friction-drive-preload", {"master.step": 0.05}, "done", "the values extrapolated"),
