@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class RepeatedSteps(BatchObserver):
         """`steps`: of the whole run, about."""
         self._master, self._stepping = master, stepping
         self._every, self._calls = max(steps // SAMPLES, APART), 0
-        self._saved: list[tuple[int, float, object]] = []
+        self._saved: list[tuple[int, float, Any]] = []
 
     def __call__(self, tick: int, t: float) -> None:
         self._calls += 1
