@@ -1,7 +1,7 @@
-"""The files of a system: beside an .ssd file, or inside an .ssp archive. Nothing outside of it is ever opened.
+"""The files of a system: beside an .ssd file, or inside an .ssp archive. Nothing outside of an archive is ever opened.
 
-What an archive calls its members is used to find them, never to name a file on this machine: an FMU is copied into the
-user's cache under the digest of its content.
+An .ssd file may name files of neighbouring folders by "..", as a scene may. What an archive calls its members is used to find
+them, never to name a file on this machine: an FMU is copied into the user's cache under the digest of its content.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import zipfile
 from io import BytesIO
 from math import isfinite, nan
 from pathlib import Path, PurePosixPath
+from posixpath import normpath
 from tempfile import NamedTemporaryFile
 from urllib.parse import unquote, urlsplit
 
@@ -32,6 +33,7 @@ class Package:
 
     def __init__(self, name: str, folder: Path | None = None, archive: zipfile.ZipFile | None = None):
         self.name, self._folder, self._archive = name, folder, archive
+        self.remarks: list[str] = []  # what was accepted although the standard does not have it
 
     @classmethod
     def zipped(cls, name: str, content: Path | bytes) -> Package:
@@ -77,13 +79,15 @@ class Package:
             raise BadInput(where, f"file {path!r} that cannot be unpacked", "a sound archive", f"{error}.") from None
 
     def inside(self, uri: str, where: str) -> str:
-        """The path of a relative URI below the package's root; absolute ones and those that lead out of it are refused."""
+        """The path of a relative URI; absolute ones are refused, and those that lead out of an archive."""
         parts = urlsplit(uri)
         path = unquote(parts.path)
-        pieces = [p for p in PurePosixPath(path).parts if p != "."]
+        pieces = [p for p in PurePosixPath(normpath(path)).parts if p != "."]
         if parts.scheme or parts.netloc or path.startswith("/") or "\\" in path or ":" in path or "\0" in path \
-                or ".." in pieces or not pieces:
+                or not pieces or (".." in pieces and self._archive is not None):
             raise BadInput(where, f"source {uri!r}", "a relative path to a file inside the package", "Put the file there.")
+        if ".." in pieces:
+            self.remarks.append(f"{where}: source {uri!r} lies outside the folder of {self.name}; an .ssp archive cannot have it")
         return "/".join(pieces)
 
     def fmu(self, uri: str, where: str) -> Path:
@@ -115,17 +119,39 @@ def opened(path: Path) -> tuple[Package, str]:
     return Package(str(path), folder=path.parent), path.name
 
 
-def parsed(content: bytes, where: str) -> etree._Element:
-    """The root of an XML file; `BadInput` with the line of a fault, and for entities, which may reach for other files."""
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True)
+def parsed(content: bytes, where: str, remarks: list[str]) -> etree._Element:
+    """The root of an XML file; `BadInput` with the line of a fault, and for entities, which may reach for other files.
+
+    Prefixes that the file does not declare get a remark: those of SSP mean what they usually do, others are passed by.
+    """
+    # undeclared prefixes alone are what this parser may recover from; the first of all other faults is an error
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True,
+                             recover=True)
     try:
         root = etree.fromstring(content, parser)
-        if root.getroottree().docinfo.internalDTD is not None:
-            raise BadInput(where, "a document type with entities of its own", "plain XML")
-        return root
-    except etree.XMLSyntaxError as error:
-        line = f":{error.lineno}" if error.lineno else ""
-        raise BadInput(f"{where}{line}", f"a syntax error: {error.msg}", "an XML file") from None
+    except etree.XMLSyntaxError as error:  # nothing is left
+        raise BadInput(_at(where, error.lineno), f"a syntax error: {error.msg}", "an XML file") from None
+    undeclared = {}
+    for entry in parser.error_log:
+        if entry.type != etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE:
+            raise BadInput(_at(where, entry.line), f"a syntax error: {entry.message}", "an XML file")
+        undeclared.setdefault(entry.message.split()[2], entry.line)
+    if root is None:
+        raise BadInput(where, "a file without elements", "an XML file")
+    if root.getroottree().docinfo.internalDTD is not None:
+        raise BadInput(where, "a document type with entities of its own", "plain XML")
+    for prefix, line in undeclared.items():
+        meaning = f"taken as {NAMESPACES[prefix]}" if prefix in NAMESPACES else "what it stands for is not read"
+        remarks.append(f"{_at(where, line)}: the prefix {prefix!r} is not declared; {meaning}")
+    for element in root.iter() if undeclared else ():
+        prefix, _, name = element.tag.rpartition(":")
+        if prefix in NAMESPACES:
+            element.tag = f"{{{NAMESPACES[prefix]}}}{name}"
+    return root
+
+
+def _at(where: str, line: int | None) -> str:
+    return f"{where}:{line}" if line else where
 
 
 def required(element: etree._Element, attribute: str, where: str) -> str:

@@ -125,7 +125,7 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
             place, text = inner.label(source), inner.read(source, where, LARGEST_TEXT)
     else:
         place, text = package.label(source), package.read(source, where, LARGEST_TEXT)
-    root = parsed(text, place)
+    root = parsed(text, place, package.remarks)
     if etree.QName(root).localname != wanted.partition(":")[2]:
         raise BadInput(place, f"<{etree.QName(root).localname}>", f"<{wanted}>")
     return root, place

@@ -84,10 +84,10 @@ class Document:
     def __init__(self, package: Package, name: str, first: Document | None = None):
         """`first`: the document of the root system, with which this one shares remarks and the count of elements."""
         self._numbers: Iterator[int] = count(1) if first is None else first._numbers
-        self.remarks: list[str] = [] if first is None else first.remarks  # what was accepted and is not used
+        self.remarks = package.remarks if first is None else first.remarks  # what was accepted and is not used
         self.package, self.name = package, name
         self.where = package.label(name)
-        self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where)
+        self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where, self.remarks)
         version = self.root.get("version", "")
         if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or version[:2] not in ("1.", "2."):
             raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0 or 2.0")
@@ -152,6 +152,7 @@ class Document:
             return self._system(nodes[0], name, depth)
         if kind == ARCHIVE:
             package = Package.zipped(self.package.label(place), self.package.read(place, where))
+            package.remarks = self.remarks
             document = Document(package, fragment or DEFAULT, self)
         else:
             document = Document(self.package, self.package.inside(place, where), self)

@@ -289,6 +289,10 @@ LENIENT = [  # what other tools write, and what the one remark on it names
     (document(system("s", component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Binary/>").replace(
         "<ssc:Binary/>", "<ssc:Real/>", 1) + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
      "connector a.u left out: its values are Binary"),
+    (document(system("s", component("a", more='tool:colour="red"') + component("b"), connection("a.y", "b.u")),
+              annotations=STEP), "the prefix 'tool' is not declared; what it stands for is not read"),
+    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace(" xmlns:ssc=", " xmlns:other="),
+     "the prefix 'ssc' is not declared; taken as http://ssp-standard.org/SSP1/SystemStructureCommon"),
     (document(system("s", component("a", inside=bindings("blob=Binary:00ff")) + component("b"), connection("a.y", "b.u")),
               annotations=STEP), "'blob'"),
 ]
