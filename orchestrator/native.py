@@ -13,7 +13,7 @@ from ..fmus.native.build import built, own_target
 from .engine.algorithms import master_of
 from .engine.stepping.adaptive import clock_for
 from .engine.stepping.faults import Faults
-from .open_all import open_units
+from .open_all import open_units, read_in_every_step
 from .scene.scene import Scene
 from .units.component import make
 from .units.native import NativeFmu
@@ -42,7 +42,8 @@ def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     with ExitStack() as stack:
         units: dict[str, Any] = dict(open_units(scene, stack, True))
         observed = {n: _Initialized(units[n]) for n, unit in scene.units.items() if unit.component}
-        master = master_of(scene, units | observed, scene.coupling, ())
+        read = (*read_in_every_step(scene), *scene.coupling.events)
+        master = master_of(scene, units | observed, scene.coupling, read)
         Faults(scene.faults, scene.coupling, master, {}, clock_for(scene, scene.coupling)).before_start()
         master.initialize(0.0)
         return {name: unit.starts for name, unit in observed.items()}

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from .engine.algorithms.contact import ContactUnit
+from .engine.coupling import Endpoint
 from .scene.scene import Scene
 from .units import Unit, open_unit
 from .units.exit_guard import ExitGuard
@@ -27,3 +28,10 @@ def open_units(scene: Scene, stack: ExitStack, in_process: bool, rescue: Callabl
         units[name] = open_unit(name, unit, in_process=in_process, native=(native or {}).get(name))
         stack.callback(units[name].close)
     return units | {contact.name: ContactUnit(contact, scene.master.extrapolation) for contact in scene.contacts}
+
+
+def read_in_every_step(scene: Scene) -> tuple[Endpoint, ...]:
+    """Recorded outputs that the master reads in every step, and goes by at the start, although no connection may need them."""
+    record, master = scene.record, scene.master
+    each = record.interval is None or (record.interval == master.step and master.control is None)
+    return scene.coupling.signals if each else ()

@@ -25,7 +25,7 @@ from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, TextRecorder, reading
-from .open_all import open_units
+from .open_all import open_units, read_in_every_step
 from .results import Result, Snapshot
 from .run_info import CompileTime, describe_run
 from .scene.scene import Scene
@@ -89,9 +89,7 @@ class Run:
         # components of the catalogue are under test; whether a user's own keep their state where it belongs is seen here
         self._own = [u for n, u in units.items() if isinstance(u, ComponentUnit) and ":" in scene.units[n].component]
         self.units, self._losable, meters = _wrapped(units, scene, coupling)
-        each = scene.record.interval is None or (
-            scene.record.interval == scene.master.step and scene.master.control is None)
-        self._watched = coupling.signals if each else ()
+        self._watched = read_in_every_step(scene)
         self.master = master_of(scene, self.units, coupling, (*self._watched, *coupling.events))
         correction = scene.master.energy_correction
         self.account = EnergyAccount(self.master, coupling, meters, correction=correction) if meters else None

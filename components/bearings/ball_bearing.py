@@ -235,12 +235,12 @@ class TwoDofBearing(OdeComponent):
         return min(limits)
 
     def _fastest(self, t: float, h: float) -> float:
-        """Largest speed within a step; input and ramp together are one parabola before the ramp's end and one after it."""
-        ramp, (now, slope, half) = self.arguments[1].speed_ramp, self.u[:, SPEED]
-        acceleration, duration = (ramp.acceleration, ramp.duration) if ramp is not None else (0.0, 0.0)
-        turning = [-0.5 * a / half for a in (slope, slope + acceleration)] if half != 0.0 else []
-        return max(abs(now + s * (slope + s * half) + acceleration * min(max(t + s, 0.0), duration))
-                   for s in (0.0, h, duration - t, *turning) if 0.0 <= s <= h)
+        """Largest speed within a step."""
+        _, e = self.arguments
+        speed, slope, half = self.u[0, SPEED], self.u[1, SPEED], self.u[2, SPEED]
+        if e.speed_ramp is None:
+            return fastest(t, h, speed, slope, half, 0.0, 0.0)
+        return fastest(t, h, speed, slope, half, e.speed_ramp.acceleration, e.speed_ramp.duration)
 
     def _longest_substep(self, t: float, h: float) -> float:
         """Longest internal step that does not step over a defect or a wave."""
@@ -298,6 +298,16 @@ class TwoDofBearing(OdeComponent):
         for _ in range(20):  # 2/5 K d^2.5 = energy + force (d + fall), a contraction
             deepest = (2.5 / p.stiffness * (energy + force * (deepest + fall))) ** 0.4
         return _resolved_step(p, e.contact_damping, deepest + max(-gap, 0.0))
+
+
+def fastest(t: float, h: float, speed: float, slope: float, half: float, acceleration: float, duration: float) -> float:
+    """Largest speed within a step: input and ramp together are one parabola before the ramp's end and one after it."""
+    turns = (-0.5 * slope / half, -0.5 * (slope + acceleration) / half) if half != 0.0 else (0.0, 0.0)
+    top = 0.0
+    for s in (0.0, h, duration - t, turns[0], turns[1]):
+        if 0.0 <= s <= h:
+            top = max(top, abs(speed + s * (slope + s * half) + acceleration * min(max(t + s, 0.0), duration)))
+    return top
 
 
 def _sharing(p: Constants) -> float:

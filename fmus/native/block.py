@@ -1,12 +1,14 @@
 """One block of memory for all that a component's kernels read and write.
 
-The block consists of cells of eight bytes. First come the time, `u`, `y`, `x` and the counters: what `save` and `restore` of a
-component keep, and no more. Behind them lies what the kernels are handed besides: workspace, parameters, and what was
-computed of them at initialization. Arrays are laid out by the memory they are views of, so that views of one stay views of one.
+The block consists of cells of eight bytes. First come the time, `u`, `y`, `x` and the counters, what `save` and `restore` of a
+component keep, and the parameters of the instance. Behind them lies what the kernels are handed besides: workspace, parameters,
+and what was computed of them at initialization. Arrays are laid out by the memory they are views of, so that views of one stay
+views of one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,7 @@ class Block:
     """Layout of an initialized component; `cells` grows as values are placed."""
 
     def __init__(self, component: Any):
+        self.component, self.declared = component, component._declared_arguments()
         self.cells = 1
         self._roots: list[tuple[np.ndarray, int]] = []
         self._scalars: dict[Any, tuple[int, Any]] = {}
@@ -32,8 +35,10 @@ class Block:
         self.y = self.place(component.y) // CELL
         self.x = self.place(component.x) // CELL
         self.counts = self.place(component.counts) // CELL
+        numbers = [name for name, value in component.parameters.items() if isinstance(value, float)]
+        self.parameters = {name: self.cells + k for k, name in enumerate(numbers)}
+        self.cells += len(numbers)
         self.saved = self.cells  # number of cells that a saved state holds
-        self.time = float(component.t)
 
     def place(self, array: np.ndarray) -> int:
         """Offset of an array in bytes."""
@@ -56,15 +61,52 @@ class Block:
             self.cells += 1
         return self._scalars[place][0]
 
-    def image(self) -> np.ndarray:
-        """What the block holds at present, (cells,) float64; integers and Booleans in their own form."""
+    def counterparts(self, other: Any) -> dict[int, Any]:
+        """What of another component, of this configuration, corresponds to the owners of the block's values, by identity.
+
+        Raises `Unsupported` where the other one is built up differently.
+        """
+        pairs: dict[int, Any] = {}
+
+        def pair(own: Any, its: Any) -> None:
+            if id(own) in pairs or isinstance(own, bool | int | float | str | type(None)):
+                return
+            pairs[id(own)] = its
+            if type(own) is not type(its) or getattr(own, "shape", 0) != getattr(its, "shape", 0):
+                raise Unsupported("another structure")
+            if isinstance(own, np.ndarray) and isinstance(own.base, np.ndarray):
+                pair(own.base, its.base)
+            if isinstance(own, tuple | list):
+                if len(own) != len(its):
+                    raise Unsupported("another length")
+                for mine, theirs in zip(own, its, strict=True):
+                    pair(mine, theirs)
+
+        pairs[id(self.component)] = other
+        for name, value in vars(self.component).items():
+            pair(value, vars(other)[name])
+        pair(self.declared, other._declared_arguments())
+        return pairs
+
+    def image(self, of: Mapping[int, Any] | None = None) -> np.ndarray:
+        """What the block holds at present, (cells,) float64; integers and Booleans in their own form.
+
+        `of`: the counterparts of another component, whose block is given.
+        """
+        of = of or {}
+        component = of.get(id(self.component), self.component)
         cells = np.zeros(self.cells)
-        cells[TIME] = self.time
+        cells[TIME] = component.t
+        for name, cell in self.parameters.items():
+            cells[cell] = component.parameters[name]
         raw, integers = cells.view(np.uint8), cells.view(np.int64)
         for root, offset in self._roots:
-            data = np.frombuffer(root.tobytes("A"), np.uint8)
+            data = np.frombuffer(of.get(id(root), root).tobytes("A"), np.uint8)
             raw[offset : offset + data.size] = data
-        for cell, value in self._scalars.values():
+        for (owner, key), (cell, value) in self._scalars.items():
+            if owner in of:
+                its = of[owner]
+                value = getattr(its, key) if isinstance(key, str) and its is component else its[key]
             if isinstance(value, bool | np.bool_ | int | np.integer):
                 integers[cell] = int(value)
             else:

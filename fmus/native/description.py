@@ -15,7 +15,8 @@ from ..description import add_head, add_structure, add_variable
 from .variables import NativeVariable
 
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
-HOST = "This FMU needs no Python. Effects and parameters are constants, fixed when it was built."
+HOST = ("This FMU needs no Python. Effects are constants, fixed when it was built, and so are the parameters that are marked; "
+        "the others can be set before the run.")
 
 
 def _root(fmi: str, name: str, component: Any, **token: str) -> ET.Element:
@@ -87,6 +88,8 @@ def _add_variable3(parent: ET.Element, reference: int, variable: NativeVariable,
     attributes = {"name": name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
     if scalar.causality == "local":
         attributes |= {"variability": "constant", "initial": "exact"}
+    elif scalar.causality == "parameter":
+        attributes |= {"variability": "fixed", "initial": "exact"}
     elif scalar.causality == "output":
         attributes |= {"variability": "continuous", "initial": "calculated"}
     else:

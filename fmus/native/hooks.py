@@ -22,9 +22,9 @@ import numpy as np
 
 from ...components.core.errors import BadInput
 from .block import Block, Unsupported
+from .syntax import drop_unread, is_declared_arguments, is_self, text_of
 
 FIRST_RAISED = 100  # status of the first `raise` statement; smaller ones are those of kernels
-PURE = ("abs", "float", "int", "len", "max", "min")  # calls that may go with a value that nothing reads
 
 
 class Hooks:
@@ -36,13 +36,13 @@ class Hooks:
         self.helpers = helpers
         self.assigned = assigned_in_run(type(component))
         self.messages: list[str] = []  # of status FIRST_RAISED + position
-        self._done: dict[Any, tuple[str, _Method]] = {}
+        self._done: dict[Any, tuple[str, Method]] = {}
         self._functions: dict[str, Any] = {}
 
-    def entry(self, name: str) -> Any:
+    def entry(self, name: str, kind: type[Method] | None = None) -> Any:
         """The compiled function of the method `name`: its arguments, then the address of the block."""
         owner, function = self.find(name)
-        return self._functions[self.method(owner, function)[0]]
+        return self._functions[self.method(owner, function, kind)[0]]
 
     def find(self, name: str, after: type | None = None) -> tuple[type, Any]:
         """(class, function) of a method, searched behind the class `after`, as `super()` does."""
@@ -52,11 +52,11 @@ class Hooks:
                 return cls, vars(cls)[name]
         raise Unsupported(f"method {name} that no class has")
 
-    def method(self, owner: type, function: Any) -> tuple[str, _Method]:
-        """(name, translation) of a method, translated at the first call."""
+    def method(self, owner: type, function: Any, kind: type[Method] | None = None) -> tuple[str, Method]:
+        """(name, translation) of a method, translated at the first call, in the way of `kind`."""
         if function not in self._done:
             name = f"_{owner.__name__}_{function.__name__}_{len(self._done)}"
-            entry = self._done[function] = (name, _Method(self, owner, function))
+            entry = self._done[function] = (name, (kind or Method)(self, owner, function))
             self._functions[name] = self.compiled(entry[1].translated(name))
         return self._done[function]
 
@@ -65,8 +65,10 @@ class Hooks:
         return self._functions[name]
 
 
-class _Method(ast.NodeTransformer):
+class Method(ast.NodeTransformer):
     """One method; its statements are rewritten in place."""
+
+    leading: tuple[str, ...] = ()  # arguments in front of the method's own
 
     def __init__(self, hooks: Hooks, owner: type, function: Any):
         self.hooks, self.owner, self.function = hooks, owner, function
@@ -98,7 +100,7 @@ class _Method(ast.NodeTransformer):
             body.append(ast.Return(ast.Constant(0)))
         head = ast.parse("\n".join(["_F = _view_c(_pointer_float64(_address), _CELLS)",
                                     "_I = _view_c(_pointer_int64(_address), _CELLS)", *self.prologue])).body
-        parameters = ", ".join([a.arg for a in arguments.args[1:]] + ["_address"])
+        parameters = ", ".join([*self.leading, *(a.arg for a in arguments.args[1:]), "_address"])
         tree: Any = ast.parse(f"def {name}({parameters}):\n    pass")
         tree.body[0].body = head + body
         nodes: list[Any] = [tree.body[0], *(n for h in head for n in ast.walk(h))]
@@ -252,6 +254,8 @@ class _Method(ast.NodeTransformer):
     # -- expressions -------------------------------------------------------------------------------------------------
     def attribute(self, node: Any) -> Any:
         """The value of an attribute of `self` or of its class, else None."""
+        if is_declared_arguments(node):
+            return self.block.declared
         if isinstance(node, ast.Attribute) and is_self(node.value):
             return getattr(self.component, node.attr, None)
         return None
@@ -278,20 +282,24 @@ class _Method(ast.NodeTransformer):
             self.names[f"_kernel_{name}"] = value
             return ast.copy_location(ast.Name(f"_kernel_{name}", ast.Load()), node)
         if name == "t":
-            text = "_F[0]"
-        else:
-            try:
-                text = self.block.expression(value, self.component, name, self.names)
-            except Unsupported as what:
-                raise self.refusal(node, f"self.{name}, {what},") from None
+            return ast.copy_location(ast.parse("_F[0]", mode="eval").body, node)
+        return self.viewed(name, value, self.component, node)
+
+    def viewed(self, name: str, value: Any, owner: Any, node: Any) -> Any:
+        """The item `name` of `owner` as an expression over the block; arrays and tuples get a local variable."""
+        try:
+            text = self.block.expression(value, owner, name, self.names)
+        except Unsupported as what:
+            raise self.refusal(node, f"self.{name}, {what},") from None
+        context = getattr(node, "ctx", ast.Load())
         if isinstance(value, np.ndarray | tuple):
             if name not in self.locals:
                 self.locals[name] = f"_self_{name}"
                 self.prologue.append(f"_self_{name} = {text}")
-            return ast.copy_location(ast.Name(self.locals[name], node.ctx), node)
-        new = ast.parse(text, mode="eval").body
-        if isinstance(node.ctx, ast.Store):
-            new.ctx = ast.Store()  # type: ignore[attr-defined]
+            return ast.copy_location(ast.Name(self.locals[name], context), node)
+        new: Any = ast.parse(text, mode="eval").body
+        if isinstance(context, ast.Store):
+            new.ctx = ast.Store()
         return ast.copy_location(new, node)
 
     def visit_Subscript(self, node: ast.Subscript) -> Any:
@@ -310,6 +318,8 @@ class _Method(ast.NodeTransformer):
 
     def visit_Call(self, node: ast.Call) -> Any:
         function = node.func
+        if is_declared_arguments(node):
+            return self.viewed("declared", self.block.declared, self.block, node)
         if isinstance(function, ast.Attribute):
             base = function.value
             if isinstance(base, ast.Call) and isinstance(base.func, ast.Name) and base.func.id == "super":
@@ -334,13 +344,6 @@ class _Method(ast.NodeTransformer):
         return ast.copy_location(call, node)
 
 
-def is_self(node: Any) -> bool:
-    """Whether a node is `self` or `type(self)`."""
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "type" and len(node.args) == 1:
-        return is_self(node.args[0])
-    return isinstance(node, ast.Name) and node.id == "self"
-
-
 def fixed(value: Any) -> bool:
     """Whether a value can change only by being replaced as a whole."""
     if isinstance(value, tuple):
@@ -351,7 +354,7 @@ def fixed(value: Any) -> bool:
 def assigned_in_run(cls: type) -> set[str]:
     """Attributes that the hooks of a run set, or methods that they call."""
     names: set[str] = set()
-    seen, todo = set(), ["_start", "_step", "_outputs"]
+    seen, todo = set(), ["_start", "_step", "_outputs", "initial_state"]
     while todo:
         name = todo.pop()
         seen.add(name)
@@ -362,37 +365,3 @@ def assigned_in_run(cls: type) -> set[str]:
                 names |= {n.attr for n in nodes if isinstance(n.ctx, ast.Store)}
                 todo += [n.attr for n in nodes if n.attr not in seen and n.attr not in todo]
     return names
-
-
-def drop_unread(body: list[Any]) -> None:
-    """Remove assignments to names that nothing reads any more, such as the parts of a message."""
-    while True:
-        module = ast.Module(body, [])
-        read = {n.id for n in ast.walk(module) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load)}
-        if not _drop(body, read):
-            return
-
-
-def _drop(body: list[Any], read: set[str]) -> bool:
-    changed = False
-    for node in list(body):
-        for field in ("body", "orelse"):
-            changed |= _drop(getattr(node, field, None) or [], read)
-        if isinstance(node, ast.Assign) and all(isinstance(t, ast.Name) and t.id not in read for t in node.targets):
-            calls = [n for n in ast.walk(node.value) if isinstance(n, ast.Call)]
-            if all(isinstance(c.func, ast.Name) and c.func.id in PURE for c in calls):
-                body.remove(node)
-                changed = True
-    if changed and not body:
-        body.append(ast.Pass())
-    return changed
-
-
-def text_of(node: Any) -> str:
-    """The words of a raised message, with "..." for its values."""
-    parts = []
-    for argument in node.args[2:] if isinstance(node, ast.Call) else []:
-        for n in argument.values if isinstance(argument, ast.JoinedStr) else [argument]:
-            parts.append(str(n.value) if isinstance(n, ast.Constant) else "...")
-        parts.append(". ")
-    return "".join(parts).strip(" .") or "failed"

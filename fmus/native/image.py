@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...components.core.kernels import DONE
-from .block import Block
-from .machine_code import Code, compile_entries
+from .machine_code import INITIAL_STATE, Code, compile_entries
+from .settable import settable_parameters
 
 SHIFTS = ((1.01, 1e-6), (0.5, -1e-3), (1.0, 0.3), (-1.0, 1.0))  # factor and summand of inputs that are tried
 LATER = 0.3712  # s, a start that is tried
@@ -27,6 +27,7 @@ class Image:
     cells: np.ndarray
     bound_inputs: frozenset[str]
     bound_time: bool
+    settable: Mapping[str, tuple[int, ...]]  # parameters that an instance can be given -> cells that they go into
 
 
 def initialized(component: Any, t: float = 0.0) -> Any:
@@ -44,12 +45,14 @@ def compiled_with_image(make: Callable[[], Any]) -> tuple[Any, Code, Image]:
     component = initialized(make())
     code = compile_entries(component)
     image = code.block.image()
-    bound = {name for name in component.inputs if _matters(make, component, code.block, name)}
-    return component, code, Image(image, frozenset(bound), _differs(make, code, LATER))
+    left_out = ("x",) if code.start == INITIAL_STATE else ()  # which the FMU computes itself
+    bound = {name for name in component.inputs if _matters(make, component, name, left_out)}
+    return component, code, Image(image, frozenset(bound), _differs(make, LATER, left_out),
+                                  settable_parameters(make, component, code, image, initialized))
 
 
-def _contents(component: Any) -> list[np.ndarray]:
-    """All arrays and numbers of an initialized component, but for inputs, outputs and the time."""
+def _contents(component: Any, left_out: tuple[str, ...]) -> list[np.ndarray]:
+    """All arrays and numbers of an initialized component, but for inputs, outputs, the time and what is left out."""
     arrays: list[np.ndarray] = []
     seen: set[int] = set()
 
@@ -65,7 +68,7 @@ def _contents(component: Any) -> list[np.ndarray]:
                 add(item)
 
     for name, value in vars(component).items():
-        if name not in ("t", "u", "y", "inputs", "outputs", "parameters"):
+        if name not in ("t", "u", "y", "inputs", "outputs", "parameters", *left_out):
             add(value)
     return arrays
 
@@ -76,7 +79,7 @@ def _same(first: list[np.ndarray], second: list[np.ndarray]) -> bool:
         for a, b in zip(first, second, strict=True))
 
 
-def _matters(make: Callable[[], Any], component: Any, block: Block, name: str) -> bool:
+def _matters(make: Callable[[], Any], component: Any, name: str, left_out: tuple[str, ...]) -> bool:
     """Whether the initial state follows from this input.
 
     A component initialized at another value of it is compared with one that gets the value afterwards; both compute their
@@ -93,19 +96,19 @@ def _matters(make: Callable[[], Any], component: Any, block: Block, name: str) -
         except Exception:
             continue  # a value that the model refuses whenever it comes
         try:
-            if not _same(_contents(initialized(before)), _contents(after)):
+            if not _same(_contents(initialized(before), left_out), _contents(after, left_out)):
                 return True
         except Exception:
             return True
     return False
 
 
-def _differs(make: Callable[[], Any], code: Code, t: float) -> bool:
+def _differs(make: Callable[[], Any], t: float, left_out: tuple[str, ...]) -> bool:
     """Whether initialization at another time gives another state."""
     at_zero = initialized(make())
     at_zero.t = t
     try:
         at_zero.refresh()
-        return not _same(_contents(initialized(make(), t)), _contents(at_zero))
+        return not _same(_contents(initialized(make(), t), left_out), _contents(at_zero, left_out))
     except Exception:
         return True

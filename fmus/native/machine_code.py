@@ -8,6 +8,7 @@ gets a C function around it. An object may ask for nothing but the functions of 
 
 from __future__ import annotations
 
+import inspect
 import re
 import types
 from collections.abc import Iterable, Mapping
@@ -18,8 +19,10 @@ from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
 from .block import Block
 from .hooks import Hooks
+from .initial_state import InitialState
 
-ENTRIES = {"start": ("_start", "double %t"), "step": ("_step", "double %t, double %h"), "outputs": ("_outputs", "double %t")}
+ENTRIES = {"start": "double %t", "step": "double %t, double %h", "outputs": "double %t"}
+INITIAL_STATE = "initial_state"
 NATIVE = "kernels that allocate nothing and call only functions of libm"
 RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
 ALLOWED = {
@@ -122,20 +125,31 @@ class Code:
     text: str
     messages: tuple[str, ...]
     block: Block
+    start: str  # the hook behind the entry `start`, "" where there is none
 
 
 def compile_entries(component: Any) -> Code:
     """Entries of an initialized component; `BadInput` names the line that prevents it."""
+    start = start_of(component)
+    try:
+        return _compiled(component, start)
+    except BadInput:
+        if start != INITIAL_STATE:
+            raise
+    return _compiled(component, "")  # the state at the start is that of the build
+
+
+def _compiled(component: Any, start: str) -> Code:
     from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
     refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
     try:
-        return _compile(component, counted=False)
+        return _compile(component, start, counted=False)
     except refused as error:
         first = error
     try:
         # code that is never reached may mention allocation; what remains of it is seen among the symbols
-        return _compile(component, counted=True)
+        return _compile(component, start, counted=True)
     except refused as second:
         raise refusal(component, second) from first
     except BadInput as second:
@@ -143,28 +157,34 @@ def compile_entries(component: Any) -> Code:
         raise BadInput(second.where, second.actual + place, second.expected, second.remedy) from first
 
 
-def _compile(component: Any, counted: bool) -> Code:
+def _compile(component: Any, start: str, counted: bool) -> Code:
     from numba import types as t
 
     compiler, block = _Compiler(counted), Block(component)
     hooks = Hooks(component, block, compiler.clone, compiler.compiled, helpers())
     texts = {}
-    for entry, (method, arguments) in ENTRIES.items():
-        if entry == "start" and not starts(component):
+    for entry, arguments in ENTRIES.items():
+        if entry == "start" and not start:
             continue
-        function = hooks.entry(method)
+        method = start if entry == "start" else f"_{entry}"
+        function = hooks.entry(method, InitialState if method == INITIAL_STATE else None)
         signature = (t.float64,) * arguments.count("double") + (t.int64,)
         function.compile(signature)
         texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
     text = _linked(component, texts, [k.py_func.__name__ for k, _ in compiler.kernels.values()])
-    return Code(text, tuple(hooks.messages), block)
+    return Code(text, tuple(hooks.messages), block, start)
 
 
-def starts(component: Any) -> bool:
-    """Whether part of the initial state is computed by `_start`, for the inputs and the time of the start."""
+def start_of(component: Any) -> str:
+    """The method that computes the initial state, or part of it, for inputs and parameters of the start; or ""."""
     from ...components.core.component import Component
+    from ...components.core.integrators import OdeComponent
 
-    return type(component)._start is not Component._start
+    if type(component)._start is not Component._start:
+        return "_start"
+    hooks = [vars(cls).get("_initialize") for cls in type(component).__mro__ if cls is not OdeComponent]
+    own = any(re.search(r"self\.x\b.*[^=<>!]=[^=]", inspect.getsource(hook)) for hook in hooks if hook)
+    return INITIAL_STATE if isinstance(component, OdeComponent) and not own else ""
 
 
 def _with_c_entry(entry: str, arguments: str, compiled: Any) -> str:

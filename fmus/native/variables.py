@@ -1,6 +1,7 @@
 """The variables of a native FMU: the same names and value references as those of the pythonfmu FMU, with what is fixed at build.
 
-Parameters and effects are constants. What belongs to an effect that is off has no variable; its value references stay unused.
+Effects are constants, and so are parameters that cannot be written into the block. What belongs to an effect that is off has no
+variable; its value references stay unused.
 """
 
 from __future__ import annotations
@@ -35,10 +36,10 @@ def native_variables(component: Any, code: Code, image: Image) -> tuple[NativeVa
     for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
         places |= {form.format(name): (code.block.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
     places |= {name: (code.block.y + i, 1.0) for i, name in enumerate(component.outputs)}
-    return _with_sizes([_variable(s, component, places, image) for s in interface(component.__class__)])
+    return _with_sizes([_variable(s, component, code, places, image) for s in interface(component.__class__)])
 
 
-def _variable(scalar: Scalar, component: Any, places: dict[str, tuple[int, float]], image: Image) -> NativeVariable:
+def _variable(scalar: Scalar, component: Any, code: Code, places: dict[str, tuple[int, float]], image: Image) -> NativeVariable:
     name = scalar.name
     if scalar.causality == "parameter":
         if name.startswith("effects."):
@@ -47,6 +48,8 @@ def _variable(scalar: Scalar, component: Any, places: dict[str, tuple[int, float
             value = component.parameters[name]
         else:
             return NativeVariable(scalar, "ABSENT")
+        if name in image.settable:
+            return NativeVariable(replace(scalar, start=value), "PARAMETER", code.block.parameters[name])
         return NativeVariable(replace(scalar, causality="local", start=value, text=scalar.text + "; fixed at build"), "CONSTANT")
     if name not in places:
         return NativeVariable(scalar, "ABSENT")
@@ -80,18 +83,21 @@ def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
 def tables(component: Any, code: Code, image: Image, variables: tuple[NativeVariable, ...], token: str) -> str:
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
-    rows.append('{"time", REAL, CLOCK_TIME, 0, 1, 0, 1.0, 0.0, 1.0, 0}')
+    rows.append('{"time", REAL, CLOCK_TIME, 0, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
     reasons = [f"{{{status}, {quoted(text)}}}" for status, text in reasons_of(component, code)]
+    copies = [f"{{{code.block.parameters[name]}, {cell}}}" for name, cells in image.settable.items() for cell in cells]
     cells = [f"{value:#x}u" for value in image.cells.view("uint64").tolist()]
     block = code.block
     numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": block.cells, "saved": block.saved,
                "u": block.u, "u_size": component.u.size, "y": block.y, "y_size": component.y.size,
-               "bound_time": int(image.bound_time)}
+               "parameters": min(block.parameters.values(), default=block.saved), "parameters_size": len(block.parameters),
+               "copy_count": len(copies), "bound_time": int(image.bound_time)}
     start = "int32_t model_start(double t, int64_t block);\n" if "@model_start(" in code.text else ""
     return "\n".join([
         "#include \"native.h\"", "#include <math.h>",
         "const Variable model_variables[] = {", ",\n".join(rows), "};",
         "const Reason model_reasons[] = {", ",\n".join(reasons), "};",
+        "const Copy model_copies[] = {", ", ".join(copies) or "{0, 0}", "};",
         "const uint64_t model_image[] = {", *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)), "};",
         f"const char model_token[] = {quoted(token)};",
         "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
@@ -104,7 +110,7 @@ def _row(name: str, kind: str, variable: NativeVariable) -> str:
     value = number(float(scalar.start)) if role in ("CONSTANT", "INPUT", "DERIVATIVE") and kind != "STRING" else "0.0"
     name = quoted(name) if role != "ABSENT" else "0"
     return (f"{{{name}, {kind}, {role}, {int(variable.bound)}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
-            f"{value}, {number(scalar.nominal)}, {text}}}")
+            f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}}}")
 
 
 def number(value: float) -> str:

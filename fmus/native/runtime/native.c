@@ -35,11 +35,17 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
 
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 
-static void fill(Instance *m, int inputs) {
-    double u[model_u_size + 1];
-    if (!inputs) memcpy(u, m->block + model_u, 8 * (size_t)model_u_size);
-    memcpy(m->block, model_image, 8 * (size_t)model_cells);
-    if (!inputs) memcpy(m->block + model_u, u, 8 * (size_t)model_u_size);
+/* All cells but the saved ones: constants, workspace, and the parameters where the kernels look for them. */
+static void fill_rest(Instance *m) {
+    memcpy(m->block + model_saved, model_image + model_saved, 8 * (size_t)(model_cells - model_saved));
+    for (uint32_t k = 0; k < model_copy_count; k++) m->block[model_copies[k].to] = m->block[model_copies[k].from];
+}
+/* The block of the build; inputs and parameters are kept unless the instance begins anew. */
+static void fill(Instance *m, int anew) {
+    const uint32_t ends[] = {model_u, model_u + model_u_size, model_parameters, model_parameters + model_parameters_size};
+    for (uint32_t k = 0; k < model_saved; k++)
+        if (anew || !((k >= ends[0] && k < ends[1]) || (k >= ends[2] && k < ends[3]))) memcpy(m->block + k, model_image + k, 8);
+    fill_rest(m);
     m->stale = 1;
 }
 
@@ -215,10 +221,14 @@ int set_values(Instance *m, int type, const uint32_t *references, size_t n, cons
         if (!v) return ERROR;
         if (v->role == CONSTANT)
             return report(m, ERROR, "set: %s is a constant of this FMU, fixed at its build; build it with another value", v->name);
-        if (v->role != INPUT && v->role != DERIVATIVE) return report(m, ERROR, "set: %s is no input", v->name);
+        if (v->role == PARAMETER && m->phase == STEPPING)
+            return report(m, ERROR, "set: %s is a parameter; it can be set until the end of initialization mode", v->name);
+        if (v->role != PARAMETER && v->role != INPUT && v->role != DERIVATIVE) return report(m, ERROR, "set: %s is no input", v->name);
         for (size_t j = 0; j < elements(m, v); j++, k++) {
             if (k >= room) return report(m, ERROR, "set: %u values, more are expected", (unsigned)room);
             if (!isfinite(numbers[k])) return report(m, ERROR, "set: %s = %g", v[j].name, numbers[k]);
+            if (v->role == PARAMETER && !(numbers[k] >= v[j].low && numbers[k] <= v[j].high))
+                return report(m, ERROR, "set: %s = %.9g, expected %.9g to %.9g", v[j].name, numbers[k], v[j].low, v[j].high);
         }
     }
     if (k != room) return report(m, ERROR, "set: %u values, %u expected", (unsigned)room, (unsigned)k);
@@ -336,8 +346,8 @@ int get_state(Instance *m, void **state) {
 int set_state(Instance *m, const void *state) {
     const State *s;
     if (!m || !(s = known(m, state, "SetFMUState"))) return ERROR;
-    memcpy(m->block, model_image, 8 * (size_t)model_cells);
     memcpy(m->block, s->cells, 8 * (size_t)model_saved);
+    fill_rest(m);
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;
     return OK;
 }

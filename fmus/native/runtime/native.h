@@ -12,7 +12,7 @@
 #endif
 
 enum { REAL, INTEGER, BOOLEAN, STRING };                         /* types of variables */
-enum { ABSENT, CONSTANT, INPUT, DERIVATIVE, OUTPUT, CLOCK_TIME }; /* roles; a reference of an effect that is off is absent */
+enum { ABSENT, CONSTANT, PARAMETER, INPUT, DERIVATIVE, OUTPUT, CLOCK_TIME }; /* roles; of an effect that is off: absent */
 enum { OK, WARNING, DISCARD, ERROR };                            /* statuses, of both versions of FMI */
 
 /* One variable; its position in the table is its value reference. */
@@ -20,19 +20,23 @@ typedef struct {
     const char *name;
     uint8_t type, role, bound; /* bound: the initial state was computed at the start value of this input */
     uint32_t size;             /* FMI 3: number of elements of the array that begins here; 0 inside of one */
-    uint32_t cell;             /* of an input, a derivative or an output in the block */
+    uint32_t cell;             /* of a parameter, an input, a derivative or an output in the block */
     double factor;             /* of the cell over the variable */
     double value, nominal;     /* value of a constant, size of an input */
+    double low, high;          /* limits of a parameter */
     const char *text;          /* of a constant String */
 } Variable;
 typedef struct { int32_t status; const char *text; } Reason;
+typedef struct { uint32_t from, to; } Copy; /* a cell that holds a parameter for the kernels */
 
 /* ---- written at build ---- */
 extern const Variable model_variables[];
 extern const Reason model_reasons[];
 extern const uint64_t model_image[]; /* the block after initialization */
+extern const Copy model_copies[];
 extern const char model_token[];
 extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_u, model_u_size, model_y, model_y_size;
+extern const uint32_t model_parameters, model_parameters_size, model_copy_count;
 extern const uint32_t model_bound_time; /* whether the initial state was computed for a start at t = 0 */
 extern int32_t (*const model_start_entry)(double t, int64_t block); /* null where nothing is left to compute */
 int32_t model_step(double t, double h, int64_t block);

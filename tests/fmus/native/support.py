@@ -65,8 +65,11 @@ def in_process(component, h, steps):
     return np.array(rows)
 
 
-def native(found, folder, h, steps, version=2, restored_at=None):
-    """The same of an FMU; at the step `restored_at` its state goes, as bytes, to another instance that has run elsewhere."""
+def native(found, folder, h, steps, version=2, restored_at=None, values=None):
+    """The same of an FMU; at the step `restored_at` its state goes, as bytes, to another instance that has run elsewhere.
+
+    `values`: of parameters and inputs (FMI 2), set in initialization mode.
+    """
     component = found.component
     fmu, references = opened(found, folder, version)
     names = {"u": component.inputs, "y": component.outputs}
@@ -82,6 +85,10 @@ def native(found, folder, h, steps, version=2, restored_at=None):
         get, put = fmu.getFloat64, fmu.setFloat64
     fmu.enterInitializationMode()
     start, moved = component.u[0].copy(), amplitudes(component)
+    for name, value in (values or {}).items():
+        put([references[name]], [value])
+        if name in component.inputs:
+            start[component.inputs.index(name)] = value
     count = len(names["y"])
     rows = [read(get, outputs, version, count)]
     fmu.exitInitializationMode()
