@@ -131,7 +131,7 @@ def parsed(content: bytes, where: str, remarks: list[str]) -> etree._Element:
         root = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:  # nothing is left
         raise BadInput(_at(where, error.lineno), f"a syntax error: {error.msg}", "an XML file") from None
-    undeclared = {}
+    undeclared: dict[str, int] = {}
     for entry in parser.error_log:
         if entry.type != etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE:
             raise BadInput(_at(where, entry.line), f"a syntax error: {entry.message}", "an XML file")

@@ -84,7 +84,7 @@ class Document:
     def __init__(self, package: Package, name: str, first: Document | None = None):
         """`first`: the document of the root system, with which this one shares remarks and the count of elements."""
         self._numbers: Iterator[int] = count(1) if first is None else first._numbers
-        self.remarks = package.remarks if first is None else first.remarks  # what was accepted and is not used
+        self.remarks: list[str] = package.remarks if first is None else first.remarks  # what was accepted and is not used
         self.package, self.name = package, name
         self.where = package.label(name)
         self.root = parsed(package.read(name, self.where, LARGEST_TEXT), self.where, self.remarks)
