@@ -104,7 +104,11 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     root, place = _content(mappings[0], "", "ssm:ParameterMapping", package, fmu, where)
     if root is None:
         raise BadInput(where, "a ParameterMapping without content", "a source, or a ParameterMapping inside")
-    for entry in find_all(root, "ssm:MappingEntry"):
+    entries = find_all(root, "ssm:MappingEntry")
+    named_entries = [e for e in entries if e.get("source") != ""]  # some tools list every parameter, those without a value so
+    if len(named_entries) < len(entries):
+        package.remarks.append(f"{place}: {len(entries) - len(named_entries)} entries with an empty source are left out")
+    for entry in named_entries:
         source, target, at = required(entry, "source", place), required(entry, "target", place), f"{place}:{entry.sourceline}"
         if source in values:
             suppress = truth(entry.get("suppressUnitConversion", "false"), "suppressUnitConversion", at)

@@ -145,6 +145,13 @@ def test_a_mapping_renames_transforms_and_leaves_out_the_rest(load):
     assert scene.units["b"].parameters == {"gain": 0.5, "count": 5, "mode": "low", "flag": True}
 
 
+def test_entries_of_a_mapping_with_an_empty_source_map_nothing(load):
+    mapping = '<ssm:MappingEntry source="g" target="a.gain"/><ssm:MappingEntry source="" target="b.gain"/>' * 2
+    scene = read(load, system("s", PAIR, bindings=bindings("g=Real:0.5", mapping=mapping)))
+    assert (scene.units["a"].parameters, scene.units["b"].parameters) == ({"gain": 0.5}, {})
+    assert sum("2 entries with an empty source are left out" in r for r in scene.remarks) == 1
+
+
 def test_sets_and_mappings_in_files_and_in_the_fmu(load, folder, library):
     (folder / "sets").mkdir()
     spaces = systems.SPACES
