@@ -1,10 +1,9 @@
 """Integrators for FMUs without one: CVode from the SUNDIALS libraries FMPy ships, and the methods of SciPy's solve_ivp.
 
 Both go step by step and end a step where an event indicator changes between positive and not positive, on the far side of
-the change. Multistep methods (CVode, BDF) live from the steps behind them: begun anew they are of first order, and many
+the change. Multistep methods (CVode, BDF, LSODA) live from the steps behind them: begun anew they are of first order, and many
 restarts cost far more accuracy than their tolerance says. So they go on across macro steps wherever nothing jumps. One-step
-methods lose nothing at a restart but the length of their step, which is kept. LSODA is begun anew with every macro step,
-because SciPy's cannot be given another end.
+methods lose nothing at a restart but the length of their step, which is kept.
 """
 
 from __future__ import annotations
@@ -156,7 +155,7 @@ class Scipy:
         import scipy.integrate
 
         self._method = getattr(scipy.integrate, method)
-        self.multistep, self._keeps_step = method == "BDF", method != "LSODA"
+        self.multistep, self._keeps_step = method in ("BDF", "LSODA"), method != "LSODA"
         self.step_size: float | None = None
         self._n, self._relative, self._g = states, relative, g
         self._solver: Any = None
@@ -212,6 +211,8 @@ class Scipy:
         """SciPy's object, on its way to the goal."""
         if self._solver is not None and self._solver.t_bound != goal and self.multistep:
             self._solver.t_bound, self._solver.status = goal, "running"
+            if hasattr(self._solver, "_lsoda_solver"):  # ODEPACK's own place for the end, which SciPy sets at the start only
+                self._solver._lsoda_solver._integrator.rwork[0] = goal
         elif self._solver is None or self._solver.t_bound != goal:
             first = min(self.step_size, goal - self._t) if self.step_size else None
             self._solver = self._method(self._f, self._t, self._x.copy(), goal, rtol=self._relative, atol=self._tolerances,

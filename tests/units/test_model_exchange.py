@@ -278,18 +278,19 @@ def test_a_bouncing_ball_is_within_1e_5_by_default_to_its_rest(step, capabilitie
     assert np.abs(result.time[:, None] - grid).min(axis=0).max() < 1e-15  # events add rows and take none away
 
 
-def test_an_integrator_goes_on_where_inputs_go_on_and_begins_anew_where_they_jump():
-    """Evaluations of the equations: a restart of CVode costs several steps of low order."""
+@pytest.mark.parametrize("solver", ["CVode", "BDF", "LSODA"])
+def test_an_integrator_goes_on_where_inputs_go_on_and_begins_anew_where_they_jump(solver):
+    """Evaluations of the equations: a restart of a multistep method costs several steps of low order."""
     calls = []
     for slope in (1.0, 0.0):  # the polynomial meets the next value, or leaves a jump of 0.1
-        unit = opened({"rest": 10.0}, tolerance=1e-8)  # the ball lies from its first bounce on
+        unit = opened({"rest": 10.0}, tolerance=1e-8, solver=solver)  # the ball lies from its first bounce on
         for k in range(50):
             unit.drive([0.1 * k], [slope], None, 0.1)
             unit.step(0.1 * k, 0.1)
             unit.get()
         calls.append(unit.work()["derivative_calls"])
         unit.close()
-    assert 3 * calls[0] < calls[1]
+    assert 2 * calls[0] < calls[1], calls
 
 
 def test_without_saved_states_the_fmu_is_told_to_forget_and_with_them_not():
