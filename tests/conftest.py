@@ -1,5 +1,9 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
+from pathlib import Path
+
+import pytest
+from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
 from hypothesis import HealthCheck, settings
@@ -12,9 +16,16 @@ LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whol
 
 
 def pytest_collection_modifyitems(config, items):
-    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them."""
+    """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them.
+
+    Of all tests, those marked `interpreted` are left to the processes of `test_plain_python.py`, and to the complete run.
+    """
     items.sort(key=lambda item: item.path.name not in LONG)
     if "benchmark" not in config.option.markexpr:
         benchmarks = [item for item in items if item.get_closest_marker("benchmark")]
         config.hook.pytest_deselected(items=benchmarks)
         items[:] = [item for item in items if item not in benchmarks]
+    if COMPILED and [Path(argument).name for argument in config.args] == ["tests"]:
+        for item in items:
+            if item.get_closest_marker("interpreted"):
+                item.add_marker(pytest.mark.full)

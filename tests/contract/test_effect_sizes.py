@@ -18,7 +18,7 @@ from cosimo.components.wind_pump.planetary import PlanetaryTransmission, gear_de
 from cosimo.components.wind_pump.turbine import WindTurbine
 from cosimo.components.wrist.wrist import Wrist
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 
 def pushed_up(effects, wire: float, parameters=None) -> Pantograph:

@@ -8,6 +8,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.component import Effect
 from cosimo.tests.contract.configurations import SMALL, bits, compatible, excite, in_plain_python, slope_inputs, with_required
 
+pytestmark = pytest.mark.interpreted
 SINGLE = [(c, e) for c in CATALOGUE for e in component_class(c).effects]
 
 

@@ -11,6 +11,8 @@ from cosimo.components.bearings.two_dof import bearing_derivatives, elastic_forc
 from cosimo.components.core.errors import BadInput
 from cosimo.tests.support import RPM, ball_bearing
 
+pytestmark = pytest.mark.interpreted
+
 MICRO = 1e-6
 ALL = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_waviness", "inner_defect", "outer_defect",
        "ball_defect", "load_variation", "speed_ramp")

@@ -12,6 +12,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from scipy.optimize import minimize
 from scipy.special import ellipk
 
+pytestmark = pytest.mark.interpreted
+
 # K/W, computed independently with another solver; no tilt, k = 46 W/(m.K), E = 2.07e11 Pa: axial force, radial force, value
 TABLE = {
     "7008C": [(50, 0, 10.80), (100, 0, 8.631), (500, 0, 5.204), (1000, 0, 4.218), (5000, 0, 2.641),

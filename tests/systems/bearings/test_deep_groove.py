@@ -10,6 +10,8 @@ from cosimo.components.bearings.hertz import effective_modulus, exact_ellipse
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
 
+pytestmark = pytest.mark.interpreted
+
 LOAD = ("force_x", "force_y", "force_z", "moment_x", "moment_y")
 MOTION = (*DISPLACEMENT, *VELOCITY)
 

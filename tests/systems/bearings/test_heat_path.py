@@ -13,6 +13,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.systems.bearings.finite_volumes import Bodies, cylindrical, graded, spherical
 from cosimo.orchestrator.systems.bearings.heat_path import RingPart, Surroundings, solve_bearing, solve_path, solve_rings
 
+pytestmark = pytest.mark.interpreted
+
 ROUND = 1e-10  # a few thousand cells, solved directly
 
 

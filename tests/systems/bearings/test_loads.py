@@ -11,6 +11,8 @@ from cosimo.components.bearings.loads import static_loads
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, OUT_OF_RANGE
 
+pytestmark = pytest.mark.interpreted
+
 STEEL = effective_modulus(2.1e11, 0.3, 2.1e11, 0.3)
 ISO = BallGeometry(7, 11.5e-3, 43.5e-3, 0.52, 0.53)  # the example of the public ISO/TS 16281 code
 BALANCED = 1e-8  # of the load; the solver ends at 1e-10

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput, StepFailed
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.interpreted
+
 ALL = ("housing", "oil_flow", "radiation", "shaft_heat")
 
 

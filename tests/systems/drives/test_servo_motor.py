@@ -11,7 +11,7 @@ from cosimo.components.drives.closed_forms import poles, steady, step_response, 
 from cosimo.components.drives.servo_motor import ServoMotor, servo_derivatives, shaft_inertia
 from scipy.linalg import expm
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 R, L, K, N = 2.3, 0.238e-3, 23.4e-3, 19.0  # Ohm, H, N.m/A, 1
 

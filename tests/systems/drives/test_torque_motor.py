@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.drives.torque_motor import TorqueMotor
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 R, K, N, L = 2.0, 0.1, 1.0, 1e-3  # Ohm, N.m/A, 1, H
 

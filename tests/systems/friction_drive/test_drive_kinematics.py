@@ -20,6 +20,8 @@ from cosimo.components.friction_drive.kinematics import (
 )
 from cosimo.components.friction_drive.wheels import FrictionWheels
 
+pytestmark = pytest.mark.interpreted
+
 WHEEL, SLEEVE = 0.01, 0.005
 
 

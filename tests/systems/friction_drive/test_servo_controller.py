@@ -14,6 +14,8 @@ from cosimo.components.friction_drive.monolith import FrictionDrive
 from cosimo.components.friction_drive.wheels import FrictionWheels
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.interpreted
+
 A, RADIUS, SLEEVE = math.pi / 6.0, 0.01, 0.005
 LAYOUTS = ("skewed", "skewed_free_rollers", "orthogonal")
 

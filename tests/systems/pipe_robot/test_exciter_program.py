@@ -5,6 +5,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.program import ExciterProgram
 
+pytestmark = pytest.mark.interpreted
+
 GIVEN = {"start_frequency": 40.0, "end_frequency": 100.0, "start_amplitude": 5.0, "end_amplitude": 5.0, "start_voltage": 20.0,
          "end_voltage": 0.0, "start_time": 1.0, "duration": 4.0, "return_time": 6.0}  # fmt: skip
 

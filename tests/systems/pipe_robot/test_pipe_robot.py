@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+pytestmark = pytest.mark.interpreted
+
 G = 9.81
 
 

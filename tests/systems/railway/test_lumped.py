@@ -7,7 +7,7 @@ from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.lumped import HARMONICS, LumpedCatenary, lumped_parameters
 from cosimo.components.railway.statics import elasticity
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 FLAT = {f"harmonic[{n + 1}]": 0.0 for n in range(HARMONICS)}
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.railway.pantograph import Pantograph
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 ACCUMULATED_ROUNDING = 1e-9  # relative: a few thousand operations on numbers of one size
 

@@ -11,7 +11,7 @@ from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
 from cosimo.components.rov.controller import RovController
 from scipy.spatial.transform import Rotation
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 MATRIX = wrench_matrix(*y_arrangement(), "vehicle")
 NO_INTEGRALS = {f"{what}_integral_gain[{k}]": 0.0 for what in ("position", "attitude") for k in (1, 2, 3)}

@@ -10,7 +10,7 @@ from cosimo.components.rov.thrust_curve import T200_COMMAND, T200_THRUST, curve_
 from cosimo.components.rov.thruster import Thruster
 from scipy.linalg import expm
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 SHEET = {1100: -4.069, 1300: -1.438, 1456: -0.086, 1472: 0.0, 1500: 0.0, 1528: 0.0, 1532: 0.041, 1600: 0.603, 1900: 5.245}
 POLYNOMIAL = {1.0: 30.4, 0.5: 16.594, -0.5: -16.594, 0.0: 0.0}  # N, von Benzon's curve evaluated by hand

@@ -9,7 +9,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wrist.tendons import COUNT, MUSCLES, ForearmTendons
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 ALL = ("fibres", "force_velocity", "varying_arms")
 FCR, FCU, ECRL, ECRB, ECU = range(COUNT)

@@ -21,7 +21,7 @@ from cosimo.components.wrist.ligaments import LigamentBundle
 from cosimo.components.wrist.wrist import Wrist
 from cosimo.components.wrist.wrist_equations import wrist_derivatives
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 AXES = DEFAULT_AXES._replace(offset=ROW_OFFSET)
 HALF = Axes(OPENSIM_HALF, 0.0, 0.0, ROW_OFFSET)

@@ -12,7 +12,7 @@ from cosimo.components.wrist.wrist_equations import gyroscopic, mass_matrix, wri
 from scipy.linalg import expm
 from scipy.optimize import minimize
 
-pytestmark = pytest.mark.full
+pytestmark = pytest.mark.interpreted
 
 FREE = {"proximal_damping": 0.0, "distal_damping": 0.0}
 QUIET = {"proximal_damping": 0.2, "distal_damping": 0.2, "substep": 4e-3}
