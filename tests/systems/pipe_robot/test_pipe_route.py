@@ -8,6 +8,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.pipe_robot.route import PipeRoute
 from scipy.interpolate import PchipInterpolator
 
+pytestmark = pytest.mark.interpreted
+
 PLACES = (0.0, 0.5, 1.5, 2.0, 4.0, 4.5, 6.0, 7.0)
 DIAMETERS = (0.2, 0.2, 0.19, 0.18, 0.18, 0.21, 0.2, 0.2)
 SLOPES = (0.0, 0.1, 0.2, 0.3, 0.2, 0.0, -0.1, 0.0)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from cosimo.components.pipe_robot.tow import TowCoupling
 
+pytestmark = pytest.mark.interpreted
+
 
 def coupled(rear, front, effects=(), **parameters) -> TowCoupling:
     """A coupling between ends at (position, velocity)."""

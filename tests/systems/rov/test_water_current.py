@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from cosimo.components.rov.current import WaterCurrent
 
+pytestmark = pytest.mark.interpreted
+
 WAYS = ("north", "east", "down")
 EVERYTHING = WaterCurrent(
     ("tide", "ramp", "gust"),

@@ -20,6 +20,8 @@ from cosimo.components.two_axis_joint.closed_forms import (
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 from scipy.optimize import brentq
 
+pytestmark = pytest.mark.interpreted
+
 FRAME, ACROSS, INNER, OWN = 0.02, 0.03, 0.05, 0.06  # kg.m², of the inertial motion
 MOMENT = 2.0 * 9.81 * 0.15  # N.m, m g l
 GOVERNOR = {"cross_inertia": 0.06, "inner_inertia": 0.06, "axial_inertia": 0.02}

@@ -10,6 +10,8 @@ from cosimo.components.drives.torque_motor import TorqueMotor
 from cosimo.components.two_axis_joint.controller import GimbalController
 from cosimo.components.two_axis_joint.gimbal import GimbalBody
 
+pytestmark = pytest.mark.interpreted
+
 
 def controller(effects=(), inputs=None, **parameters) -> GimbalController:
     made = GimbalController(effects, parameters)

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from cosimo.components.two_axis_joint.gimbal import GimbalBody, gimbal_derivatives
 
+pytestmark = pytest.mark.interpreted
+
 ORIENTATIONS = ("vertical", "horizontal")
 INERTIAS = {"frame_inertia": 0.02, "cross_inertia": 0.07, "inner_inertia": 0.09, "axial_inertia": 0.04}
 G, MASS, DISTANCE, SPIN, OUTER_DAMPING, INNER_DAMPING = 9.81, 2.0, 0.15, 0.5, 0.03, 0.02

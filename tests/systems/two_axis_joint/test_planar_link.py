@@ -13,6 +13,8 @@ from cosimo.components.two_axis_joint.compliant_joint import CompliantJoint
 from cosimo.components.two_axis_joint.link import LOADS, PlanarLink, link_derivatives, link_energy
 from scipy.integrate import solve_ivp
 
+pytestmark = pytest.mark.interpreted
+
 G = 9.81
 ROD = {"mass": 0.8, "length": 1.2, "centre": 0.5, "inertia": 0.09}
 

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.centrifugal_pump import CentrifugalPump
 from cosimo.components.wind_pump.piston_pump import PistonPump
 
+pytestmark = pytest.mark.interpreted
+
 WEIGHT = 1000.0 * 9.81
 VOLUME = 0.25 * math.pi * 0.06**2 * 0.15
 

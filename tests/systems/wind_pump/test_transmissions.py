@@ -14,6 +14,8 @@ from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING, shaft_gu
 from cosimo.components.wind_pump.fixed import FixedTransmission
 from cosimo.components.wind_pump.planetary import SHAFTS, PlanetaryTransmission
 
+pytestmark = pytest.mark.interpreted
+
 DERIVATIVES = {
     FixedTransmission: fixed.fixed_derivatives,
     AveragedConverter: averaged.averaged_derivatives,

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.turbine import WindTurbine, turbine_derivatives
 
+pytestmark = pytest.mark.interpreted
+
 AREA = math.pi * 1.5**2
 FULL = 0.5 * 1.225 * AREA * 1.5 * 0.5  # N.m per (m/s)², torque of the default windmill at standstill
 

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.pipe import WaterPipe, pipe_derivatives
 
+pytestmark = pytest.mark.interpreted
+
 
 def made(effects=(), parameters=None, flow=0.0, **inputs):
     """An initialized pipe."""

@@ -10,6 +10,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.wind_pump.noise import normal_number
 from cosimo.components.wind_pump.wind import Wind
 
+pytestmark = pytest.mark.interpreted
+
 ONLY = {"mean_speed": 5.0}
 
 

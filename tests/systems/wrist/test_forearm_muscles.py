@@ -11,6 +11,8 @@ from cosimo.components.wrist.tendons import COUNT, ForearmTendons
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 
+pytestmark = pytest.mark.interpreted
+
 ALL = ("fibres", "force_velocity", "varying_arms")
 
 

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.wrist import linkage
 from cosimo.components.wrist.four_bar import FourBar
 
+pytestmark = pytest.mark.interpreted
+
 CRANK_ROCKER = (0.020, 0.050, 0.040, 0.055)
 NAMES = ("crank", "coupler", "rocker", "ground")
 LINKAGES = {
