@@ -42,6 +42,7 @@ class LoopLayout(NamedTuple):
     direct: np.ndarray  # (D, 2) unit, link counted within the unit
     change: np.ndarray  # (D,) relative change of an input that is none
     inverse: np.ndarray  # (S,) 1 / nominal of every signal
+    bonded: np.ndarray  # (B,) links whose polynomials are noted for the energy account
     degree: int
     sequential: bool
 
@@ -57,6 +58,7 @@ class LoopState(NamedTuple):
     reached: np.ndarray  # (L,)
     known: np.ndarray  # (L,)
     inputs: np.ndarray  # (3 L,) what is handed to the FMUs
+    given: np.ndarray  # (L, 4) value, slope, half of the second derivative, degree over the last step
     samples: np.ndarray  # (U,) in the history
     spacing: np.ndarray  # (U, 2) s
     interpolates: np.ndarray  # (U,) bool: inputs were interpolated to values known already
@@ -175,6 +177,7 @@ def _drive(plan, now, unit, degree, h):
     for k in range(n):
         i = first + k
         v, s, c = now.inputs[base + k], now.inputs[base + n + k], now.inputs[base + 2 * n + k]
+        now.given[i, 0], now.given[i, 1], now.given[i, 2], now.given[i, 3] = v, s, c, degree
         if way == IN_MEMORY:
             store(plan.inputs_at[i], v)
             if degree > 0:
@@ -284,8 +287,8 @@ def _push(plan, now, h):
 
 
 @kernel
-def run_steps(plan, now, times, h, limit, halt, rows):
-    """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S).
+def run_steps(plan, now, times, h, limit, halt, rows, given):
+    """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S), `bonded` to given (n, B, 4).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
@@ -316,6 +319,9 @@ def run_steps(plan, now, times, h, limit, halt, rows):
         if status > WARNING:
             return step, unit, status
         _push(plan, now, h)
+        for k in range(plan.bonded.size):
+            for d in range(4):
+                given[step, k, d] = now.given[plan.bonded[k], d]
         total = 0.0
         for k in range(now.signals.size):
             rows[step, k] = now.signals[k]

@@ -12,6 +12,7 @@ from ....components.core.kernels import COMPILED
 from ...units.component import ComponentUnit
 from ...units.fmi2 import Fmi2CoSimulation
 from .compiled import FAILED, WAY, LoopLayout, LoopState, run_steps
+from .energy import EnergyAccount, Meter
 from .gauss_seidel import GaussSeidel
 from .initial import RUNAWAY
 from .jacobi import Jacobi
@@ -27,8 +28,8 @@ class CompiledLoop:
     changes a master there need not know of this.
     """
 
-    def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray):
-        self._master, self._units, self._halt = master, units, halt
+    def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None):
+        self._master, self._units, self._halt, self._account = master, units, halt, account
         self._made_for: Any = None  # what the addresses of the units follow from
         nodes = master.nodes
         links = [link for node in nodes for link in node.links]
@@ -48,16 +49,17 @@ class CompiledLoop:
             feedthrough_schedule=np.array(feedthrough_schedule, dtype=np.int64),
             direct=np.array([d[:2] for d in direct], dtype=np.int64).reshape(-1, 2),
             change=np.array([d[2] for d in direct], dtype=float),
-            inverse=np.array(master.weights),
+            inverse=np.array(master.weights), bonded=np.array(self._bonded(ends), dtype=np.int64),
             degree=int(master.degree), sequential=isinstance(master, GaussSeidel),
         )
         link, unit = np.zeros(n), np.zeros(u)
         self._now = LoopState(
             signals=np.zeros(signals), present=link, before=link.copy(), earlier=link.copy(), reached=link.copy(),
-            known=link.copy(), inputs=np.zeros(3 * n), samples=unit.astype(np.int64), spacing=np.zeros((u, 2)),
-            interpolates=unit.astype(np.bool_), no_return=unit.astype(np.int32), taken=unit.astype(np.int64), time=unit,
+            known=link.copy(), inputs=np.zeros(3 * n), given=np.zeros((n, 4)), samples=unit.astype(np.int64),
+            spacing=np.zeros((u, 2)), interpolates=unit.astype(np.bool_), no_return=unit.astype(np.int32),
+            taken=unit.astype(np.int64), time=unit,
         )
-        run_steps(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, np.empty((0, signals)))  # compiles it
+        run_steps(self._plan, self._now, np.empty(0), 0.0, RUNAWAY, halt, *self._empty(0))  # compiles it
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     @property
@@ -68,10 +70,10 @@ class CompiledLoop:
 
     def run(self, times: list[float], h: float) -> tuple[np.ndarray, BaseException | None]:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
-        self._find_units(h)
+        self.prepare(h)
         self._load()
-        rows = np.empty((len(times), self._now.signals.size))
-        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows)
+        rows, given = self._empty(len(times))
+        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows, given)
         self._store(done)
         failure: BaseException | None = None
         t = times[min(done, len(times) - 1)]
@@ -85,17 +87,28 @@ class CompiledLoop:
                     one.stopped(status // FAILED, t)
                 else:
                     one.stopped(status, t, h)
-                    self._complete(unit, t, h)
+                    self._complete(unit, t, h, given[done])
                     rows[done], done = self._master.signals, done + 1
-            except BaseException as error:  # those of Python in a component, too: the steps before it stand
+            except (Exception, SystemExit) as error:  # those of Python in a component, too: the steps before it stand
                 failure = error
         if unit == -2:
             failure = self._beyond(times[done - 1] + h)
             done -= failure is not None
+        if self._account is not None and done:
+            self._account.enter(h, rows[:done], given[:done])
         return rows[:done], failure
 
-    def _find_units(self, h: float) -> None:
-        """The addresses of the units for steps of length h; of components they depend on it."""
+    def _empty(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """For n steps: signals, and what bonded inputs are given."""
+        return np.empty((n, self._now.signals.size)), np.empty((n, self._plan.bonded.size, 4))
+
+    def _bonded(self, first: np.ndarray) -> list[int]:
+        """Links of the account's inputs; `first`: of each node."""
+        of_unit = {node.unit.name: int(k) for node, k in zip(self._master.nodes, first, strict=False)}
+        return [of_unit[meter.name] + place for meter, place, _ in self._account.inputs] if self._account else []
+
+    def prepare(self, h: float) -> None:
+        """Find the addresses of the units for steps of length h, which those of components depend on."""
         needed = h, [unit.starts for unit in self._units if isinstance(unit, ComponentUnit)]
         if needed == self._made_for:
             return
@@ -114,12 +127,19 @@ class CompiledLoop:
             return error
         return None
 
-    def _complete(self, unit: int, t: float, h: float) -> None:
-        """The rest of a step in which a unit has stepped although it does not say so: it has ended the simulation there."""
+    def _complete(self, unit: int, t: float, h: float, given: np.ndarray) -> None:
+        """The rest of a step in which a unit has stepped although it does not say so: it has ended the simulation there.
+
+        given: (B, 4), what bonded inputs were given in it.
+        """
         node, master = self._master.nodes[unit], cast(Jacobi | GaussSeidel, self._master)
         if isinstance(master, GaussSeidel):
             master.signals[node.place] = node.unit.get()
         master.step(t, h, unit + 1)
+        driven = self._slices[unit].stop  # links before it were driven by compiled code
+        for k, link in enumerate(self._plan.bonded.tolist()):
+            meter, place, _ = self._account.inputs[k]  # type: ignore[union-attr]
+            given[k] = self._now.given[link] if link < driven else meter.given(place)
 
     def _load(self) -> None:
         now = self._now
@@ -153,12 +173,13 @@ class CompiledLoop:
             node.reached, node.known = (None, take(now.known[at])) if interpolated else (take(now.reached[at]), None)
 
 
-def compiled_loop_for(master: Master, halt: np.ndarray) -> CompiledLoop | None:
-    """The stretches of a master; None where a unit is of another kind. `halt`: as in `batch_loop_for`."""
-    units = [node.unit for node in master.nodes]
-    if not COMPILED or not all(isinstance(u, ComponentUnit) or _by_address(u) for u in units):
+def compiled_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None) -> CompiledLoop | None:
+    """The stretches of a master; None where a unit is of another kind, or is corrected. `halt`: as in `batch_loop_for`."""
+    units: list[Any] = [node.unit.unit if isinstance(node.unit, Meter) else node.unit for node in master.nodes]
+    corrected = account is not None and account.correction
+    if not COMPILED or corrected or not all(isinstance(u, ComponentUnit) or _by_address(u) for u in units):
         return None
-    return CompiledLoop(master, units, halt)  # type: ignore[arg-type]
+    return CompiledLoop(master, units, halt, account)
 
 
 def _by_address(unit: Any) -> bool:

@@ -29,12 +29,12 @@ class Meter:
     """A unit whose inputs are noted as they are given, and corrected where that is wished."""
 
     def __init__(self, unit: Unit, input_degree: int):
-        self._unit, self._input_degree = unit, input_degree
+        self.unit, self.input_degree = unit, input_degree
         self.terms: tuple[PortValues, PortValues | None, PortValues | None] = ([], None, None)
         self.owed: dict[int, float] = {}  # by position of an input: its integral over time that it still has to be given
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._unit, name)
+        return getattr(self.unit, name)
 
     def drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
         """As `Unit.drive`. What is owed is added as a parabola that vanishes at both ends of the step, where inputs stay true."""
@@ -45,15 +45,13 @@ class Meter:
                 slopes[k] += 6.0 * integral / h**2
                 halves[k] -= 6.0 * integral / h**3
         self.terms = values, slopes, halves
-        self._unit.drive(values, slopes, halves, h)
+        self.unit.drive(values, slopes, halves, h)
 
-    def given(self, k: int, at: np.ndarray, h: float) -> np.ndarray:
-        """One input over the last step, of length h, at some of its instants, (n,)."""
+    def given(self, k: int) -> tuple[float, float, float, float]:
+        """(value, slope, half of the second derivative, degree) of one input over the last step."""
         values, slopes, halves = self.terms
         value, slope, half = (0.0 if row is None else row[k] for row in (values, slopes, halves))
-        if self._input_degree < (2 if halves is not None else 1 if slopes is not None else 0):
-            return np.full(at.size, value + h * (slope / 2.0 + h * half / 3.0))  # it holds the mean
-        return value + at * (slope + at * half)
+        return value, slope, half, 2.0 if halves is not None else 1.0 if slopes is not None else 0.0
 
 
 def metered(units: Mapping[str, Unit], coupling: Coupling) -> dict[str, Any]:
@@ -91,14 +89,16 @@ class EnergyAccount:
         nodes = {node.unit.name: node for node in master.nodes}
         ends = [(end, link) for bond in self.bonds for end, link in zip(bond.given, bond.links, strict=True)]
         self._places = np.array([master.positions[end] for end, _ in ends])
-        self._inputs = [(meters[link.target[0]], nodes[link.target[0]].links.index(link), link.factor) for _, link in ends]
+        self.inputs = [(meters[link.target[0]], nodes[link.target[0]].links.index(link), link.factor) for _, link in ends]
+        self._factors = np.array([factor for _, _, factor in self.inputs])
+        self._degrees = np.array([meter.input_degree for meter, _, _ in self.inputs])
         self._watts = np.array([bond.watts for bond in self.bonds])
         nominals = np.array([coupling.interfaces[u].outputs[n].nominal for (u, n), _ in ends])
         self.nominal = np.abs(self._watts * nominals[::2] * nominals[1::2])  # W
         self._kept = master.degree + 2
-        self._correction = correction
+        self.correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
-        self._kind, self._basis = (0.0, b""), np.zeros((len(POINTS), 0))
+        self._kind, self._basis = b"", np.zeros((0, len(POINTS), 1, 1))
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
         self.elapsed = 0.0  # s, of all steps so far
@@ -116,25 +116,52 @@ class EnergyAccount:
     def step(self, t: float, h: float) -> None:
         """One macro step from t to t + h, and its entry in the account."""
         self.master.step(t, h)
-        self.times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
-        present = np.asarray(self.master.signals)[None, self._places]
-        self.samples = np.concatenate((present, self.samples[: self._kept - 1]))
-        if (kind := (h, self.times.tobytes())) != self._kind:  # of equal steps all but the first have one basis
-            self._kind, self._basis = kind, _basis(self.times, h * (POINTS - 1.0))
-        true = self._basis @ self.samples
-        given = np.stack([meter.given(k, h * POINTS, h) / factor for meter, k, factor in self._inputs], axis=1)
-        into, out_of = self._watts * true[:, ::2] * given[:, 1::2], self._watts * given[:, ::2] * true[:, 1::2]
-        created, exchanged = h * (WEIGHTS @ (into - out_of)), h * (WEIGHTS @ np.abs(into + out_of)) / 2.0
-        self.created, self.exchanged, self.last = self.created + created, self.exchanged + exchanged, (created, exchanged)
-        if self._correction:
-            mean, returned = WEIGHTS @ true, self.integrals
-            self.last = created + self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2]), exchanged
-        self.integrals, self.elapsed = self.integrals + h * (WEIGHTS @ (given - true)), self.elapsed + h
-        if self._correction:
+        self.enter(h, np.asarray(self.master.signals)[None], np.array([[meter.given(k) for meter, k, _ in self.inputs]]))
+
+    def enter(self, h: float, signals: np.ndarray, given: np.ndarray) -> None:
+        """Enter n equal steps: the master's signals behind each, (n, S), and `Meter.given` of each input, (n, inputs, 4).
+
+        The same whether steps are entered together or one by one: all operations are those of single numbers.
+        """
+        samples, first = signals[:, self._places], 0
+        while first < len(samples):
+            times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
+            even = times.tobytes() == self.times.tobytes()  # and will be from here on
+            last = len(samples) if even else first + 1
+            if (kind := times.tobytes()) != self._kind:
+                self._kind, self._basis = kind, _basis(times, h * (POINTS - 1.0)).T[:, :, None, None]
+            self.times = times
+            self._enter(h, samples[first:last], given[first:last])
+            first = last
+
+    def _enter(self, h: float, samples: np.ndarray, terms: np.ndarray) -> None:
+        """Steps of one basis: outputs (n, inputs) and terms of the inputs (n, inputs, 4)."""
+        n, kept = len(samples), self.times.size
+        rows = np.concatenate((self.samples[kept - 2 :: -1] if kept > 1 else samples[:0], samples))  # oldest first
+        self.samples = rows[: -kept - 1 : -1]
+        value, slope, half, degree = np.moveaxis(terms, 2, 0)
+        held = degree > self._degrees  # the unit holds the mean
+        value = np.where(held, value + h * (slope / 2.0 + h * half / 3.0), value)
+        slope, half = np.where(held, 0.0, slope), np.where(held, 0.0, half)
+        at = h * POINTS[:, None, None]
+        given = (value + at * (slope + at * half)) / self._factors  # (points, n, inputs)
+        true = np.zeros_like(given)
+        for j, basis in enumerate(self._basis):
+            true += basis * rows[kept - 1 - j : kept - 1 - j + n]
+        into, out_of = self._watts * true[..., ::2] * given[..., 1::2], self._watts * given[..., ::2] * true[..., 1::2]
+        created, exchanged = h * _mean(into - out_of), h * _mean(np.abs(into + out_of)) / 2.0
+        returned, self.last = self.integrals, (created[-1], exchanged[-1])
+        self.created, self.exchanged = _summed(self.created, created), _summed(self.exchanged, exchanged)
+        self.integrals = _summed(self.integrals, h * _mean(given - true))
+        self.elapsed = float(_summed(self.elapsed, np.full(n, h)))
+        if self.correction:
+            mean = _mean(true)[-1]
+            owed = self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
+            self.last = created[-1] + owed, exchanged[-1]
             self._owe()
 
     def _owe(self) -> None:
-        for (meter, k, factor), integral in zip(self._inputs, self.integrals.tolist(), strict=True):
+        for (meter, k, factor), integral in zip(self.inputs, self.integrals.tolist(), strict=True):
             meter.owed[k] = -factor * integral
 
     @property
@@ -152,7 +179,7 @@ class EnergyAccount:
         self.master.restore(saved.master)
         self.times, self.samples, self.integrals = saved.times, saved.samples, saved.integrals
         self.created, self.exchanged, self.elapsed = saved.created, saved.exchanged, saved.elapsed
-        if self._correction:
+        if self.correction:
             self._owe()
 
     def warnings(self) -> list[str]:
@@ -166,6 +193,16 @@ class EnergyAccount:
         """Energies by bond, J: what went through it in either direction, and what the coupling made of nothing on the way."""
         return {bond.text: {"exchanged": exchanged, "created": created} for bond, exchanged, created
                 in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)}
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    """Over a step, of values at `POINTS`, (points, ...)."""
+    return (WEIGHTS[:, None, None] * values).sum(axis=0)
+
+
+def _summed(start: Any, terms: np.ndarray) -> Any:
+    """start + terms[0] + terms[1] + ..., from the left."""
+    return np.add.accumulate(np.concatenate((np.asarray(start)[None], terms)))[-1]
 
 
 def _basis(times: np.ndarray, at: np.ndarray) -> np.ndarray:

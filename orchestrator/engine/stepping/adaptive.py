@@ -222,9 +222,9 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
     early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         halt = np.zeros(1, dtype=np.uint8)
-        stretch = batch_loop_for(master, halt) if account is None else None
+        stretch = batch_loop_for(master, halt, account)
         return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
-            BatchStepping(master, clock, stride, end, stops, stretch, halt)
+            BatchStepping(steppable, clock, stride, end, stops, stretch, halt)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from ..algorithms import Master
+from ..algorithms.energy import EnergyAccount
 from ..algorithms.gauss_seidel import GaussSeidel
 from ..algorithms.jacobi import Jacobi
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
 from .clock import Clock
-from .loop import Observer, Stepping, Stops, lengths
+from .loop import Observer, Steppable, Stepping, Stops, lengths
 
 PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar have to wait
 
@@ -25,7 +26,7 @@ class BatchStepping(Stepping):
     The observers see what they would have seen step by step.
     """
 
-    def __init__(self, master: Master, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
+    def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
                  halt: np.ndarray):
         """`halt`: what ends a stretch early, see `batch_loop_for`."""
         super().__init__(master, clock, stride, end, stops)
@@ -58,6 +59,7 @@ class BatchStepping(Stepping):
         n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unwatched)
         ticks = range(tick, tick + (n + 1) * length, length)
         times = [seconds(k) for k in ticks]
+        self._stretch.prepare(h)
         begun = perf_counter()
         rows, failure = self._stretch.run(times[:-1], h)
         self._pace = max((perf_counter() - begun) / n, 1e-7)
@@ -72,10 +74,10 @@ class BatchStepping(Stepping):
             raise failure
 
 
-def batch_loop_for(master: Master, halt: np.ndarray) -> Any:
+def batch_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None = None) -> Any:
     """Stretches for a master, of components in this process or of FMUs; None where the scene needs what they do not have.
 
-    `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
+    `account`: the stretches are entered in it. `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
     """
     nodes = master.nodes
     plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
@@ -83,4 +85,4 @@ def batch_loop_for(master: Master, halt: np.ndarray) -> Any:
         return None
     from ..algorithms.compiled_loop import compiled_loop_for  # loads Numba
 
-    return compiled_loop_for(master, halt)
+    return compiled_loop_for(master, halt, account)

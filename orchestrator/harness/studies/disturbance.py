@@ -128,7 +128,7 @@ class Disturbed:
         (account or self.master).initialize(0.0)
         self._steppable: Steppable = account or self.master
         self._start = self._steppable.save()
-        self._stretch = batch_loop_for(self.master, np.zeros(1, dtype=np.uint8)) if account is None else None
+        self._stretch = batch_loop_for(self.master, np.zeros(1, dtype=np.uint8), account)
         self._nominal = np.array([coupling.interfaces[u].outputs[n].nominal for u, n in self.master.positions])
 
     @property

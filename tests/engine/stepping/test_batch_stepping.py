@@ -7,6 +7,7 @@ from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.units.component import _Callback
 from cosimo.tests.support import two_masses
 
 ALGORITHMS = ("jacobi", "gauss-seidel")
@@ -44,6 +45,7 @@ def assert_alike(one, other):
         assert one.snapshots[name].values.tobytes() == snapshot.values.tobytes()
     assert one.info["input_misses"] == other.info["input_misses"]
     assert one.info["counters"] == other.info["counters"]
+    assert one.info.get("energy") == other.info.get("energy")
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
@@ -56,6 +58,33 @@ def test_components_give_the_same_bits(algorithm, degree, monkeypatch):
     together, apart, alone = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert alone <= degree  # only those from which the histories get their first samples
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeypatch):
+    """A motor with dry friction, a body with two axes and a controller with a period, and the energy account of their bonds."""
+    scene = load_scene("gimbal-scan")
+    scene = scene.with_changes({"stop_time": 150.5 * scene.master.step, "master.algorithm": algorithm,
+                                "master.extrapolation": degree})
+    python = []
+    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)  # its steps are counted, too
+    monkeypatch.setattr(_Callback, "__init__", lambda *_: python.append(1))
+    together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
+    assert_alike(together, apart)
+    assert together.info["energy"]
+    assert (alone, python) == (0, [])
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(algorithm, degree, monkeypatch):
+    """With a shorter step at the end, behind which the account's polynomials go through uneven instants."""
+    data = two_masses(algorithm, 7e-3, degree)
+    data["master"] |= {"bonds": ["a.v_out * b.force"]}
+    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    assert_alike(together, apart)
+    assert together.info["energy"]
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2])
