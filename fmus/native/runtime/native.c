@@ -312,6 +312,7 @@ int directional(Instance *m, const uint32_t *unknowns, size_t n, const uint32_t 
     moved(m, kept, NULL, 0, NULL, 0.0); /* workspace as it was */
     memcpy(m->block, kept, 8 * (size_t)model_saved);
     free(kept);
+    for (s = 0; s < results; s++) status |= !isfinite(result[s]);
     return status ? report(m, ERROR, "GetDirectionalDerivative: the outputs are not finite beside the present inputs") : OK;
 }
 

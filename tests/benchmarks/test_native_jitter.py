@@ -1,0 +1,18 @@
+"""How evenly the railway pair steps as native FMUs in a C program, which is what hardware in the loop needs.
+
+A minute of macro steps of 1 ms: passes over the part of the line that the scene covers, each from the state after initialization.
+"""
+
+import pytest
+from cosimo.tests.fmus.native.railway_pair import arguments, host, possible, run_host
+
+pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(not possible, reason="needs Linux and a C compiler")]
+STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
+
+
+def test_longest_step_of_a_minute(tmp_path):
+    words, program = arguments(tmp_path), host(tmp_path)
+    _, (mean, high, longest) = run_host(program, words, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
+    print("\nnative railway pair, macro step of 1 ms, a minute: duration of a step in us")
+    print(f"{'mean':>10}{'99.99 %':>10}{'longest':>10}\n{mean:10.2f}{high:10.2f}{longest:10.2f}")
+    assert mean < 100.0  # a tenth of the macro step

@@ -1,0 +1,87 @@
+/* A host without Python: pantograph and catenary stepped in turns with held inputs, and how long each pair of steps takes.
+
+   railway PANTOGRAPH GUID REFERENCES CATENARY GUID REFERENCES STEP STEPS PASSES; references: inputs, then outputs, by commas.
+   Each pass begins with the states after initialization. Prints the last outputs as hexadecimal numbers, then the mean, the
+   99.99th percentile and the longest duration in microseconds. */
+#define _POSIX_C_SOURCE 200809L
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include "fmi2FunctionTypes.h"
+
+typedef struct {
+    fmi2Component instance;
+    fmi2ValueReference references[3];
+    fmi2GetRealTYPE *get;
+    fmi2SetRealTYPE *set;
+    fmi2DoStepTYPE *step;
+    fmi2GetFMUstateTYPE *save;
+    fmi2SetFMUstateTYPE *restore;
+    fmi2FMUstate begin;
+} Unit;
+
+static void logger(void *e, fmi2String n, fmi2Status s, fmi2String c, fmi2String text, ...) {
+    (void)e; (void)s; (void)c;
+    fprintf(stderr, "%s: %s\n", n, text);
+}
+static const fmi2CallbackFunctions CALLBACKS = {logger, NULL, NULL, NULL, NULL};
+static void check(int status, const char *call) {
+    if (status > fmi2Warning) { fprintf(stderr, "%s: status %d\n", call, status); exit(1); }
+}
+static void *symbol(void *library, const char *name) {
+    void *found = dlsym(library, name);
+    if (!found) { fprintf(stderr, "no %s\n", name); exit(1); }
+    return found;
+}
+static Unit opened(char **arguments) {
+    Unit u;
+    void *library = dlopen(arguments[0], RTLD_NOW | RTLD_LOCAL);
+    if (!library) { fprintf(stderr, "%s\n", dlerror()); exit(1); }
+    u.instance = ((fmi2InstantiateTYPE *)symbol(library, "fmi2Instantiate"))(arguments[0], fmi2CoSimulation, arguments[1], "", &CALLBACKS, 0, 0);
+    if (!u.instance || sscanf(arguments[2], "%u,%u,%u", u.references, u.references + 1, u.references + 2) != 3) exit(1);
+    check(((fmi2SetupExperimentTYPE *)symbol(library, "fmi2SetupExperiment"))(u.instance, 0, 0.0, 0.0, 0, 0.0), "SetupExperiment");
+    check(((fmi2EnterInitializationModeTYPE *)symbol(library, "fmi2EnterInitializationMode"))(u.instance), "EnterInitializationMode");
+    check(((fmi2ExitInitializationModeTYPE *)symbol(library, "fmi2ExitInitializationMode"))(u.instance), "ExitInitializationMode");
+    u.get = symbol(library, "fmi2GetReal"), u.set = symbol(library, "fmi2SetReal"), u.step = symbol(library, "fmi2DoStep");
+    u.save = symbol(library, "fmi2GetFMUstate"), u.restore = symbol(library, "fmi2SetFMUstate");
+    u.begin = NULL;
+    check(u.save(u.instance, &u.begin), "GetFMUstate");
+    return u;
+}
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+int main(int argc, char **arguments) {
+    if (argc != 10) return 2;
+    Unit p = opened(arguments + 1), c = opened(arguments + 4);
+    const double h = atof(arguments[7]);
+    const long steps = atol(arguments[8]), passes = atol(arguments[9]);
+    double *durations = malloc(sizeof *durations * (size_t)(steps * passes)), total = 0.0, height, contact[2];
+    for (long pass = 0; pass < passes; pass++) {
+        check(p.restore(p.instance, p.begin), "SetFMUstate");
+        check(c.restore(c.instance, c.begin), "SetFMUstate");
+        for (long k = 0; k < steps; k++) {
+            struct timespec before, after;
+            clock_gettime(CLOCK_MONOTONIC, &before);
+            check(c.get(c.instance, c.references + 2, 1, &height), "GetReal");
+            check(p.set(p.instance, p.references, 1, &height), "SetReal");
+            check(p.step(p.instance, (double)k * h, h, 0), "DoStep");
+            check(p.get(p.instance, p.references + 1, 2, contact), "GetReal");
+            check(c.set(c.instance, c.references, 2, contact), "SetReal");
+            check(c.step(c.instance, (double)k * h, h, 0), "DoStep");
+            clock_gettime(CLOCK_MONOTONIC, &after);
+            const double d = 1e6 * (double)(after.tv_sec - before.tv_sec) + 1e-3 * (double)(after.tv_nsec - before.tv_nsec);
+            durations[pass * steps + k] = d;
+            total += d;
+        }
+    }
+    check(c.get(c.instance, c.references + 2, 1, &height), "GetReal");
+    qsort(durations, (size_t)(steps * passes), sizeof *durations, ascending);
+    printf("%a %a %a\n", height, contact[0], contact[1]);
+    printf("%.2f %.2f %.2f\n", total / (double)(steps * passes), durations[(long)(0.9999 * (double)(steps * passes - 1))], durations[steps * passes - 1]);
+    free(durations);
+    return 0;
+}
