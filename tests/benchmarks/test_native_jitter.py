@@ -12,7 +12,9 @@ STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
 
 def test_longest_step_of_a_minute(tmp_path):
     words, program = arguments(tmp_path), host(tmp_path)
-    _, (mean, high, longest) = run_host(program, words, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
+    _, durations = run_host(program, words, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
     print("\nnative railway pair, macro step of 1 ms, a minute: duration of a step in us")
-    print(f"{'mean':>10}{'99.99 %':>10}{'longest':>10}\n{mean:10.2f}{high:10.2f}{longest:10.2f}")
-    assert mean < 100.0  # a tenth of the macro step
+    print(f"{'':12}{'mean':>10}{'99.99 %':>10}{'longest':>10}")
+    for name, values in zip(("clock", "processor"), durations, strict=True):
+        print(f"{name:12}" + "".join(f"{value:10.2f}" for value in values))
+    assert durations[1][0] < 100.0  # a tenth of the macro step

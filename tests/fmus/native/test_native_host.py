@@ -9,4 +9,4 @@ pytestmark = [pytest.mark.full, pytest.mark.skipif(not possible, reason="needs L
 def test_a_host_in_c_gives_the_bits_of_the_components_in_process(tmp_path):
     outputs, durations = run_host(host(tmp_path), arguments(tmp_path), 1e-3, 500, 2)
     assert outputs == in_process(1e-3, 500)
-    assert 0.0 < durations[0] <= durations[2]
+    assert all(0.0 < mean <= longest for mean, _, longest in durations)
