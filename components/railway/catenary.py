@@ -203,8 +203,8 @@ class Catenary(Component):
                            "The window moves through the wires; a factorised matrix does not.")
         self.mesh = self._mesh_for(p, e)
         self._packed = packed(self.mesh)
-        if not implicit and p.substep > (limit := self._explicit_limit(self.mesh, e.damping)):
-            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {limit:.3g} s, the explicit method's limit",
+        if p.substep > self._limit:
+            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {self._limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
         N, loads = self.mesh.mass.size, [(self.u[0, POSITION], self.u[0, FORCE])]
         if e.second_pantograph is not None:
@@ -271,23 +271,26 @@ class Catenary(Component):
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
-        if self.parameters["method"] == "implicit":
-            return math.inf
-        p, e = self._declared_arguments()
-        return self._explicit_limit(self._mesh_for(p, e), e.damping)
+        self._mesh_for(*self._declared_arguments())
+        return self._limit
 
     def _mesh_for(self, p, e):
-        """Mesh of the present parameters; kept, because initialisation is repeated while the initial inputs converge."""
+        """Mesh of the present parameters, and with it the limit of the step, s, `_limit`.
+
+        Both are kept, because initialisation is repeated while the initial inputs converge.
+        """
         key = tuple(self.parameters.values())
         if getattr(self, "_mesh_key", None) != key:
             # Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force
             # that moves at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
             element_time = p.element * math.sqrt(p.contact_wire_mass / p.contact_wire_tension)
             h2 = min(p.substep**2, 0.7 * element_time**2)
-            time_errors = (2.0 * h2, 1.125 * h2) if self.parameters["method"] == "implicit" else (-h2, -0.75 * h2)
-            self._mesh_key = key
+            implicit = self.parameters["method"] == "implicit"
+            time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
             self._mesh = build_mesh(p, e.dropper_slackening, e.bending_stiffness, e.gravity_sag, e.pre_sag, e.damping,
                                     e.steady_arm, e.level_support, *time_errors)
+            self._limit = math.inf if implicit else self._explicit_limit(self._mesh, e.damping)
+            self._mesh_key = key
         return self._mesh
 
     @staticmethod
