@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Mapping
@@ -57,7 +58,8 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     """
     with ExitStack() as stack:
         current = Run(scene, stack, in_process=in_process, native=native, progress=progress)
-        current.rescue_to = rescue_to
+        current.rescue_to = Path(rescue_to).absolute() if rescue_to is not None else None
+        checkpoint_to = Path(checkpoint_to).absolute() if checkpoint_to is not None else None
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -72,6 +74,8 @@ class Run:
     def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool):
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.started = perf_counter()
+        self._folder, self._moved = _working_directory(), False
+        stack.callback(self._return)
         self.compiling = stack.enter_context(CompileTime(announce=progress))
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message = "failed", ""
@@ -174,6 +178,7 @@ class Run:
                 self.checkpoints.write()
                 self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         self._until = perf_counter(), process_time()
+        self._return()
 
     def _rescue(self, message: str) -> None:
         """This process is ending inside of a unit's call: save what there is."""
@@ -241,6 +246,12 @@ class Run:
         if self.checkpoints is not None:
             self.checkpoints.resumed(self._now)
 
+    def _return(self) -> None:
+        """To the working directory of the start: units of this process can change it, and results would go elsewhere."""
+        if self._folder and _working_directory() != self._folder:
+            os.chdir(self._folder)
+            self._moved = True
+
     def _mark(self) -> None:
         """What comes from here on is stepping, until this is called again."""
         self._since, self._cpu, self._compiled = perf_counter(), process_time(), self.compiling.spent
@@ -264,6 +275,7 @@ class Run:
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
         texts += self.account.warnings() if self.account else []
+        texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
         texts += [self.message] if self.outcome == "done" and self.message else []
         local = self.repeated.errors() if self.repeated and self.outcome == "done" else {}
         of_step = []  # what the run shows of its macro step, and what a closed form says of it: one warning
@@ -280,6 +292,14 @@ class Run:
             of_step += beyond_limit(self.scene, grows=grows)
         texts += [". ".join(of_step)] if of_step else []
         return texts
+
+
+def _working_directory() -> str:
+    """Of this process; "" where it is gone."""
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
 
 
 def _wrapped(units: dict[str, Unit], scene: Scene, coupling: Coupling

@@ -19,7 +19,8 @@ import numpy as np
 
 from .interface import ARRAY_THRESHOLD, PortValues
 
-HEAD = Struct("=IB")  # bytes that follow, code
+HEAD = Struct("=QIB")  # mark of a message, bytes that follow, code
+MARK = 0x6F6D69736F63_F1E7  # a unit may write into any open file of its process: what does not begin so is no message
 STEP, UPDATE, GET, READ, CALL, VALUES, OBJECT, FAILED, WARNED = range(9)
 TIMES = Struct("ddd")  # start and length of a step, length the inputs are meant for
 EVENT = Struct("d")  # time of the event in a step, NaN for none
@@ -27,6 +28,10 @@ INDEX = Struct("I")
 # signals that end a run, which then ends its workers; Windows has the first two
 STOPPING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 ONCE = 1 << 16  # bytes asked for in one read: what a pipe holds on Linux
+
+
+class NoMessage(EOFError):
+    """What came is no message."""
 
 
 class Channel:
@@ -37,7 +42,7 @@ class Channel:
 
     def send(self, code: int, content: bytes) -> None:
         """Hand over one message, whole."""
-        message: bytes | memoryview = HEAD.pack(len(content), code) + content
+        message: bytes | memoryview = HEAD.pack(MARK, len(content), code) + content
         while (written := os.write(self._to, message)) < len(message):
             message = memoryview(message)[written:]
 
@@ -46,9 +51,13 @@ class Channel:
         message = self._read(ONCE)
         while len(message) < HEAD.size:
             message += self._read(HEAD.size - len(message))
-        length, code = HEAD.unpack_from(message)
+        mark, length, code = HEAD.unpack_from(message)
+        if mark != MARK:
+            raise NoMessage
         while (missing := HEAD.size + length - len(message)) > 0:
             message += self._read(missing)
+        if missing < 0:  # each answer is waited for before there is another request
+            raise NoMessage
         return code, memoryview(message)[HEAD.size :]
 
     def _read(self, most: int) -> bytes:

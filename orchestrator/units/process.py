@@ -25,7 +25,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...components.core.errors import BadInput, StepFailed
-from .channel import CALL, EVENT, FAILED, GET, INDEX, READ, STEP, TIMES, UPDATE, VALUES, WARNED, Channel, packer, unpacker
+from .channel import (
+    CALL,
+    EVENT,
+    FAILED,
+    GET,
+    INDEX,
+    READ,
+    STEP,
+    TIMES,
+    UPDATE,
+    VALUES,
+    WARNED,
+    Channel,
+    NoMessage,
+    packer,
+    unpacker,
+)
 from .interface import PortValues
 
 if TYPE_CHECKING:
@@ -35,6 +51,7 @@ if TYPE_CHECKING:
 START = 60.0  # s that a worker may take to start, whatever the limit for its answers is
 GRACE = 3.0  # s that a worker has to end by itself
 LOG_LINES = 5
+LOG_BYTES = 10_000  # in which they are looked for
 LONGEST = 200  # characters of a unit's name that are shown
 
 
@@ -101,6 +118,9 @@ class WorkerUnit:
         self._since = monotonic()
         try:
             code, content = self._channel.receive()
+        except NoMessage:
+            self._process.kill()
+            raise self._end("something else than answers came from its worker process, which was ended") from None
         except EOFError:
             raise self._end() from None
         except KeyboardInterrupt:
@@ -135,8 +155,8 @@ class WorkerUnit:
         self._call(method, *arguments)
         return pickle.loads(self._receive())
 
-    def _end(self) -> StepFailed:
-        """The process has ended, or is to; the failure to raise."""
+    def _end(self, reason: str = "") -> StepFailed:
+        """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
         self._lost = self._stale = True
         self._waiting, self._since = False, None
         try:
@@ -144,7 +164,9 @@ class WorkerUnit:
         except subprocess.TimeoutExpired:  # it has closed the pipe and lives on
             self._process.kill()
             code = self._process.wait()
-        if self._late:
+        if reason:
+            pass
+        elif self._late:
             reason = f"no answer within {self._limit:g} s; its worker process was ended"
         elif code < 0:
             reason = f"its worker process was ended by signal {-code} ({signal.strsignal(-code)})"
@@ -153,7 +175,9 @@ class WorkerUnit:
         return StepFailed(self.name, self._time, reason + self._log_tail())
 
     def _log_tail(self) -> str:
-        lines = (self._folder / "log").read_text(errors="replace").splitlines()
+        with open(self._folder / "log", "rb") as log:
+            log.seek(max(log.seek(0, os.SEEK_END) - LOG_BYTES, 0))
+            lines = log.read().decode(errors="replace").splitlines()
         return "".join(f"\n  log: {line}" for line in lines[-LOG_LINES:])
 
     def _watch(self) -> None:

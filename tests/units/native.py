@@ -96,6 +96,7 @@ MODELS: dict[str, list[V]] = {
               *(V(n, k, "Float64", "parameter", "fixed", "1e9" if k < 4 else "0")
                 for k, n in enumerate(("discard_at", "end_at", "early_at", "pause"), 1)),
               V("exit_at", 8, "Float64", "parameter", "fixed", "1e9"), V("words", 9, "String", "output", "discrete"),
+              V("mischief", 10, "Int32", "parameter", "fixed", "0"),
               V("restless", 5, "Boolean", "parameter", "fixed", "false")],
 }
 OPTIONS = {"one": 1, "two": 2, "far": 7}  # members of the enumeration

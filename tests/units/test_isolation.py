@@ -20,9 +20,11 @@ from cosimo.orchestrator.units import open_unit
 from cosimo.orchestrator.units.process import WorkerUnit
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu
+from cosimo.tests.units.native import native_fmu
 from cosimo.tests.units.troubled import LONG
 
 TROUBLED = "cosimo.tests.units.troubled:Troubled"
+PRINTS, CLOSES, MOVES, RECURSES, WRITES, ABORTS = 1, 2, 3, 5, 6, 7  # of moody.h
 ROOT = Path(__file__).resolve().parents[3]
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="asks /proc for the processes")
 
@@ -220,6 +222,34 @@ def test_a_worker_that_does_not_start_is_bad_input(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/bin/false")
     with pytest.raises(BadInput, match=r"units\.a: it cannot be started: its worker process ended itself with code 1"):
         run(scene)
+
+
+def misbehaving(how: int, isolation: str = "process") -> dict:
+    """An FMU that does something at 0.55 s that no unit should, see moody.h."""
+    return {"stop_time": 1.0, "master": {"step": 0.1}, "record": {"signals": ["f.now"]}, "units": {"f": {
+        "fmu": native_fmu("moody", 3), "parameters": {"exit_at": 0.55, "mischief": how}, "isolation": isolation}}}
+
+
+@pytest.mark.parametrize(("how", "said"), [
+    (PRINTS, ""), (MOVES, ""), (WRITES, "something else than answers came from its worker process, which was ended"),
+    pytest.param(CLOSES, "its worker process ended itself with code 1", marks=FULL),
+    pytest.param(RECURSES, "was ended by signal 11", marks=FULL), pytest.param(ABORTS, "was ended by signal 6", marks=FULL)])
+def test_what_a_library_does_to_its_process_stays_there(how, said, capfd):
+    """Many lines, another directory, garbage in all its open files, none of them open any more ..."""
+    here = os.getcwd()
+    result = run(read_scene(misbehaving(how)))
+    assert result.outcome == ("failed" if said else "done"), result.message
+    assert said in result.message
+    assert result.time[-1] == pytest.approx(0.5 if said else 1.0)
+    assert (os.getcwd(), capfd.readouterr().out) == (here, "")
+
+
+def test_a_library_that_changes_the_directory_of_the_run_does_not_move_its_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run(read_scene(misbehaving(MOVES, "none")))
+    assert Path.cwd() == tmp_path
+    assert any("has changed the working directory" in text for text in result.info["warnings"])
+    assert result.save("out").resolve() == tmp_path / "out"
 
 
 def test_warnings_of_a_unit_reach_the_run_and_a_time_limit_does_nothing_to_a_unit_that_answers():
