@@ -18,7 +18,7 @@ from time import perf_counter
 from typing import Any
 
 from ...scene.scene import Scene
-from .quantities import Quantity, errors, quantities_of, recording
+from .quantities import Quantity, errors, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
 from .timing import SCATTER, Timing, calibrate
@@ -143,7 +143,7 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
     done.
     """
     scene = recording(scene)
-    quantities = quantities_of(scene)
+    quantities = quantities_to_judge(scene)
     steps = macro_steps(scene)
     truth = reference(scene, quantities, steps[-1], on_message)
     bench = _Bench(scene, quantities, truth, budget, repeats, on_message)

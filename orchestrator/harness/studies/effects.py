@@ -16,7 +16,7 @@ from ...output import write_table
 from ...scene.scene import Scene
 from .full_model import Model, Place, classes, effects_on, full_model, with_effects, with_required
 from .indicator import Windows
-from .quantities import Quantity, errors, quantities_of, recording
+from .quantities import Quantity, errors, quantities_to_judge, recording
 from .selection import select
 from .trial import Trial, trial
 
@@ -143,7 +143,7 @@ class _Bench:
 
     def __init__(self, scene: Scene, more: Iterable[str], on_message: Callable[[str], None]):
         self.scene, self._on_message, self.runs = scene, on_message, 0
-        self.quantities: tuple[Quantity, ...] = quantities_of(scene)
+        self.quantities: tuple[Quantity, ...] = quantities_to_judge(scene)
         self.model, self.unable = full_model(scene, more), dict[Place, str]()
         on_message("all effects")
         full = self._trial(self.model.scene)

@@ -133,13 +133,20 @@ def quantities_of(scene: Scene) -> tuple[Quantity, ...]:
     for text in texts:
         unit, output = scene.split(text.signal)
         of = coupling.interfaces[unit].outputs[output]
-        if text.cutoff and scene.stop_time <= (shortest := transient + 2.0 * EDGE / text.cutoff):
-            raise BadInput(f"{scene.name}: study.quantities", f'"{text}" of a run of {scene.stop_time:g} s',
-                           f"a run of more than {shortest:g} s, with transient and both ends of the filter",
-                           "Lengthen the run, or filter at a higher frequency.")
         quantities.append(Quantity(
             str(text), text.signal, text.kind, text.frequency, transient, of.nominal, of.unit, text.cutoff))
     return tuple(quantities)
+
+
+def quantities_to_judge(scene: Scene) -> tuple[Quantity, ...]:
+    """As `quantities_of`; raises `BadInput` where transient and the ends of a filter leave nothing of the run."""
+    quantities = quantities_of(scene)
+    for q in quantities:
+        if q.cutoff and scene.stop_time <= (shortest := max(q.transient, EDGE / q.cutoff) + EDGE / q.cutoff):
+            raise BadInput(f"{scene.name}: study.quantities", f'"{q.name}" of a run of {scene.stop_time:g} s',
+                           f"a run of more than {shortest:g} s, with transient and both ends of the filter",
+                           "Lengthen the run, or filter at a higher frequency.")
+    return quantities
 
 
 def recording(scene: Scene) -> Scene:

@@ -5,7 +5,14 @@ from math import inf
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.harness.studies.quantities import Quantity, TimeHistory, errors, quantities_of, recording
+from cosimo.orchestrator.harness.studies.quantities import (
+    Quantity,
+    TimeHistory,
+    errors,
+    quantities_of,
+    quantities_to_judge,
+    recording,
+)
 from cosimo.orchestrator.harness.sweep import KINDS
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -172,4 +179,4 @@ def test_a_filter_needs_a_frequency_and_a_kind_of_the_whole_signal(text):
 
 def test_a_run_shorter_than_the_ends_of_its_filter_is_refused():
     with pytest.raises(BadInput, match="more than 2 s"):
-        quantities_of(read_scene({**SCENE, "study": {"quantities": ["m.x_out, time history below 2 Hz"]}}))
+        quantities_to_judge(read_scene({**SCENE, "study": {"quantities": ["m.x_out, time history below 2 Hz"]}}))
