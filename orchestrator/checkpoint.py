@@ -82,6 +82,7 @@ class Checkpoints(BatchObserver):
 
     def __init__(self, path: Path, every: float, scene: Scene, master: Master, loop: Stepping, parts: Mapping[str, Part]):
         self.path, self.every, self.written, self.last = path, every, 0, 0.0
+        self._file = path.absolute()  # wherever a unit goes
         self._scene, self._master, self._loop, self._parts = scene, master, loop, parts
         self._header = {"format": FORMAT, "version": version("cosimo"), "name": scene.name, "digest": digest(scene),
                         "kinds": _kinds(master)}
@@ -115,13 +116,13 @@ class Checkpoints(BatchObserver):
         for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
             node.unit.release(state)
         try:
-            handle, name = tempfile.mkstemp(dir=self.path.parent, prefix=self.path.name, suffix=".part")
+            handle, name = tempfile.mkstemp(dir=self._file.parent, prefix=self._file.name, suffix=".part")
             try:
                 with os.fdopen(handle, "wb") as file:
                     np.savez(file, **arrays)  # type: ignore[arg-type]
                     file.flush()
                     os.fsync(file.fileno())
-                os.replace(name, self.path)
+                os.replace(name, self._file)
             except BaseException:  # a second Ctrl-C, too
                 os.unlink(name)
                 raise

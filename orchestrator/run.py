@@ -59,7 +59,6 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     with ExitStack() as stack:
         current = Run(scene, stack, in_process=in_process, native=native, progress=progress)
         current.rescue_to = Path(rescue_to).absolute() if rescue_to is not None else None
-        checkpoint_to = Path(checkpoint_to).absolute() if checkpoint_to is not None else None
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
