@@ -49,6 +49,7 @@ def test_railway_linear_gauss_seidel_against_held_jacobi():
     assert 2 * linear <= railway.fewest("jacobi", 0, steps, 0.02)
 
 
+@pytest.mark.full
 def test_vehicle_held_commands_in_the_order_of_the_signals():
     """Commands are stairs: what extrapolates them, or hands them on a step later, needs more steps for the same 1 %."""
     vehicle = measured("rov-station-keeping", 20.0, 5e-3, **{
@@ -61,6 +62,7 @@ def test_vehicle_held_commands_in_the_order_of_the_signals():
     assert 2 * held <= vehicle.fewest("gauss-seidel", 1, steps, 0.01)
 
 
+@pytest.mark.full
 def test_bearing_internal_steps_buy_accuracy_and_macro_steps_do_not():
     """A unit alone: its own steps count, while a macro step is but the time between two samples.
 
@@ -77,6 +79,7 @@ def test_bearing_internal_steps_buy_accuracy_and_macro_steps_do_not():
     assert finer < one / 2.0**2.5
 
 
+@pytest.mark.full
 def test_friction_located_events_against_a_smoothed_law():
     """Two axes swing and come to rest. A smoothed law is wrong by its width, and short steps are the price of a narrow one."""
     units = load_scene("joint-stiction").settings()["units"]

@@ -15,11 +15,12 @@ from cosimo.orchestrator.systems.pipe_robot.cases import balance as balance
 from cosimo.orchestrator.systems.pipe_robot.cases import mean_speed as mean_speed
 from cosimo.orchestrator.systems.pipe_robot.cases import resonance as resonance
 from cosimo.orchestrator.systems.pipe_robot.robots import TURN, component_at, last_speed, shaken, side_by_side
+from cosimo.tests.short_run import full_but
 
 NAMES = ["pipe-robot-mean-speed", "pipe-robot-balance", "pipe-robot-resonance"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", full_but(NAMES[:1], NAMES))
 def test_pipe_robot_cases_pass(name):
     case = cases()[name]
     found = case.function(Options(in_process=True))

@@ -108,6 +108,7 @@ def test_the_manoeuvre_is_followed_along_all_six_axes(moved):
         assert abs(moved[f"controller.error_{name}"][-1]) < 0.02
 
 
+@pytest.mark.full
 def test_power_through_the_bonds_is_that_of_the_exchange(moved):
     """What the coupling creates at thrusters and tether is a small part of what goes through them."""
     accounts = moved.info["energy"]
@@ -118,6 +119,7 @@ def test_power_through_the_bonds_is_that_of_the_exchange(moved):
     assert moved.info["warnings"] == []
 
 
+@pytest.mark.full
 def test_the_tether_pulls_and_its_pull_is_small(moved):
     assert moved["tether.tension"].min() >= 0.0
     assert 0.1 < moved["tether.tension"].max() < 20.0

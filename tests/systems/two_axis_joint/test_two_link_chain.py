@@ -12,6 +12,8 @@ from cosimo.components.two_axis_joint.closed_forms import damped_motion, frictio
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+pytestmark = pytest.mark.interpreted
+
 G = 9.81
 GENERAL = {"first_mass": 1.3, "first_length": 0.8, "first_centre": 0.5, "first_inertia": 0.04, "second_mass": 0.6,
            "second_length": 0.7, "second_centre": 0.4, "second_inertia": 0.03}
