@@ -116,6 +116,8 @@ class _Reader:
     def run(self, owner: type, function: Any, arguments: tuple[Any, ...], *, wanted: bool) -> None:
         """Note the calls of a method; `wanted`: what it returns is a status."""
         names, body = _body(function)
+        if len(names) != 1 + len(arguments):
+            raise PythonInHook("arguments of its own")
         scope = {**vars(builtins), **function.__globals__, **dict(zip(names, (self.component, *arguments), strict=True))}
         self._sequence(body, scope, owner, wanted)
 
