@@ -28,11 +28,9 @@ SCRIPT = '''
 if "{name}" in globals():
     {name} = globals()["{name}"]  # pythonfmu executes the script again at every instantiation
 else:
-    import importlib
-
     _bundle = load_package(os.path.join(os.path.dirname(os.path.abspath(__file__)), "{bundle}"))
-    _slave = importlib.import_module(_bundle + ".slave")
-    _module = importlib.import_module(_bundle + ".components.{module}")
+    _slave = import_part(_bundle + ".slave", "{name}")
+    _module = import_part(_bundle + ".components.{module}", "{name}")
 
     class {name}(_slave.ComponentSlave):
         component_class = _module.{name}

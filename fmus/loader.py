@@ -9,7 +9,9 @@ import atexit
 import contextlib
 import ctypes
 import filecmp
+import gc
 import glob
+import importlib
 import importlib.util
 import os
 import shutil
@@ -56,6 +58,17 @@ def load_package(folder):
     return name
 
 
+def import_part(module, fmu):
+    """A module of an FMU's package; the message of the `ImportError` says what the host's Python lacks, for the host's log."""
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        missing = (error.name or str(error)).partition(".")[0]
+        version = ".".join(map(str, sys.version_info[:2]))
+        raise ImportError(f"{fmu} needs {missing}, which Python {version} of this host ({sys.prefix}) has not. "
+                          f"Install it there: python{version} -m pip install {missing}") from None
+
+
 def leave_path(script):
     """Take back the entry of `sys.path` that pythonfmu makes at every instantiation; returns it, or nothing."""
     if sys.path and os.path.isfile(os.path.join(sys.path[0], script)):
@@ -73,12 +86,16 @@ def end_in_order(resources):
 
     On Linux its destructors run in the wrong order: the state is freed by one and released again by the next, into memory
     that may have another owner by then ("corrupted double-linked list", "free(): corrupted unsorted chunks" at exit).
+
+    Objects that are left are not searched for cycles then: the last collection of the interpreter frees modules of SciPy and
+    ends in a segmentation fault in the allocator (both bearings with SciPy, in a host in C with a preloaded libpython).
     """
     libraries = () if sys.platform == "win32" else glob.glob(os.path.join(resources, "..", "binaries", "*", "*.so"))
     for library in set(map(os.path.realpath, libraries)) - _ENDED:
         _ENDED.add(library)
         with contextlib.suppress(OSError, AttributeError):  # another version of pythonfmu's library
             atexit.register(ctypes.PyDLL(library).finalizePythonInterpreter)
+            atexit.register(gc.freeze)
 
 
 _ENDED: set[str] = set()

@@ -10,9 +10,9 @@ typedef struct {
     void *step_finished, *environment;
 } Callbacks;
 
-static void ignore(void *e, const char *n, int s, const char *c, const char *m, ...) {}
+static void logger(void *e, const char *n, int s, const char *c, const char *m, ...) { fprintf(stderr, "log %d: %s\n", s, m); }
 
-int main(int argc, char **argv) { /* argv: library, resource URI */
+int main(int argc, char **argv) { /* argv: library, resource URI[, anything: with messages] */
     void *library = dlopen(argv[1], RTLD_NOW);
     if (!library) { puts(dlerror()); return 2; }
     void *(*instantiate)(const char *, int, const char *, const char *, Callbacks *, int, int) = dlsym(library, "fmi2Instantiate");
@@ -20,9 +20,9 @@ int main(int argc, char **argv) { /* argv: library, resource URI */
     int (*enter)(void *) = dlsym(library, "fmi2EnterInitializationMode"), (*leave)(void *) = dlsym(library, "fmi2ExitInitializationMode");
     int (*step)(void *, double, double, int) = dlsym(library, "fmi2DoStep");
     void (*release)(void *) = dlsym(library, "fmi2FreeInstance");
-    Callbacks callbacks = {ignore, calloc, free, NULL, NULL};
+    Callbacks callbacks = {logger, calloc, free, NULL, NULL};
     for (int n = 0; n < 3; n++) {
-        void *unit = instantiate("unit", 1, "", argv[2], &callbacks, 0, 0);
+        void *unit = instantiate("unit", 1, "", argv[2], &callbacks, 0, argc > 3);
         if (!unit || setup(unit, 0, 0.0, 0.0, 0, 0.0) || enter(unit) || leave(unit)) return 3;
         for (int k = 0; k < 20; k++)
             if (step(unit, k * 1e-3, 1e-3, 1)) return 4;

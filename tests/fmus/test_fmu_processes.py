@@ -124,15 +124,42 @@ answers(sys.argv[1], steps=3)
 LIBPYTHON = Path(sysconfig.get_config_var("LIBDIR") or "", sysconfig.get_config_var("LDLIBRARY") or "none")
 
 
-@pytest.mark.skipif(not shutil.which("cc") or LIBPYTHON.suffix != ".so", reason="needs a C compiler and a shared libpython")
-def test_a_host_in_c_ends_in_order(pantograph, tmp_path):
-    """Without the loader's `end_in_order` this ends in "free(): corrupted unsorted chunks" (seen six times in six)."""
-    subprocess.run(["cc", "-w", "-o", tmp_path / "host", HERE / "host.c", "-ldl"], check=True)
-    folder = Path(extract(str(pantograph)))
+def run_host(name, folder, *more, path=""):
+    """The program of host.c with an FMU, in a Python that finds what `path` holds first."""
+    program = folder / "host"
+    subprocess.run(["cc", "-w", "-o", program, HERE / "host.c", "-ldl"], check=True)
+    fmu = Path(extract(str(built(name))))
     environment = os.environ | {
-        "LD_PRELOAD": str(LIBPYTHON), "PYTHONHOME": sys.base_prefix, "PYTHONPATH": str(Path(np.__file__).parent.parent)}
-    command = [tmp_path / "host", folder / "binaries" / "linux64" / "Pantograph.so", (folder / "resources").as_uri()]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+        "LD_PRELOAD": str(LIBPYTHON), "PYTHONHOME": sys.base_prefix,
+        "PYTHONPATH": os.pathsep.join(filter(None, (str(path), str(Path(np.__file__).parent.parent))))}
+    command = [program, fmu / "binaries" / "linux64" / f"{name}.so", (fmu / "resources").as_uri(), *more]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=240)
+
+
+in_a_host = pytest.mark.skipif(not shutil.which("cc") or LIBPYTHON.suffix != ".so",
+                               reason="needs a C compiler and a shared libpython")
+
+
+@in_a_host
+@pytest.mark.parametrize("name", ["Pantograph", *(pytest.param(n, marks=pytest.mark.full) for n in (
+    "DeepGrooveBearing", "AngularContactConductance"))])
+def test_a_host_in_c_ends_in_order(name, tmp_path):
+    """Without the loader's `end_in_order` this ends in "free(): corrupted unsorted chunks", or in a segmentation fault."""
+    done = run_host(name, tmp_path)
 
     assert done.stdout.endswith("done\n"), done.stderr
     assert done.returncode == 0, done.stderr
+
+
+@in_a_host
+def test_a_python_without_numpy_is_one_clear_message(tmp_path):
+    """pythonfmu puts "Fatal py exception encountered" in front of it."""
+    (tmp_path / "numpy").mkdir()
+    (tmp_path / "numpy" / "__init__.py").write_text("raise ModuleNotFoundError(\"No module named 'numpy'\", name='numpy')")
+    done = run_host("Pantograph", tmp_path, "messages", path=tmp_path)
+
+    assert done.returncode == 3, done.stdout + done.stderr  # no instance
+    assert done.stderr.count("log ") == 1
+    assert "Pantograph needs numpy, which Python" in done.stderr
+    assert "-m pip install numpy" in done.stderr
+    assert "Traceback" not in done.stderr
