@@ -1,0 +1,74 @@
+"""A macro step of scenes in process beside its physics: the kernels of all units, called in a compiled loop and nothing else.
+
+Run with `pytest -m benchmark -n 0 -s`. Processor time, best of five, all in one run. The physics goes on from where the run has
+ended, with the inputs of that instant. `trivial`: two integrators with a kernel of a line each, where the loop is nearly all.
+"""
+
+from contextlib import ExitStack
+from time import process_time
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.engine.algorithms.compiled import call_hook
+from cosimo.orchestrator.engine.stepping.batch import batch_loop_for
+from cosimo.orchestrator.open_all import open_units
+from cosimo.orchestrator.run import master_of, run
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.units.entries import Entry
+from cosimo.orchestrator.units.hook_calls import step_calls
+from numba import njit
+
+pytestmark = pytest.mark.benchmark
+
+STEPS = 20_000
+SCENES = {  # largest ratio that is accepted of a whole run, with recording at every 50th step and all that watches it
+    "rov-station-keeping": 4.0, "friction-drive-step": 3.0, "gyroscopic-rotor": 1.5, "wrist-motion": 4.0, "gimbal-scan": 6.0,
+    "wind-pump-gusts": 8.0,
+}
+
+
+@njit
+def physics(functions, arguments, times, h):
+    """Steps of all units from each of `times`; inputs are as they are."""
+    for t in times:
+        for k in range(functions.size):
+            call_hook(functions[k], t, h, arguments[k])
+
+
+def best(function) -> float:
+    """Least processor time of five calls, s."""
+    spent = []
+    for _ in range(5):
+        begin = process_time()
+        function()
+        spent.append(process_time() - begin)
+    return min(spent)
+
+
+def measured(scene, steps: int) -> tuple[float, float]:
+    """Processor time of a macro step in the compiled loop and of its physics, s."""
+    h = scene.master.step
+    with ExitStack() as stack:
+        units = open_units(scene, stack, in_process=True)
+        master = master_of(scene, units, scene.coupling)
+        master.initialize(0.0)
+        loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), (h * np.arange(steps)).tolist()
+        coupled = best(lambda: loop.run(times[:1000], h))
+        entries = [Entry(step_calls(unit.component, h)) for unit in units.values()]
+        functions, arguments = (np.array([getattr(e, n) for e in entries]) for n in ("function", "argument"))
+        physics(functions, arguments, np.array(times[:1]), h)
+        alone = best(lambda: physics(functions, arguments, np.array(times), h))
+    return coupled / 1000, alone / steps
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_macro_step_costs_little_more_than_its_physics(name):
+    scene = load_scene(name)
+    h = scene.master.step
+    loop, alone = measured(scene, STEPS)
+    long = scene.with_changes({"stop_time": STEPS * h, "record.interval": 50 * h})
+    run(long.with_changes({"stop_time": 100 * h}), in_process=True)
+    whole = min(run(long, in_process=True).info["timing"]["cpu"] for _ in range(5)) / STEPS
+    print(f"\n{name}: {1e6 * whole:.2f} us a macro step, {1e6 * loop:.2f} in the loop, {1e6 * alone:.2f} of physics: "
+          f"ratio {whole / alone:.2f}, of the loop {loop / alone:.2f}")
+    assert whole < SCENES[name] * alone
