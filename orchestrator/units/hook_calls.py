@@ -71,8 +71,8 @@ def _calls(component: Component, hook: str, arguments: tuple[Any, ...], around: 
     reader = _Reader(component)
     try:
         reader.run(*_find(type(component), hook), arguments, wanted=True)
-    except (OSError, TypeError, SyntaxError) as error:  # no source to be read
-        raise PythonInHook(f"{hook}: {error}") from None
+    except Exception as error:  # no source to be read, or an expression that cannot be evaluated before a step
+        raise error if isinstance(error, PythonInHook) else PythonInHook(f"{hook}: {error}") from None
     return reader.calls
 
 
@@ -87,6 +87,8 @@ def _find(cls: type, name: str, after: type | None = None) -> tuple[type, Any]:
 @lru_cache(maxsize=1024)
 def _body(function: Any) -> tuple[list[str], list[ast.stmt]]:
     definition: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    if not isinstance(definition, ast.FunctionDef):
+        raise PythonInHook("a function of no name")
     return [a.arg for a in definition.args.args], definition.body
 
 
@@ -116,8 +118,9 @@ class _Reader:
     def run(self, owner: type, function: Any, arguments: tuple[Any, ...], *, wanted: bool) -> None:
         """Note the calls of a method; `wanted`: what it returns is a status."""
         names, body = _body(function)
-        if len(names) != 1 + len(arguments):
-            raise PythonInHook("arguments of its own")
+        foreign = set(function.__code__.co_freevars) - {"__class__"}  # what belongs to another function may change
+        if names[:1] != ["self"] or foreign or function.__defaults__ or len(names) != len(arguments) + 1:
+            raise PythonInHook(f"{function.__name__}, which is no plain method")
         scope = {**vars(builtins), **function.__globals__, **dict(zip(names, (self.component, *arguments), strict=True))}
         self._sequence(body, scope, owner, wanted)
 

@@ -287,8 +287,9 @@ def _push(plan, now, h):
 
 
 @kernel
-def run_steps(plan, now, times, h, limit, halt, rows, given):
-    """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S), `bonded` to given (n, B, 4).
+def run_steps(plan, now, times, h, limit, halt, rows, given, inputs):
+    """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S), `bonded` to given (n, B, 4),
+    all inputs and where they were led to to inputs (n, 2, L).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
@@ -319,6 +320,8 @@ def run_steps(plan, now, times, h, limit, halt, rows, given):
         if status > WARNING:
             return step, unit, status
         _push(plan, now, h)
+        for i in range(plan.source.size):
+            inputs[step, 0, i], inputs[step, 1, i] = now.present[i], now.reached[i]
         for k in range(plan.bonded.size):
             for d in range(4):
                 given[step, k, d] = now.given[plan.bonded[k], d]

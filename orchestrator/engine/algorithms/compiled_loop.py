@@ -25,7 +25,8 @@ class CompiledLoop:
     """Macro steps of a master in compiled code, with the same bits; made by `compiled_loop_for`.
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
-    changes a master there need not know of this.
+    changes a master there need not know of this. `inputs`: of the last stretch, (n, 2, L), the inputs behind each step in the
+    order of the nodes' links, and where extrapolation has taken them.
     """
 
     def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None):
@@ -72,8 +73,8 @@ class CompiledLoop:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
         self.prepare(h)
         self._load()
-        rows, given = self._empty(len(times))
-        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows, given)
+        rows, given, self.inputs = self._empty(len(times))
+        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows, given, self.inputs)
         self._store(done)
         failure: BaseException | None = None
         t = times[min(done, len(times) - 1)]
@@ -98,9 +99,10 @@ class CompiledLoop:
             self._account.enter(h, rows[:done], given[:done])
         return rows[:done], failure
 
-    def _empty(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """For n steps: signals, and what bonded inputs are given."""
-        return np.empty((n, self._now.signals.size)), np.empty((n, self._plan.bonded.size, 4))
+    def _empty(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """For n steps: signals, what bonded inputs are given, and all inputs with where they were led to."""
+        plan = self._plan
+        return np.empty((n, plan.inverse.size)), np.empty((n, plan.bonded.size, 4)), np.empty((n, 2, plan.source.size))
 
     def _bonded(self, first: np.ndarray) -> list[int]:
         """Links of the account's inputs; `first`: of each node."""

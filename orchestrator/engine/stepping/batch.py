@@ -68,6 +68,7 @@ class BatchStepping(Stepping):
         unseen = done if failure is not None else done - 1
         if unseen > 0:
             for observe in observers:
+                observe.observe_inputs(self._stretch.inputs[:unseen])
                 observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]
         if failure is not None:

@@ -27,7 +27,7 @@ BEYOND = 300.0  # times the interface's scale: the nominal value, or what was re
 class InstabilityMonitor(BatchObserver):
     """Looks at the inputs now and then; raises `Unstable` with the connection and its growth."""
 
-    EVERY = 29  # macro steps: longer runs are looked at after multiples of it, where `ExtrapolationError` ends batches anyway
+    EVERY = 29  # macro steps: longer runs are looked at after multiples of it
     RARELY = 3  # at most so many of it
 
     def __init__(self, master: Master, steps: int, account: EnergyAccount | None = None):

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...units import Unit
 from ...units.channel import STOPPING
+from ...units.interface import PortValues
 from ..algorithms.master import Node
 from ..coupling import Endpoint
 
@@ -32,6 +33,9 @@ class BatchObserver:
     def steps_not_needed(self, tick: int, length: int) -> int:
         """How many of the coming steps of `length` ticks it need not see."""
         return FOREVER
+
+    def observe_inputs(self, inputs: np.ndarray) -> None:
+        """Inputs behind steps it was not called at, and where they were led to, (n, 2, links); called before `observe_batch`."""
 
     def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
         """Steps it was not called at: the ticks and times (s) they have reached, and the master's sample there, (n, signals)."""
@@ -157,16 +161,19 @@ class ExtrapolationError(BatchObserver):
         if self._calls % self.EVERY:
             return
         self._samples += 1
-        for node, (missed2, total, total2) in zip(self._nodes, self._sums, strict=True):
+        for node, sums in zip(self._nodes, self._sums, strict=True):
             if node.reached is not None:
-                values = np.array(node.history.present)
-                missed2 += (values - node.reached) ** 2
-                total += values
-                total2 += values**2
+                _add(sums, np.array(node.history.present), node.reached)
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
+    def observe_inputs(self, inputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
-        return self.EVERY - 1 - self._calls % self.EVERY
+        for present, reached in inputs[self.EVERY - 1 - self._calls % self.EVERY :: self.EVERY]:
+            self._samples += 1
+            first = 0
+            for node, sums in zip(self._nodes, self._sums, strict=True):
+                mine = slice(first, first := first + len(node.links))
+                if node.reached is not None:
+                    _add(sums, present[mine], reached[mine])
 
     def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
@@ -191,6 +198,13 @@ class ExtrapolationError(BatchObserver):
                 if v > 1e-20 * square and k not in node.held:  # below it the variance is rounding; what is held is not led
                     result[".".join(link.target)] = float(np.sqrt(m / v))
         return result
+
+
+def _add(sums: np.ndarray, values: np.ndarray, reached: PortValues) -> None:
+    """To the sums of missed², value and value²."""
+    sums[0] += (values - reached) ** 2
+    sums[1] += values
+    sums[2] += values**2
 
 
 class Interrupt(BatchObserver):
