@@ -50,7 +50,7 @@ def test_the_drive_stays_within_the_amplifiers_limits(step):
 def test_energy_is_passed_on_and_lost_and_not_made(step):
     found = energies(drives(step)[0])
     assert found["motors"] > found["wheels"] > found["contacts"] + found["sleeve"] > 0.0
-    finer = run(step.scene.with_changes({"master.step": 0.5e-3}), in_process=True)
+    finer = run(step.scene.with_changes({"master.step": 0.5 * step.scene.master.step}), in_process=True)
     for name, bond in step.info["energy"].items():  # extrapolated linearly: what the coupling makes falls at least with the step
         assert abs(bond["created"]) < 3e-3 * bond["exchanged"]
         assert abs(finer.info["energy"][name]["created"]) < 0.5 * abs(bond["created"])
@@ -59,7 +59,7 @@ def test_energy_is_passed_on_and_lost_and_not_made(step):
 
 
 def test_split_and_whole_agree():
-    """The same course by the drive in one unit: what differs is the macro step of 1 ms, over which loads are held."""
+    """The same course by the drive in one unit: what differs is the macro step, over which loads are extrapolated."""
     motors, sleeve = ["inductance", "shaft_friction"], ["exact_slip", "trocar_friction", "gravity", "preload_loss"]
     given = {"layout": "skewed_free_rollers", "preload_loss": {"start": 0.4, "duration": 0.1, "first": 0.5}}
     course = {"time": [0.1, 0.3], "feed": [0.0, 5e-3], "rotation": [0.0, 0.3]}
