@@ -118,7 +118,7 @@ def _run(scene: Scene, changes: dict[str, Any]) -> Result | str:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return run(scene.with_changes(changes), in_process=True)
+            return run(scene.with_changes(changes), in_process=True).unless_stopped()
     except BadInput as error:
         return str(error)
 
