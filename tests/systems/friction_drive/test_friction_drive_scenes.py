@@ -68,18 +68,19 @@ def test_split_and_whole_agree():
     changes |= {"units.wheels.effects": tuple(sleeve), "units.wheels.parameters": given, "stop_time": 0.6,
                 "units.controller.effects": ("reference",), "units.controller.parameters": control}  # fmt: skip
     split = finished(load_scene("friction-drive-step").with_changes(changes))
+    step = split.scene.master.step
     links = [f"drive.{k}_{what} -> controller.{k}_{what}" for k in ("first", "second") for what in ("angle", "rate")]
     links += [f"controller.{k}_voltage -> drive.{k}_voltage" for k in ("first", "second")]
     links += [f"drive.{n} -> controller.{n}" for n in ("feed", "rotation")]
     units = {"drive": {"component": "FrictionDrive", "effects": [*motors, *sleeve], "parameters": given},
              "controller": {"component": "ServoController", "effects": ["reference"], "parameters": control}}  # fmt: skip
     whole = finished(read_scene({"stop_time": 0.6, "units": units, "connections": links,
-                                 "master": {"step": 1e-3, "extrapolation": 0, "order": ORDER}}, "whole"))  # fmt: skip
-    # on the way rates of 0.03 m/s and 1.7 rad/s, held for 1 ms; at rest both within the bands, where friction holds them
+                                 "master": {"step": step, "extrapolation": 0, "order": ORDER}}, "whole"))  # fmt: skip
+    # on the way rates of 0.03 m/s and 1.7 rad/s, held for a step; at rest both within the bands, where friction holds them
     moving = split.time < 0.3
     for axis, rate, band in (("feed", 0.03, 1e-4), ("rotation", 1.7, 0.01)):
         one, other = split[f"wheels.{axis}"], whole[f"drive.{axis}"]
-        assert np.abs(one - other)[moving].max() < 1.5 * rate * 1e-3
+        assert np.abs(one - other)[moving].max() < 1.5 * rate * step
         assert max(abs(course[axis][-1] - way[-1]) for way in (one, other)) < band
     one, other = drives(split)[0], drives(whole)[0]
     assert one.rests.keys() == other.rests.keys()
