@@ -1,7 +1,7 @@
 """A macro step of scenes in process beside its physics: the kernels of all units, called in a compiled loop and nothing else.
 
 Run with `pytest -m benchmark -n 0 -s`. Processor time, best of five, all in one run. The physics goes on from where the run has
-ended, with the inputs of that instant. `trivial`: two integrators with a kernel of a line each, where the loop is nearly all.
+ended, with the inputs of that instant. A run of 20 000 steps has its fixed costs in it, such as finding the units' addresses.
 """
 
 from contextlib import ExitStack
@@ -21,9 +21,9 @@ from numba import njit
 pytestmark = pytest.mark.benchmark
 
 STEPS = 20_000
-SCENES = {  # largest ratio that is accepted of a whole run, with recording at every 50th step and all that watches it
-    "rov-station-keeping": 4.0, "friction-drive-step": 3.0, "gyroscopic-rotor": 1.5, "wrist-motion": 4.0, "gimbal-scan": 6.0,
-    "wind-pump-gusts": 8.0,
+SCENES = {  # largest ratios accepted: of the compiled loop, and of a run recorded at every 50th step with all that watches it
+    "rov-station-keeping": (3.0, 8.0), "friction-drive-step": (1.6, 5.0), "gyroscopic-rotor": (1.3, 1.5),
+    "wrist-motion": (1.6, 4.5), "gimbal-scan": (2.1, 8.0), "wind-pump-gusts": (2.4, 8.0),
 }
 
 
@@ -71,4 +71,6 @@ def test_a_macro_step_costs_little_more_than_its_physics(name):
     whole = min(run(long, in_process=True).info["timing"]["cpu"] for _ in range(5)) / STEPS
     print(f"\n{name}: {1e6 * whole:.2f} us a macro step, {1e6 * loop:.2f} in the loop, {1e6 * alone:.2f} of physics: "
           f"ratio {whole / alone:.2f}, of the loop {loop / alone:.2f}")
-    assert whole < SCENES[name] * alone
+    of_loop, of_run = SCENES[name]
+    assert loop < of_loop * alone
+    assert whole < of_run * alone

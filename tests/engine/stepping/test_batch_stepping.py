@@ -16,6 +16,7 @@ ALGORITHMS = ("jacobi", "gauss-seidel")
 def both_ways(data, monkeypatch, kind, **options):
     """The same scene in stretches, which must be taken, and step by step."""
     stretches, steps = [], []
+    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)  # steps repeated behind the run would be counted
     monkeypatch.setattr(kind, "run", counted(kind.run, stretches))
     for algorithm in (Jacobi, GaussSeidel):
         monkeypatch.setattr(algorithm, "step", counted(algorithm.step, steps))
@@ -68,7 +69,6 @@ def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeyp
     scene = scene.with_changes({"stop_time": 150.5 * scene.master.step, "master.algorithm": algorithm,
                                 "master.extrapolation": degree})
     python = []
-    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)  # its steps are counted, too
     monkeypatch.setattr(_Callback, "__init__", lambda *_: python.append(1))
     together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
     assert_alike(together, apart)
