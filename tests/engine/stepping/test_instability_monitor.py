@@ -84,8 +84,8 @@ def test_no_shipped_scene_raises_an_alarm(name):
     assert result.outcome == "done", result.message
 
 
-def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
-    """Counted: as many stretches with it as without it, and one look in 29 steps."""
+def test_the_watch_cuts_stretches_of_steps_where_it_looks_only(monkeypatch):
+    """Counted: one look in 29 steps, and as many stretches more than without it."""
     stretches, looks = [], []
     taken, looked = CompiledLoop.run, InstabilityMonitor.__call__
 
@@ -106,7 +106,7 @@ def test_the_watch_cuts_no_stretch_of_steps(monkeypatch):
     monkeypatch.setattr(InstabilityMonitor, "__call__", lambda self, tick, t: None)
     monkeypatch.setattr(InstabilityMonitor, "steps_not_needed", lambda self, tick, length: 1_000_000)
     run(scene)
-    assert with_it == len(stretches)
+    assert len(stretches) <= with_it <= len(stretches) + len(looks)
     assert len(looks) <= 6000 / 29 + 4
 
 
