@@ -347,8 +347,9 @@ int get_state(Instance *m, void **state) {
 int set_state(Instance *m, const void *state) {
     const State *s;
     if (!m || !(s = known(m, state, "SetFMUState"))) return ERROR;
-    memcpy(m->block, s->cells, 8 * (size_t)model_saved);
-    fill_rest(m);
+    memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, */
+    fill_rest(m);                                        /* which also go to where a state begins, */
+    memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* and the state as it was saved */
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;
     return OK;
 }

@@ -9,7 +9,7 @@ from fmpy.fmi1 import FMICallException
 
 pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="runs on Linux")
 SHIFT = 0.07  # relative, and of the nominal value
-QUICK = ("PlanarLink",)
+QUICK = ("PlanarLink", "RovHull")  # with a start entry, and with start values that are written into the state
 ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
 
 
