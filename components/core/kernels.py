@@ -34,11 +34,14 @@ REASONS = {
 }
 
 
-def kernel(function, *files: str):
-    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports."""
+def kernel(function, *files: str, inner: bool = False):
+    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports.
+
+    `inner`: only other kernels call it, so that what Python would need to call it is not compiled.
+    """
     if not COMPILED:
         return function
-    dispatcher = njit(**OPTIONS)(function)
+    dispatcher = njit(**OPTIONS, no_cpython_wrapper=inner)(function)
     dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
     return dispatcher
 

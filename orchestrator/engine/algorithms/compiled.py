@@ -8,6 +8,7 @@ Everything stands in this one file, because Numba looks at no other one to see w
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ FIRST_LINK, LINKS, FIRST_SIGNAL, SIGNALS, WAY, LATE, LED = range(7)
 WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU
 OUTPUTS, OUTPUTS_ARGUMENT, ROW = SET, SET_DERIVATIVES, INPUT_REFERENCES  # of a component, in the same places
+part = partial(kernel, inner=True)
 POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
 
@@ -129,7 +131,7 @@ def store(typing, address, value):
     return types.void(types.int64, types.float64), generate
 
 
-@kernel
+@part
 def _gather(plan, now, unit, values):
     """Present values of a unit's inputs, into values[first link ...]."""
     first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
@@ -138,7 +140,7 @@ def _gather(plan, now, unit, values):
         values[k] = plan.factor[k] * v + plan.offset[k] if plan.converted[k] else v
 
 
-@kernel
+@part
 def _terms(plan, now, unit, late, h):
     """Inputs over the coming step, into now.inputs (values, slopes, halves one behind the other); returns their degree."""
     first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
@@ -168,7 +170,7 @@ def _terms(plan, now, unit, late, h):
     return highest
 
 
-@kernel
+@part
 def _drive(plan, now, unit, degree, h):
     """Hand the polynomials of `_terms` to the unit; returns the status of an FMU."""
     calls, shape = plan.calls[unit], plan.shape[unit]
@@ -205,7 +207,7 @@ def _drive(plan, now, unit, degree, h):
     return status
 
 
-@kernel
+@part
 def _step(plan, now, unit, t, h):
     """Step one unit; returns its status."""
     calls = plan.calls[unit]
@@ -218,7 +220,7 @@ def _step(plan, now, unit, t, h):
     return status
 
 
-@kernel
+@part
 def _read(plan, now, unit):
     """Outputs of a unit into the table of signals; returns the status of an FMU."""
     first, n = plan.shape[unit, FIRST_SIGNAL], plan.shape[unit, SIGNALS]
@@ -232,7 +234,7 @@ def _read(plan, now, unit):
     return call_values(calls[GET], calls[INSTANCE], calls[OUTPUT_REFERENCES], n, now.signals.ctypes.data + 8 * first)
 
 
-@kernel
+@part
 def _stands(plan, now, unit):
     """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are in now.known."""
     if now.interpolates[unit]:
@@ -245,7 +247,7 @@ def _stands(plan, now, unit):
     return True
 
 
-@kernel
+@part
 def _follow(plan, now):
     """Outputs follow their inputs within the instant, unit by unit; returns (a unit that failed, its status)."""
     updated = False
@@ -272,7 +274,7 @@ def _follow(plan, now):
     return -1, 0
 
 
-@kernel
+@part
 def _push(plan, now, h):
     """Keep the inputs of the new instant."""
     for unit in range(plan.shape.shape[0]):
