@@ -41,7 +41,8 @@ def kernel(function, *files: str, inner: bool = False):
     """
     if not COMPILED:
         return function
-    dispatcher = njit(**OPTIONS, no_cpython_wrapper=inner)(function)
+    options = OPTIONS | {"no_cpython_wrapper": inner}
+    dispatcher = njit(**options)(function)
     dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
     return dispatcher
 
