@@ -6,8 +6,8 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.plain_python import ROOT, passes_without_the_compiler
 
-TESTS = ROOT / "tests" / "systems"
-FOLDERS = sorted({path.parent.name for path in TESTS.glob("*/test_*.py") if "mark.interpreted" in path.read_text(encoding="utf-8")})
+FILES = (ROOT / "tests" / "systems").glob("*/test_*.py")
+FOLDERS = sorted({path.parent.name for path in FILES if "mark.interpreted" in path.read_text(encoding="utf-8")})
 
 
 @pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
