@@ -27,7 +27,7 @@ class Snapshot:
     values: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """What a run gave; after a failure, what it had until then.
 
@@ -45,6 +45,12 @@ class Result:
     outcome: str
     message: str
     texts: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        end = f" to t = {self.time[-1]:g} s" if self.time.size else ""
+        warnings = len(self.info.get("warnings", ()))
+        return (f"<Result of {self.scene.name}: {self.outcome}; {self.time.size} rows{end}, "
+                f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>")
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The column "unit.variable", (n,) numbers or texts; raises `BadInput` with the near names."""

@@ -75,6 +75,11 @@ def test_a_failing_unit_leaves_a_partial_result(tmp_path):
     assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + 5
 
 
+def test_a_result_is_shown_in_one_line():
+    scene = {**PROBE, "units": {"p": {**PROBE["units"]["p"], "parameters": {"fail_at": 0.45}}}}
+    assert repr(run(read_scene(scene))).endswith(": failed; 5 rows to t = 0.4 s, 1 signals>")
+
+
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # it overflows, as it should
 def test_a_diverging_coupling_is_reported_and_not_handed_out():
     scene = read_scene({**two_masses("jacobi", 0.2, 2), "stop_time": 200.0})
