@@ -1,9 +1,11 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
+import signal
 from pathlib import Path
 
 import pytest
 from cosimo.components.core.kernels import COMPILED
+from cosimo.orchestrator.units.channel import STOPPING
 from cosimo.tests.systems.railway.made_up import run  # noqa: F401
 from cosimo.tests.units.foreign_fmu import foreign  # noqa: F401
 from hypothesis import HealthCheck, settings
@@ -13,6 +15,13 @@ settings.register_profile("busy machine", deadline=None, suppress_health_check=[
 settings.load_profile("busy machine")
 
 LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whole: started last, they would be waited for
+
+
+def pytest_configure(config):
+    """Tests that were started in the background or by `nohup` inherit ignored signals, which every run would respect."""
+    for number in STOPPING:
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 
 def pytest_collection_modifyitems(config, items):

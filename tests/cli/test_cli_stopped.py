@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from time import monotonic, sleep
@@ -16,18 +15,12 @@ PATIENCE = 120.0  # s until a busy machine must have begun the run
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="there a process is ended, not sent a signal")
 
 
-def not_ignored() -> None:
-    """Tests that were started by `nohup` hand an ignored SIGHUP on, and the run respects it."""
-    for number in STOPPING:
-        signal.signal(number, signal.SIG_DFL)
-
-
 @pytest.mark.parametrize("number", STOPPING)
 def test_a_run_that_is_stopped_keeps_rows_and_outcome_and_goes_on(number, tmp_path):
     settings = ("--stop", "1e5", "--in-process", "-o", str(tmp_path))
     command = (sys.executable, "-m", "cosimo.orchestrator.cli", "run", "mass-on-spring", *settings, "--checkpoint-every", "1")
     process = subprocess.Popen(command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, stderr=subprocess.PIPE, text=True,
-                               stdout=subprocess.DEVNULL, preexec_fn=not_ignored)
+                               stdout=subprocess.DEVNULL)
     end = monotonic() + PATIENCE
     while not (tmp_path / "checkpoint").exists() and process.poll() is None and monotonic() < end:
         sleep(0.05)
