@@ -22,11 +22,12 @@ def ssp(
     values: Changes = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,
     tolerance: Annotated[str, typer.Option("--tolerance", help=(
-        "How far other masters may be from the scene, relative to the range of each quantity."))] = "5%",
+        "How far other masters may be from the scene, relative to the range of each quantity, or of a low-pass-filtered one to its "
+        "standard deviation."))] = "5%",
     native: Native = False,
     force: Annotated[bool, typer.Option("--force", help="Write the package however far other masters will be.")] = False,
 ) -> None:
-    """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp en50318-2002 -o en50318-2002.ssp
+    """Pack a scene with its FMUs for other tools (SSP 1.0). Example: cosimo ssp mass-on-spring --step 0.0025 -o mass.ssp
 
     Other masters exchange values once per step with held inputs. A run shows what they will get; where that is farther from
     the scene than the tolerance, nothing is written (exit code 1) unless --force is given.
@@ -80,7 +81,7 @@ def _close_enough(scene: Scene, step: float | None, limit: float) -> bool:
 
 def _print(comparison: Comparison) -> None:
     print_table(f"held inputs, exchanged once per step of {comparison.step:g} s", (
-        "quantity", "unit", "this scene", "other masters", "difference / range"), [
+        "quantity", "unit", "this scene", "other masters", "difference / scale"), [
         (row.quantity.name, row.quantity.unit, row.here, row.there, row.difference) for row in comparison.rows])
     if comparison.failure:
         print(f"cosimo: warning: other masters will not reach the end: {comparison.failure}", file=sys.stderr)

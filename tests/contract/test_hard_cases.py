@@ -89,7 +89,7 @@ def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
     # The midpoint rule conserves a quadratic energy exactly: rounding of 5000 steps.
     pytest.param("implicit", (), 1e-8, marks=pytest.mark.full),
     # A dropper that changes within a step costs or gains k (v h)²/2, 5e-4 J of 9 J at 0.1 m/s; ten in a row of one sign.
-    ("implicit", ("dropper_slackening",), 5e-4),
+    pytest.param("implicit", ("dropper_slackening",), 5e-4, marks=pytest.mark.full),
 ])
 def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     """Released from a static load of 200 N and left alone for 5 s."""

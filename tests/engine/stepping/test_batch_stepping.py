@@ -104,6 +104,7 @@ def wide(algorithm):
     return load_scene("rotor-bearings-heat").with_changes(changes)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_wide_ports_of_fmus_give_the_same_bits(algorithm, monkeypatch):
     assert_alike(*both_ways(wide(algorithm), monkeypatch, CompiledLoop)[:2])

@@ -6,7 +6,7 @@ from cosimo.components.catalogue import CATALOGUE
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 
 MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",), "PipeRobot": ("harmonic_force",)}  # what makes them move
-QUICK = ("PlanarLink", "GimbalController", "FourBar")
+QUICK = ("PlanarLink", "FourBar")
 ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
 
 

@@ -181,6 +181,7 @@ def test_directional_derivatives_of_a_spring_are_its_constants(tmp_path):
     fmu.freeInstance()
 
 
+@pytest.mark.full
 def test_a_start_input_that_the_initial_state_was_not_computed_for_is_refused(tmp_path):
     found = compiled("BallBearing")  # statics that iterate
     fmu, references = opened(found, tmp_path)

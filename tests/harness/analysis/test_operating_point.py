@@ -92,6 +92,7 @@ def test_the_wind_pump_of_the_printed_example():
     assert line.stable.all()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("wind", [2.0, 3.0, 6.0])
 def test_units_of_a_scene_give_the_rates_of_the_equations(wind):
     rates = SceneRates(wind_pump_scene(wind), {"turbine": [0], "converter": [0]})

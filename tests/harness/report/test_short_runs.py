@@ -61,6 +61,7 @@ def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
         assert "it broke" in page(partial, tmp_path)
 
 
+@pytest.mark.full
 def test_a_vehicle_whose_run_fails_has_its_figures_as_far_as_it_went(tmp_path):
     """An added mass above the mass, told as a force once a step: the acceleration grows from step to step."""
     told = {"algorithm": "gauss-seidel", "feedthrough": "delayed", "extrapolation": 0, "iteration": None}

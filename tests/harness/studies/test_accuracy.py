@@ -169,6 +169,7 @@ def test_an_effect_less_is_shown_but_advised_by_no_front():
     assert front_of([cheap], "seconds") == []
 
 
+@pytest.mark.full
 def test_a_component_alone_has_the_order_of_its_integrator():
     found = component_accuracy("BallBearing", stop=0.1, budget=10.0, repeats=1)
     own = [p for p in found.points if p.axis == "substep" and 1e-6 < p.error < 5e-3]
@@ -201,6 +202,7 @@ def test_an_accuracy_without_results_has_no_front():
     assert empty.smallest_known == math.inf
 
 
+@pytest.mark.full
 def test_a_scene_without_connections_is_measured():
     """A degree of extrapolation would have no effect there, and a scene with one is refused."""
     link = {"component": "PlanarLink", "effects": ["pinned", "gravity"], "parameters": {"start_angle": 0.5}}

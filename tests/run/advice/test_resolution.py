@@ -30,7 +30,7 @@ LINES = {  # what ended as done, without a warning: changes, outcome, part of th
 }
 
 
-@pytest.mark.parametrize("name", full_but(("few steps", "slow growth", "a contact that opens", "preload, 50"), LINES))
+@pytest.mark.parametrize("name", full_but(("few steps", "slow growth", "a contact that opens"), LINES))
 def test_a_step_that_is_too_long_is_never_silent(name):
     scene, changes, outcome, text = LINES[name]
     result = run(load_scene(scene).with_changes(changes), in_process=True)

@@ -234,6 +234,7 @@ def test_restitution_of_the_contact_damping():
     assert bearing["velocity_x"] / -v == pytest.approx(1.0 - k * v, abs=(k * v) ** 2)  # next order
 
 
+@pytest.mark.full
 def test_contacts_with_strong_damping_never_pull():
     bearing = ball_bearing(["clearance", "contact_damping"], {"contact_damping.coefficient": 1e4, "substep": 2e-7})
     loads = run(bearing, 0.02, 1e-5)[:, bearing.outputs.index("max_ball_load")]

@@ -58,6 +58,7 @@ def test_energy_is_passed_on_and_lost_and_not_made(step):
     assert found["sleeve"] == pytest.approx(weight, abs=2e-3)  # and what contacts and seal hold by their deflection
 
 
+@pytest.mark.full
 def test_split_and_whole_agree():
     """The same course by the drive in one unit: what differs is the macro step, over which loads are extrapolated."""
     motors, sleeve = ["inductance", "shaft_friction"], ["exact_slip", "trocar_friction", "gravity", "preload_loss"]

@@ -30,7 +30,7 @@ def wheels_at(effects=(), first=0.0, second=0.0, force=0.0, torque=0.0, **parame
 
 
 # -- speed under load ---------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("effects", LAWS)
+@pytest.mark.parametrize("effects", [LAWS[0], *(pytest.param(law, marks=pytest.mark.full) for law in LAWS[1:])])
 @pytest.mark.parametrize(("share", "speed"), [(0.0, 0.173205081), (0.25, 0.147385192), (0.5, 0.115470054), (-0.5, 0.230940108)])
 def test_speed_under_load(effects, share, speed):
     """R w (cos a - sin a f / sqrt(1 - f²)) for R = 10 mm, w = 20 rad/s, a = 30 degrees, independently by a root finder."""

@@ -196,6 +196,7 @@ def test_a_substep_beyond_the_limit_is_refused():
         Catenary(parameters={"element": 0.1, "substep": 1e-3}).initialize(0.0)
 
 
+@pytest.mark.full
 def test_slack_droppers_cost_the_implicit_method_few_factorisations():
     """Work, not seconds: one solve a step and a new factorisation only where a dropper changes state."""
     catenary, _ = passage(method="implicit", spans=6)

@@ -156,6 +156,7 @@ def test_internal_damping_drives_the_rotor_above_the_onset_speed():
     assert rates[0] < 0.0 < rates[1]
 
 
+@pytest.mark.full
 def test_a_run_up_passes_the_critical_speed_between_supports_with_damping():
     """Largest amplitude a little above the critical speed at 86.9 rad/s; the unbalance force is that of the run-up's angle."""
     damping = {f"linear_supports.damping_{axis}[{k}]": 300.0 for axis in "xy" for k in (1, 2)}

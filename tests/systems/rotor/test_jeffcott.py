@@ -59,6 +59,7 @@ def test_amplitude_is_largest_above_the_critical_speed():
     assert top > high
 
 
+@pytest.mark.full
 def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_between():
     """x and y are two oscillators under e w² cos and sin; between their frequencies the orbit runs against the rotation."""
     ratio, speed = 1.44, 110.0

@@ -246,6 +246,7 @@ def test_in_a_uniform_current_all_is_as_in_still_water(effects):
     np.testing.assert_allclose(values(moved, *axial), values(still, *axial), atol=1e-8)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("yaw", [0.0, 0.5 * math.pi])
 def test_accelerating_water_takes_the_hull_along_by_its_added_mass(yaw):
     """nu' = m_A a / (m + m_A), surge's to the north, sway's after a quarter turn."""

@@ -216,6 +216,7 @@ def test_order_in_time():
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.2)
 
 
+@pytest.mark.full
 def test_dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it():
     """Turning points of the arc-decay in closed form; at the last the pendulum rests, for good and to the last bit."""
     turns = friction_turning_points(1.0, 0.8, G)
@@ -231,6 +232,7 @@ def test_dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it():
     assert chain["first_angle"] == rested
 
 
+@pytest.mark.full
 def test_bristles_decay_as_exact_standstill_does():
     """Stiff bristles without the static excess: at rest within twice the bristles' bending of the exact place."""
     turns = friction_turning_points(1.0, 0.8, G)

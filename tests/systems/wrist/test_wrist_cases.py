@@ -14,7 +14,7 @@ from cosimo.orchestrator.systems.wrist.cases import stiffness as wrist_stiffness
 from cosimo.tests.short_run import full_but
 
 
-@pytest.mark.parametrize("name", full_but(("wrist-rules",), ("wrist-rules", "four-bar", "wrist-stiffness")))
+@pytest.mark.parametrize("name", full_but(("four-bar",), ("wrist-rules", "four-bar", "wrist-stiffness")))
 def test_wrist_cases_pass(name):
     case = cases()[name]
     found = case.function(Options(in_process=True))
