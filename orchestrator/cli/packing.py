@@ -22,8 +22,8 @@ def ssp(
     values: Changes = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,
     tolerance: Annotated[str, typer.Option("--tolerance", help=(
-        "How far other masters may be from the scene, relative to the range of each quantity, or of a low-pass-filtered one to its "
-        "standard deviation."))] = "5%",
+        "How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation of a "
+        "low-pass-filtered one."))] = "5%",
     native: Native = False,
     force: Annotated[bool, typer.Option("--force", help="Write the package however far other masters will be.")] = False,
 ) -> None:
