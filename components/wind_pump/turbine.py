@@ -18,6 +18,7 @@ from .curves import CURVES, torque_coefficient
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
+LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
 
 
@@ -50,7 +51,8 @@ class WindTurbine(EventComponent):
     Curves: three exponential fits in wide use, see `curves`, and the straight line of a farm windmill with many blades,
     C_Q = C_0 (1 - ratio / ratio_0), whose C_p is at most C_0 ratio_0 / 4, at half of ratio_0. At standstill "simple" and
     "variant" give no torque, "heier" 0.0068 of its linear term, and the farm windmill its largest: that is what it is built for.
-    A negative wind counts as none. Coefficients refer to the undisturbed wind; without wind they, and the ratio, are given as 0.
+    A negative wind counts as none. Coefficients refer to the undisturbed wind; without wind, and where the tips are more than 20
+    times as fast as the wind, coefficient and ratio are given as 0.
     Source of the fits: S. Heier, Grid Integration of Wind Energy, and public repositories; of the line: textbooks, recalled.
     """
 
@@ -188,7 +190,7 @@ def turbine_outputs(t, x, u, y, p, e):
     torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[WIND]
     y[SPEED_OUT], y[ANGLE_OUT], y[TORQUE_OUT], y[POWER_OUT] = x[0], x[1], torque, torque * x[0]
     y[COEFFICIENT_OUT], y[RATIO_OUT] = 0.0, 0.0
-    if wind > 1e-3:
+    if wind > CALM and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
         y[COEFFICIENT_OUT] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
         y[RATIO_OUT] = x[0] * p.radius / wind
 

@@ -72,6 +72,9 @@ def test_energy_at_random_states(curve, effects):
         expected = turbine["power"] - (torque + 0.7 * speed + friction) * speed
         assert 15.0 * speed * dx[0] == pytest.approx(expected, abs=1e-9 * (abs(turbine["power"]) + abs(torque * speed)))
         coefficient, ratio = turbine["power_coefficient"], turbine["tip_speed_ratio"]
+        if speed * 1.5 > 20.0 * wind:  # the wind dies under a turning rotor
+            assert coefficient == ratio == 0.0
+            continue
         assert turbine["power"] == pytest.approx(0.5 * 1.225 * AREA * wind**3 * coefficient, rel=1e-12)
         assert ratio == pytest.approx(speed * 1.5 / wind, rel=1e-12)
         assert coefficient < 16.0 / 27.0
