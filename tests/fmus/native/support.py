@@ -37,10 +37,10 @@ def opened(found, folder, version=2, guid=""):
     return fmu, {v.name: v.valueReference for v in description.modelVariables}
 
 
-def amplitudes(component):
-    """By how much each input moves."""
+def amplitudes(component, start):
+    """By how much each input moves around its start value."""
     scalars = {s.name: s for s in interface(type(component))}
-    return [SHARE * max(abs(component[n]), 0.1 * scalars[n].nominal) for n in component.inputs]
+    return [SHARE * max(abs(u), 0.1 * scalars[n].nominal) for n, u in zip(component.inputs, start, strict=True)]
 
 
 def driven(component, start, moved, k, h):
@@ -55,7 +55,8 @@ def driven(component, start, moved, k, h):
 def in_process(component, h, steps):
     """Outputs after initialization and after each step, (steps + 1, outputs)."""
     component.initialize(0.0)
-    start, moved = component.u[0].copy(), amplitudes(component)
+    start = component.u[0].copy()
+    moved = amplitudes(component, start)
     rows = [component.y.copy()]
     for k in range(steps):
         component.u[0], component.u[1], curves = driven(component, start, moved, k, h)
@@ -84,11 +85,12 @@ def native(found, folder, h, steps, version=2, restored_at=None, values=None):
         outputs = [references[n] for n in dict.fromkeys(base(m, references) for m in names["y"])]
         get, put = fmu.getFloat64, fmu.setFloat64
     fmu.enterInitializationMode()
-    start, moved = component.u[0].copy(), amplitudes(component)
+    start = component.u[0].copy()
     for name, value in (values or {}).items():
         put([references[name]], [value])
         if name in component.inputs:
             start[component.inputs.index(name)] = value
+    moved = amplitudes(component, start)
     count = len(names["y"])
     rows = [read(get, outputs, version, count)]
     fmu.exitInitializationMode()
