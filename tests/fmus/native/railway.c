@@ -4,11 +4,19 @@
    Each pass begins with the states after initialization. Prints the last outputs as hexadecimal numbers, then the mean, the
    99.99th percentile and the longest duration in microseconds, of the clock and of the processor. */
 #define _POSIX_C_SOURCE 200809L
-#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 #include "fmi2FunctionTypes.h"
+#ifdef _WIN32
+#include <windows.h>
+enum { RTLD_NOW, RTLD_LOCAL };
+static void *dlopen(const char *path, int mode) { (void)mode; return LoadLibraryA(path); }
+static void *dlsym(void *library, const char *name) { return (void *)GetProcAddress(library, name); }
+static const char *dlerror(void) { return "the library was not loaded"; }
+#else
+#include <dlfcn.h>
+#endif
 
 typedef struct {
     fmi2Component instance;

@@ -6,8 +6,9 @@ import zipfile
 from pathlib import Path
 
 import fmpy
-from cosimo.fmus.native.build import own_target
-from cosimo.orchestrator.native import makers, native_fmus
+from cosimo.fmus.native.build import built, compiler, own_target
+from cosimo.fmus.native.machine_code import TARGETS
+from cosimo.orchestrator.native import makers
 from cosimo.orchestrator.systems import load_scene
 from fmpy import read_model_description
 
@@ -15,34 +16,40 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 SCENE = "en50318-2002"
 PORTS = {"pantograph": ("wire_height", "contact_force", "contact_position"),
          "catenary": ("contact_force", "contact_position", "wire_height")}
+WINE = next((path for path in (shutil.which("wine64"), "/usr/lib/wine/wine64") if path and Path(path).exists()), None)
 possible = own_target() == "linux64" and shutil.which("cc") is not None
 
 
-def arguments(folder: Path) -> list[str]:
+def arguments(folder: Path, target: str = "linux64") -> list[str]:
     """Library, GUID and value references of both units, for the host."""
     words: list[str] = []
-    fmus = native_fmus(load_scene(SCENE))
+    make = makers(load_scene(SCENE))
     for unit, ports in PORTS.items():
-        description = read_model_description(fmus[unit].path)
+        path = str(built(type(make[unit]()).__name__, make[unit], [target]))
+        description = read_model_description(path)
         references = {v.name: v.valueReference for v in description.modelVariables}
-        with zipfile.ZipFile(fmus[unit].path) as file:
-            library = file.extract(f"binaries/linux64/{description.coSimulation.modelIdentifier}.so", folder / unit)
+        suffix = TARGETS[target].suffix
+        with zipfile.ZipFile(path) as file:
+            library = file.extract(f"binaries/{target}/{description.coSimulation.modelIdentifier}{suffix}", folder / unit)
         words += [library, description.guid, ",".join(str(references[p]) for p in ports)]
     return words
 
 
-def host(folder: Path) -> Path:
-    """The compiled program of railway.c."""
-    source, program = Path(__file__).with_name("railway.c"), folder / "railway"
+def host(folder: Path, target: str = "linux64") -> list[str]:
+    """The command of the compiled program of railway.c."""
+    source, program = Path(__file__).with_name("railway.c"), folder / ("railway" if target == "linux64" else "railway.exe")
     flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(HEADERS)]
-    subprocess.run(["cc", *flags, str(source), "-o", str(program), "-ldl"], check=True)
-    return program
+    own = target == own_target()
+    subprocess.run([*(["cc"] if own else compiler(target)), *flags, str(source), "-o", str(program), *(["-ldl"] if own else [])],
+                   check=True)
+    return [str(program)] if own else [str(WINE), str(program)]
 
 
-def run_host(program: Path, words: list[str], h: float, steps: int, passes: int) -> tuple[list[float], list[list[float]]]:
+def run_host(program: list[str], words: list[str], h: float, steps: int, passes: int,
+             **environment: str) -> tuple[list[float], list[list[float]]]:
     """(last outputs, durations in us: mean, 99.99th percentile, longest, of the clock and of the processor), PATH empty."""
-    command = [str(program), *words, repr(h), str(steps), str(passes)]
-    done = subprocess.run(command, capture_output=True, text=True, env={"PATH": ""}, check=False)
+    command = [*program, *words, repr(h), str(steps), str(passes)]
+    done = subprocess.run(command, capture_output=True, text=True, env={"PATH": ""} | environment, check=False)
     assert done.returncode == 0, done.stderr
     outputs, *durations = done.stdout.splitlines()
     return [float.fromhex(word) for word in outputs.split()], [[float(word) for word in line.split()] for line in durations]
