@@ -73,7 +73,7 @@ def test_angles_have_gaps_where_they_wrap_and_where_they_cannot_be_told():
         assert np.isnan(angle[t >= 10.0]).all()
         assert np.isfinite(angle[t < 10.0]).all()
     assert numbers(named(figure, "pitch", "3")["y"])[-1] == pytest.approx(90.0)
-    assert "cannot be told apart" in next(b.caption for b in vertical if b.title == "Depth and attitude")
+    assert "are ambiguous" in next(b.caption for b in vertical if b.title == "Depth and attitude")
 
 
 def test_depth_grows_downwards(blocks):
