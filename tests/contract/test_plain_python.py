@@ -19,7 +19,6 @@ REST = (
     "tests/contract/test_effects_free.py",
     "tests/fmus/test_fmu_run.py",
     "tests/run/test_run.py",
-    "tests/harness/report/test_short_runs.py",
     "tests/harness/studies/test_effects.py",
     "tests/harness/studies/test_selection.py",
 )

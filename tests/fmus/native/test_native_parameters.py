@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.catalogue import component_class
 from cosimo.fmus.native.build import own_target
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native, opened
+from cosimo.tests.short_run import ONE_A_SYSTEM, full_but
 from fmpy.fmi1 import FMICallException
 
 pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="runs on Linux")
 SHIFT = 0.07  # relative, and of the nominal value
 QUICK = ("PlanarLink", "RovHull")  # with a start entry, and with start values that are written into the state
-ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
+SOME = full_but(QUICK, dict.fromkeys((*QUICK, *ONE_A_SYSTEM)))
 
 
 def other_values(found):
@@ -24,7 +25,7 @@ def other_values(found):
     return values
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", SOME)
 def test_values_that_are_set_give_the_bits_of_the_component_with_them(name, tmp_path):
     found = compiled(name)
     values = other_values(found)

@@ -20,7 +20,7 @@ def page(result, directory):
 
 
 @pytest.mark.parametrize("steps", [1, 10])
-@pytest.mark.parametrize("name", [  # the others in the complete run, in plain Python, too
+@pytest.mark.parametrize("name", [  # the others in the complete run
     "mass-on-spring", *(pytest.param(name, marks=pytest.mark.full) for name in SCENES if name != "mass-on-spring")])
 def test_a_run_of_few_steps_has_a_report(name, steps, tmp_path, monkeypatch):
     if steps > 1:  # natural frequencies are of the scene, however long it runs
