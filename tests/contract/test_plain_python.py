@@ -33,4 +33,4 @@ def test_without_the_compiler(file):
 @pytest.mark.full
 @pytest.mark.parametrize("file", REST)
 def test_the_rest_without_the_compiler(file):
-    passes_without_the_compiler(file, "full or not full" if file != SHORT[2] else "full")
+    passes_without_the_compiler(file, "full" if file in SHORT else "full or not full")
