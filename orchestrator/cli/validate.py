@@ -12,7 +12,8 @@ from .common import FAILED_CHECK, AsJson, InProcess, app, print_table, warn
 
 @app.command()
 def validate(
-    cases: Annotated[list[str] | None, typer.Argument(help="names of cases, see cosimo list cases; all without it")] = None,
+    cases: Annotated[list[str] | None, typer.Argument(help=(
+        "names of cases, see cosimo list cases; papers: what each documented system's paper announces; all without it"))] = None,
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
     strict: Annotated[bool, typer.Option("--strict", help=(
@@ -38,6 +39,9 @@ def validate(
                  row.margin, r["standing"], "yes" if r["inside"] else "NO")
                 for row in result.findings.rows for r in [row.to_json()]
             ])
+            if claims := result.findings.claims:
+                print_table("", ("claim", "announced", "measured", "verdict"), [
+                    (c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims])
             print(f"{result.case.name}: {result.verdict}")
         print(f"report: {results[0].report}")
     doubtful = [f"{result.case.name}: {warning}" for result in results for warning in result.warnings]

@@ -41,14 +41,23 @@ def cases() -> dict[str, Case]:
     return {case.name: case for system in SYSTEMS.values() for case in system.cases}
 
 
+def papers() -> list[str]:
+    """Names of the cases that go through what a paper announces."""
+    from ..harness.validation.papers import PREFIX
+
+    return [name for name in cases() if name.startswith(PREFIX)]
+
+
 def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False) -> list[CaseResult]:
-    """Run cases by name (none: all), write `report.html` and `validation.json` to `directory`.
+    """Run cases by name, write `report.html` and `validation.json` to `directory`.
+
+    No name: all cases; "papers": those that go through what the papers announce.
 
     Raises `BadInput` for an unknown case before anything runs.
     """
     from ..harness.validation import run_cases
 
-    names = list(names) or list(cases())
+    names = [n for name in list(names) or cases() for n in (papers() if name == "papers" else [name])]
     for name in names:
         if name not in cases():
             raise BadInput("case", repr(name), "a validation case", nearest(name, cases()))

@@ -13,7 +13,7 @@ from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from . import generic, numerics, sweeps
+from . import claims, generic, numerics, sweeps
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
@@ -114,11 +114,14 @@ def _range(name: str, values: np.ndarray, unit: str) -> str:
 def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Section]:
     case, findings = result.case, result.findings
     sections = [Section(case.title, [Text([case.text] if alone else [result.verdict, case.text]),
-                                     *([Text(result.warnings, "warning")] if result.warnings else [])], badge=result.outcome)]
+                                     *([Text(result.warnings, "warning")] if result.warnings else []),
+                                     *([claims.overview(findings.claims)] if findings.claims else [])], badge=result.outcome)]
+    sections += [claims.section(c) for c in findings.claims]
     special = systems[case.system].figures if case.system in systems else None
-    conditions = list(dict.fromkeys(r.reference.condition for r in findings.rows))
+    plain = [r for r in findings.rows if not r.reference.claim]
+    conditions = list(dict.fromkeys(r.reference.condition for r in plain))
     for label, run in findings.runs.items():
-        rows = [r for r in findings.rows if r.reference.condition == label]
+        rows = [r for r in plain if r.reference.condition == label]
         blocks: list[Block] = []
         if run.outcome != "done":
             blocks.append(Text([f"This run {_ENDED[run.outcome]} and is shown as far as it went: {run.message}"], "warning"))
@@ -136,7 +139,7 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
     if rest:
         tables: list[Block] = []
         for c in rest:
-            rows = [r for r in findings.rows if r.reference.condition == c]
+            rows = [r for r in plain if r.reference.condition == c]
             tables.append(generic.range_table(c, rows, findings.settings.get(c, "")))
         sections.append(Section("Against the reference", tables, 3))
     if findings.notes:

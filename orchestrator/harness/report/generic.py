@@ -43,7 +43,7 @@ def _range_row(row: Row) -> RangeRow:
         text = ends[0]
     margin = f"{row.margin:.2g}".replace("-", "−") if np.isfinite(row.margin) else "–"
     return RangeRow(
-        r.quantity,
+        r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
         unit,
         number(row.measured, low, high),
         text,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +19,11 @@ def run_cases(cases: Sequence[Case], directory: Path, systems: Systems, *, in_pr
     from ..report import for_cases
 
     options = Options(in_process, progress)
-    results = [CaseResult(case, case.function(options)) for case in cases]
+    results = []
+    for i, case in enumerate(cases, 1):
+        if progress and len(cases) > 1:
+            print(f"{i} of {len(cases)}: {case.name}", file=sys.stderr, flush=True)
+        results.append(CaseResult(case, case.function(options)))
     directory.mkdir(parents=True, exist_ok=True)
     page = for_cases(results, directory, systems)
     results = [replace(r, report=page) for r in results]

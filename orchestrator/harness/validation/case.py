@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..charts.chart import Chart, Grid
+from .claims import ROLES, VERDICTS, Claim
 from .reference import TableRow
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Row:
             "confidence": r.confidence or None,
             "source": r.source,
             "inside": self.inside,
+            **({"claim": r.claim, "role": r.role} if r.claim else {}),
         }
 
 
@@ -69,6 +71,54 @@ def outcome(rows: tuple[Row, ...]) -> str:
 
 
 @dataclass(frozen=True)
+class ClaimResult:
+    """A claim beside the rows that were measured for it."""
+
+    claim: Claim
+    rows: tuple[Row, ...]
+
+    @property
+    def verdict(self) -> str:
+        """What the rows show; recalled ranges decide nothing. A model without rows is shown by what it points to.
+
+        "contradicted" if a contradicting row is inside its range, "not shown" if no supporting row is, "shown" if all
+        supporting rows are and no limiting one is, else "partly".
+        """
+        firm = [r for r in self.rows if r.reference.standing != "recalled"]
+        inside = {role: [r.inside for r in firm if r.reference.role == role] for role in ROLES}
+        if any(inside["contradicts"]):
+            return "contradicted"
+        supported = inside["supports"] or [self.claim.kind == "model"]
+        if not any(supported):
+            return "not shown"
+        return "shown" if all(supported) and not any(inside["limits"]) else "partly"
+
+    @property
+    def measured(self) -> str:
+        """How many rows met the criterion, in words."""
+        if not self.rows:
+            return "equations and tests"
+        return f"{sum(r.inside for r in self.rows)} of {len(self.rows)} rows"
+
+    @property
+    def as_reviewed(self) -> bool:
+        """Whether the verdict is the one of the last review."""
+        return self.verdict == self.claim.verdict
+
+    def to_json(self) -> dict[str, Any]:
+        """The claim of the machine-readable output."""
+        c = self.claim
+        return {"number": c.number, "kind": c.kind, "announced": c.announced, "criterion": c.criterion, "verdict": self.verdict,
+                "reviewed": c.verdict, "discussion": c.discussion, "shown_by": list(c.shown_by)}
+
+
+def claim_results(claims: Iterable[Claim], rows: Iterable[Row]) -> tuple[ClaimResult, ...]:
+    """Every claim with its rows."""
+    rows = tuple(rows)
+    return tuple(ClaimResult(claim, tuple(r for r in rows if r.reference.claim == claim.number)) for claim in claims)
+
+
+@dataclass(frozen=True)
 class Options:
     """How a case runs its scenes."""
 
@@ -86,6 +136,7 @@ class Findings:
     notes: tuple[str, ...] = ()
     settings: Mapping[str, str] = field(default_factory=dict)  # condition -> how its numbers were made (window, filter)
     complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
+    claims: tuple[ClaimResult, ...] = ()  # of a paper: they decide, not the rows one by one
 
 
 @dataclass(frozen=True)
@@ -109,8 +160,12 @@ class CaseResult:
 
     @property
     def outcome(self) -> str:
-        """ "passed", "failed" or "recalled"."""
-        return outcome(self.findings.rows) if self.findings.complete else "failed"
+        """ "passed", "failed" or "recalled"; a paper passes if every claim has the verdict of its last review."""
+        if not self.findings.complete:
+            return "failed"
+        if self.findings.claims:
+            return "passed" if all(c.as_reviewed for c in self.findings.claims) else "failed"
+        return outcome(self.findings.rows)
 
     @property
     def warnings(self) -> list[str]:
@@ -125,6 +180,8 @@ class CaseResult:
         rows = self.findings.rows
         if not self.findings.complete:
             return "Failed: a run did not reach its end."
+        if self.findings.claims:
+            return _claims_in_words(self.findings.claims)
         parts = []
         kinds = ((("verbatim", "computed"), "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
         for names, kind in kinds:
@@ -143,9 +200,18 @@ class CaseResult:
             "verdict": self.verdict,
             "warnings": self.warnings,
             "rows": [r.to_json() for r in self.findings.rows],
+            **({"claims": [c.to_json() for c in self.findings.claims]} if self.findings.claims else {}),
             "notes": list(self.findings.notes),
             "report": str(self.report) if self.report else None,
         }
+
+
+def _claims_in_words(claims: tuple[ClaimResult, ...]) -> str:
+    """How many claims have which verdict, and which of them have another one than at the last review."""
+    numbers = {v: [c.claim.number for c in claims if c.verdict == v] for v in VERDICTS}
+    text = "; ".join(f"{len(n)} {v} ({', '.join(n)})" for v, n in numbers.items() if n)
+    other = [f"{c.claim.number} was {c.claim.verdict}" for c in claims if not c.as_reviewed]
+    return f"{len(claims)} claims: {text}." + (f" Not as last reviewed: {', '.join(other)}." if other else "")
 
 
 def _outside(row: Row) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ....components.core.errors import BadInput, nearest
 from ...scene.files import shipped
+from .claims import ROLES, Claim, read_claims
 
 STANDINGS = {
     "verbatim": "read in a public source",
@@ -17,7 +18,7 @@ STANDINGS = {
 }
 CONFIDENCES = ("high", "medium-high", "medium", "low")
 FIELDS = ("quantity", "measure", "condition", "unit", "standing", "source")  # text every row has
-OPTIONAL = ("low", "high", "value", "tolerance", "confidence")
+OPTIONAL = ("low", "high", "value", "tolerance", "confidence", "claim", "role")
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class TableRow:
 
     measure: the name under which a case gives the measured number, in `unit`.
     standing: one of `STANDINGS`; confidence belongs to recalled rows.
+    claim: number of the claim of a paper that the row is for; role: one of `ROLES`, what it says of the claim inside its range.
     """
 
     quantity: str
@@ -37,11 +39,15 @@ class TableRow:
     standing: str
     source: str
     confidence: str = ""
+    claim: str = ""
+    role: str = "supports"
 
     def __post_init__(self) -> None:
         where = f"reference row {self.quantity!r} ({self.condition})"
         if self.standing not in STANDINGS:
             raise BadInput(where, f"standing {self.standing!r}", "one of " + ", ".join(STANDINGS))
+        if self.role not in ROLES:
+            raise BadInput(where, f"role {self.role!r}", "one of " + ", ".join(ROLES))
         if self.low is None and self.high is None:
             raise BadInput(where, "no low and no high", "at least one end of a range")
         if self.low is not None and self.high is not None and self.low > self.high:
@@ -60,6 +66,7 @@ class Table:
     title: str
     text: str
     rows: tuple[TableRow, ...]
+    claims: tuple[Claim, ...] = ()  # of a paper
 
     def under(self, condition: str) -> tuple[TableRow, ...]:
         """The rows of one condition, such as "250 km/h"."""
@@ -77,7 +84,15 @@ def parse_table(name: str, text: str) -> Table:
         if not data.get(key):
             raise BadInput(f"table {name}", f"no {key!r}", "title, text, sources and rows")
     rows = tuple(_row(name, i, row, data["sources"]) for i, row in enumerate(data["rows"], 1))
-    return Table(name, data["title"], data["text"], rows)
+    claims = read_claims(name, data.get("claims", ()))
+    numbers = {claim.number for claim in claims}
+    for i, row in enumerate(rows, 1):
+        if (row.claim or claims) and row.claim not in numbers:
+            raise BadInput(f"table {name}, row {i}", f"claim {row.claim!r}", "the number of a claim of this table",
+                           nearest(row.claim, sorted(numbers)))
+    if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
+        raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
+    return Table(name, data["title"], data["text"], rows, claims)
 
 
 def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:
@@ -107,6 +122,8 @@ def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:
         row["standing"],
         sources[row["source"]],
         row.get("confidence", ""),
+        row.get("claim", ""),
+        row.get("role", "supports"),
     )
 
 

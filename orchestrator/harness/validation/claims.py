@@ -1,0 +1,61 @@
+"""What a paper announces, claim by claim, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ....components.core.errors import BadInput, nearest
+
+VERDICTS = ("shown", "partly", "not shown", "contradicted")
+KINDS = ("model", "finding")
+ROLES = ("supports", "limits", "contradicts")
+_TEXTS = ("number", "kind", "announced", "verdict")
+_OPTIONAL = ("criterion", "discussion", "shown_by")
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of a paper's abstract, in words of this project.
+
+    kind: "model", held by equations, effects and tests, or "finding", held by measured rows.
+    criterion: what a run has to give, derived before it.  shown_by: components, effects as Component.effect, files.
+    verdict: what the rows gave when they were last reviewed; a run that gives another one fails.
+    """
+
+    number: str
+    kind: str
+    announced: str
+    verdict: str
+    criterion: str = ""
+    discussion: str = ""
+    shown_by: tuple[str, ...] = ()
+
+
+def read_claims(table: str, entries: Iterable[Mapping[str, Any]]) -> tuple[Claim, ...]:
+    """Claims of a table's text; what is missing or unknown is one `BadInput`."""
+    claims = tuple(_claim(f"table {table}, claim {i}", entry) for i, entry in enumerate(entries, 1))
+    if len({c.number for c in claims}) < len(claims):
+        raise BadInput(f"table {table}", "a claim's number twice", "each number once")
+    return claims
+
+
+def _claim(where: str, entry: Mapping[str, Any]) -> Claim:
+    for key in entry:
+        if key not in _TEXTS + _OPTIONAL:
+            raise BadInput(where, f"field {key!r}", "a field of a claim", nearest(key, _TEXTS + _OPTIONAL))
+    for key in _TEXTS:
+        if not isinstance(entry.get(key), str):
+            raise BadInput(where, f"{key} = {entry.get(key)!r}", "a text")
+    claim = Claim(**{**entry, "shown_by": tuple(entry.get("shown_by", ()))})
+    for key, value, known in (("verdict", claim.verdict, VERDICTS), ("kind", claim.kind, KINDS)):
+        if value not in known:
+            raise BadInput(where, f"{key} = {value!r}", "one of " + ", ".join(known))
+    if claim.kind == "finding" and not claim.criterion:
+        raise BadInput(where, "a finding without a criterion", "what a run has to give, derived before it")
+    if claim.kind == "model" and not claim.shown_by:
+        raise BadInput(where, "a model without what shows it", "shown_by: components, effects, files")
+    if claim.verdict != "shown" and not claim.discussion:
+        raise BadInput(where, f"verdict {claim.verdict!r} without a discussion", "what holds, what does not, and why")
+    return claim

@@ -1,0 +1,59 @@
+"""Cases that ask of a documented system: does it do what its paper announces?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING
+
+from ..charts.chart import Chart, Grid
+from ..sweep import tracked
+from .case import Case, Findings, Options, claim_results, compare
+from .reference import load_table
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+PREFIX = "paper-"  # of the names of these cases
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a study of one topic measured, by the rows' `measure`, with figures, runs worth showing, and sentences."""
+
+    measured: Mapping[str, float]
+    charts: tuple[Chart | Grid, ...] = ()
+    runs: Mapping[str, Result] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+Study = Callable[[Options], Evidence]
+
+
+def paper(name: str, title: str, text: str, system: str, studies: Sequence[Study]) -> Case:
+    """The case of a paper: its table has claims and criteria, the studies measure.
+
+    Two studies that measure the same thing are a defect of the case (ValueError).
+    """
+    return Case(name, title, text, system, partial(_findings, name, studies))
+
+
+def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings:
+    """All studies one by one, and their numbers beside the rows of the table."""
+    measured: dict[str, float] = {}
+    charts: list[Chart | Grid] = []
+    runs: dict[str, Result] = {}
+    notes: list[str] = []
+    for study in tracked(studies, name, options.progress):
+        evidence = study(options)
+        if twice := measured.keys() & evidence.measured:
+            raise ValueError(f"case {name}: {', '.join(sorted(twice))} measured by two studies")
+        measured |= evidence.measured
+        charts += evidence.charts
+        runs |= evidence.runs
+        notes += evidence.notes
+    table = load_table(name)
+    rows = compare(table.rows, measured)
+    complete = all(run.outcome == "done" for run in runs.values())
+    return Findings(rows, runs, tuple(charts), tuple(notes), complete=complete, claims=claim_results(table.claims, rows))

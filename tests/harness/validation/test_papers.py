@@ -1,0 +1,160 @@
+"""Claims of papers: verdicts follow from rows, tables are complete, and what they point to exists."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from cosimo.components.catalogue import CATALOGUE, component_class
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, ClaimResult, Findings, Row, claim_results
+from cosimo.orchestrator.harness.validation.claims import Claim
+from cosimo.orchestrator.harness.validation.papers import Evidence, paper
+from cosimo.orchestrator.harness.validation.reference import TableRow, load_table, parse_table
+from cosimo.orchestrator.systems import cases, papers, validate
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def row(inside, role="supports", standing="computed", claim="X1"):
+    confidence = "high" if standing == "recalled" else ""
+    reference = TableRow("force", "force", "at rest", "N", 0.0, 1.0, standing, "a closed form", confidence, claim, role)
+    return Row(reference, 0.5 if inside else 2.0)
+
+
+def claim(kind="finding", verdict="shown", number="X1"):
+    return Claim(number, kind, "it moves", verdict, "more than nothing", "why", ("Catenary",))
+
+
+@pytest.mark.parametrize(
+    ("rows", "verdict"),
+    [
+        ([row(True)], "shown"),
+        ([row(True), row(False)], "partly"),
+        ([row(False)], "not shown"),
+        ([row(True), row(True, "limits")], "partly"),
+        ([row(True), row(False, "limits")], "shown"),
+        ([row(False), row(True, "limits")], "not shown"),
+        ([row(True), row(True, "contradicts")], "contradicted"),
+        ([row(True), row(False, "contradicts")], "shown"),
+        ([row(True), row(False, standing="recalled")], "shown"),
+        ([row(True, standing="recalled")], "not shown"),
+        ([], "not shown"),
+    ],
+)
+def test_the_verdict_follows_from_the_rows(rows, verdict):
+    assert ClaimResult(claim(), tuple(rows)).verdict == verdict
+
+
+def test_a_model_is_shown_by_what_it_points_to_unless_a_row_denies_it():
+    assert ClaimResult(claim("model"), ()).verdict == "shown"
+    assert ClaimResult(claim("model"), (row(False),)).verdict == "not shown"
+
+
+def test_what_was_not_measured_shows_nothing():
+    assert ClaimResult(claim(), (Row(row(True).reference, math.nan),)).verdict == "not shown"
+
+
+def test_a_paper_fails_when_a_verdict_is_not_the_reviewed_one():
+    case = Case("paper-x", "X", "text", "railway", lambda options: Findings(()))
+
+    def outcome(reviewed, *rows, complete=True):
+        found = claim_results([claim(verdict=reviewed)], rows)
+        return CaseResult(case, Findings(tuple(rows), complete=complete, claims=found)).outcome
+
+    assert outcome("shown", row(True)) == "passed"
+    assert outcome("partly", row(True), row(False)) == "passed"
+    assert outcome("partly", row(True)) == "failed"
+    assert outcome("shown", row(True), complete=False) == "failed"
+
+
+TABLE = """
+title = "A paper"
+text = "Known by its abstract."
+[sources]
+closed = "closed form, derived for this test"
+[[claims]]
+number = "X1"
+kind = "finding"
+announced = "the force is small"
+criterion = "below 1 N, as one spring of 1 N/m at 1 m gives no more"
+verdict = "shown"
+[[claims]]
+number = "X2"
+kind = "model"
+announced = "a spring"
+verdict = "shown"
+shown_by = ["Catenary", "docs/validation.md"]
+[[rows]]
+claim = "X1"
+quantity = "force"
+measure = "force"
+condition = "at rest"
+unit = "N"
+high = 1.0
+standing = "computed"
+source = "closed"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('verdict = "shown"', 'verdict = "proven"', "one of shown"),
+        ('verdict = "shown"', 'verdict = "partly"', "discussion"),
+        ('criterion = "below 1 N, as one spring of 1 N/m at 1 m gives no more"', "", "criterion"),
+        ('shown_by = ["Catenary", "docs/validation.md"]', "", "shown_by"),
+        ('claim = "X1"', 'claim = "X9"', "X9"),
+        ('claim = "X1"', 'claim = "X2"', "no row for X1"),
+        ('number = "X2"', 'number = "X1"', "twice"),
+        ('claim = "X1"', 'claim = "X1"\nrole = "proves"', "role"),
+        ('kind = "model"', 'kind = "model"\nanounced = "a"', "announced"),
+    ],
+)
+def test_a_broken_table_is_refused(old, new, named):
+    assert len(parse_table("x", TABLE).claims) == 2
+    with pytest.raises(BadInput, match=named):
+        parse_table("x", TABLE.replace(old, new, 1))
+
+
+def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE))
+    made = paper("paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 0.25}),))
+    monkeypatch.setitem(cases(), "paper-x", made)
+    assert "paper-x" in papers()
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", "paper-x", "-o", str(tmp_path)])
+    assert not ended.value.code
+    printed = capsys.readouterr().out
+    assert "2 claims: 2 shown (X1, X2)." in printed
+    (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
+    assert [(c["number"], c["verdict"]) for c in case["claims"]] == [("X1", "shown"), ("X2", "shown")]
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "below 1 N, as one spring" in page
+
+    made = paper("paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 7.0}),))
+    monkeypatch.setitem(cases(), "paper-x", made)
+    (result,) = validate(["paper-x"], tmp_path)
+    assert result.outcome == "failed"
+    assert "X1 was shown" in result.verdict
+
+
+def test_two_studies_may_not_measure_the_same(tmp_path, monkeypatch):
+    made = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 1.0}),) * 2)
+    monkeypatch.setitem(cases(), "paper-x", made)
+    with pytest.raises(ValueError, match="force measured by two studies"):
+        validate(["paper-x"], tmp_path)
+
+
+@pytest.mark.parametrize("name", papers())
+def test_what_a_claim_points_to_exists(name):
+    for one in load_table(name).claims:
+        for place in one.shown_by:
+            if "/" in place:
+                assert (ROOT / place).is_file(), place
+            else:
+                component, _, effect = place.partition(".")
+                assert component in CATALOGUE, place
+                assert not effect or effect in component_class(component).effects, place
+    assert (ROOT / "docs" / "papers" / f"{name.removeprefix('paper-').replace('-', '_')}.md").is_file()
