@@ -2,6 +2,7 @@
 
 import json
 import math
+import runpy
 from pathlib import Path
 
 import pytest
@@ -157,4 +158,10 @@ def test_what_a_claim_points_to_exists(name):
                 component, _, effect = place.partition(".")
                 assert component in CATALOGUE, place
                 assert not effect or effect in component_class(component).effects, place
-    assert (ROOT / "docs" / "papers" / f"{name.removeprefix('paper-').replace('-', '_')}.md").is_file()
+    assert (ROOT / "docs" / "papers" / f"{name.removeprefix('paper-')}.md").is_file()
+
+
+def test_the_overview_of_all_claims_is_the_one_of_the_tables():
+    module = runpy.run_path(str(ROOT / "docs" / "papers" / "overview.py"))
+    written = (ROOT / "docs" / "papers" / "index.md").read_text(encoding="utf-8")
+    assert written == module["text"](), "run python docs/papers/overview.py"

@@ -1,0 +1,49 @@
+"""Writes docs/papers/index.md, all claims of all papers with their verdicts: `python docs/papers/overview.py`.
+
+Verdicts are those of the last review, which `cosimo validate papers` compares with what it measures.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cosimo.orchestrator.harness.validation.reference import Table, load_table
+from cosimo.orchestrator.systems import cases, papers
+
+HERE = Path(__file__).resolve().parent
+HEAD = """# The papers, claim by claim
+
+Each system of this project is documented by a paper of which the abstract is public. This page lists what the abstracts announce, in our
+words, and what a run here shows of it. "Model" claims are shown by equations, effects and tests, "findings" by measured rows whose criteria
+were derived before the runs. No number is one of a paper's own tables.
+
+```bash
+cosimo validate papers                 # all of them, some minutes
+cosimo validate paper-ball-bearing     # one of them
+```
+
+"""
+FOOT = """
+**shown**: every criterion is met. **partly**: some are, or a control shows where the claim ends. **not shown**: none is.
+**contradicted**: a measured row says the opposite.
+"""
+
+
+def text() -> str:
+    """The whole page."""
+    tables = {name: load_table(name) for name in papers()}
+    tables = dict(sorted(tables.items(), key=lambda item: item[1].claims[0].number))
+    return HEAD + "\n".join(_section(name, table) for name, table in tables.items()) + FOOT
+
+
+def _section(name: str, table: Table) -> str:
+    """One paper: its claims as a table."""
+    page = name.removeprefix("paper-")
+    lines = [f"## [{cases()[name].title}]({page}.md)", "", f"`cosimo validate {name}`", "",
+             "| | the abstract announces | kind | verdict |", "|---|---|---|---|"]
+    lines += [f"| {c.number} | {c.announced} | {c.kind} | {c.verdict} |" for c in table.claims]
+    return "\n".join([*lines, ""])
+
+
+if __name__ == "__main__":
+    (HERE / "index.md").write_text(text(), encoding="utf-8")
