@@ -13,14 +13,11 @@ from cosimo.orchestrator.systems import cases, papers
 HERE = Path(__file__).resolve().parent
 HEAD = """# The papers, claim by claim
 
-Each system of this project is documented by a paper of which the abstract is public. This page lists what the abstracts announce, in our
-words, and what a run here shows of it. "Model" claims are shown by equations, effects and tests, "findings" by measured rows whose criteria
-were derived before the runs. No number is one of a paper's own tables.
+Each system of this project is documented by a paper of which the abstract is public. This page lists what the abstracts
+announce, in our words, and what a run here shows of it. "Model" claims are shown by equations, effects and tests,
+"findings" by measured rows whose criteria were derived before the runs. No number is one of a paper's own tables.
 
-```bash
-cosimo validate papers                 # all of them, some minutes
-cosimo validate paper-ball-bearing     # one of them
-```
+`cosimo validate papers` runs all of them in some minutes, `cosimo validate paper-ball-bearing` one.
 
 """
 FOOT = """

@@ -109,7 +109,9 @@ def test_links_lead_somewhere(page):
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p != ROOT / "docs" / "index.md"], ids=name_of)
 def test_every_page_is_reached_from_the_index(page):
-    assert f"({page.relative_to(ROOT / 'docs').as_posix()})" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    indices = [ROOT / "docs" / "index.md", *({page.parent / "index.md"} - {page})]  # a folder may have its own
+    assert any(f"({page.relative_to(index.parent).as_posix()})" in index.read_text(encoding="utf-8")
+               for index in indices if index.is_file() and page.is_relative_to(index.parent))
 
 
 def test_every_scene_and_component_is_in_the_documentation_of_its_system():
