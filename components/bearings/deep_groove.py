@@ -27,7 +27,7 @@ import numpy as np
 
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput, StepFailed
-from ..core.kernels import DONE, OUT_OF_RANGE
+from ..core.kernels import DONE, OUT_OF_RANGE, STEP_TOO_LONG
 from ..core.variables import choice, input_, integer, output, parameter
 from .contacts import GAP, LARGEST_CONTACT, BallContacts, ball_contacts
 from .film import Lubricant, entrainment_speed, film_thickness
@@ -35,13 +35,25 @@ from .geometry import BallGeometry
 from .hertz import brewe_hamrock, effective_modulus, exact_ellipse, in_series
 from .loads import StaticLoads, static_loads
 from .races import BallDefect, Defect, Waviness, race_waves, smooth_pit, wrapped
-from .six_dof import SPEED, Films, Levers, advance, bearing_outputs, constants, elastic_energy, place
+from .six_dof import (
+    COARSE,
+    SAMPLES,
+    SPEED,
+    UNSEEN,
+    Films,
+    Levers,
+    advance,
+    bearing_outputs,
+    check_passages,
+    constants,
+    elastic_energy,
+    place,
+)
 
 DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
 ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
-SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 
 
 class Film(Effect):
@@ -250,7 +262,8 @@ class DeepGrooveBearing(Component):
         self.x = np.zeros(3 if "ball_defect" in self.on else 2)
         self.x[1] = wrapped(self.get("first_ball"))
         self._features = self._passages()
-        self._warned = False
+        self._extents = np.array([feature[1:] for feature in self._features]).reshape(-1, 2)
+        self._noted, self._warned = np.full((2, 4), -1.0), False
         p, e = self.arguments
         if self._preload() > p.largest_load:
             return OUT_OF_RANGE
@@ -259,7 +272,7 @@ class DeepGrooveBearing(Component):
 
     def _step(self, t: float, h: float) -> int:
         if self._features:
-            self._check_passages(t, h)
+            self._check(check_passages(t, h, self.u, self._extents, self._noted))
         self.counts += 1
         return advance(h, self.x, self.u, self.y, *self.arguments)
 
@@ -292,24 +305,21 @@ class DeepGrooveBearing(Component):
                 features.append((name, 2.0 * pit.half_width, ratio))
         return features
 
-    def _check_passages(self, t: float, h: float) -> None:
-        """Refuse a step in which a defect, or half a wave, could pass unseen; warn once of one that sees too little of it.
+    def stepped(self, t: float) -> None:
+        """As of any component; warns once of a passage that the steps see too little of."""
+        super().stepped(t)
+        if self._noted[COARSE, 0] >= 0.0 and not self._warned:
+            self._warned = True
+            feature, passed, h, when = self._noted[COARSE].tolist()
+            warnings.warn(f"{self.name}: a ball passes {self._features[int(feature)][0]} in {1.0 / passed:.2g} macro steps at "
+                          f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {h / (SAMPLES * passed):.2g} s", stacklevel=2)
 
-        The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
-        """
-        now, slope, half = self.u[:, SPEED]
-        fastest = max(abs(now), abs(now + h * (slope + h * half)))
-        if half != 0.0 and 0.0 < (vertex := -0.5 * slope / half) < h:
-            fastest = max(fastest, abs(now + 0.5 * slope * vertex))
-        turn = h * fastest
-        for name, extent, ratio in self._features:
-            if (passed := turn * ratio / extent) > 1.0:
-                raise StepFailed(self.name, t, f"a ball passes {name} in {1.0 / passed:.2g} of a macro step, and may miss it",
-                                 f"Reduce the macro step to {h / (SAMPLES * passed):.2g} s or less")
-            if passed * SAMPLES > 1.0 and not self._warned:
-                self._warned = True
-                warnings.warn(f"{self.name}: a ball passes {name} in {1.0 / passed:.2g} macro steps at t = {t:.4g} s; "
-                              f"{SAMPLES} steps need a macro step of {h / (SAMPLES * passed):.2g} s", stacklevel=2)
+    def _check(self, status: int) -> None:
+        if status == STEP_TOO_LONG and self._noted[UNSEEN, 0] >= 0.0:
+            feature, passed, h, t = self._noted[UNSEEN].tolist()
+            raise StepFailed(self.name, t, f"a ball passes {self._features[int(feature)][0]} in {1.0 / passed:.2g} of a macro "
+                             "step, and may miss it", f"Reduce the macro step to {h / (SAMPLES * passed):.2g} s or less")
+        super()._check(status)
 
     def left_range(self) -> str:
         """The displacements, and what the bearing can take."""

@@ -11,12 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, hold_inputs, kernel, kernel_tuple
+from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, STEP_TOO_LONG, hold_inputs, kernel, kernel_tuple
 from .contacts import COS, ENERGY, GAP, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces
 from .film import CENTRAL_EXPONENT
 from .races import TWO_PI, add_faults, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
+SAMPLES = 4  # steps a passage over a defect or a wave should take at least
+COARSE, UNSEEN = 0, 1  # rows of what `check_passages` notes
 FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
 
 
@@ -92,6 +94,31 @@ def roll(h, x, u, p):
     x[1] = wrapped(x[1] + p.cage_ratio * turn)
     for i in range(2, x.size):
         x[i] = wrapped(x[i] + p.spin_ratio * turn)
+
+
+@kernel
+def check_passages(t, h, u, features, noted):
+    """Refuses a step in which a defect, or half a wave, could pass unseen; notes the first one that sees too little of it.
+
+    features: (k, 2) extent, rad, and turn of the feature under a ball per turn of the inner ring.  noted: (2, 4) the feature, the
+    passages in the step, its length, s, and its beginning, s; feature -1 where there was none.
+    The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
+    """
+    now, slope, half = u[0, SPEED], u[1, SPEED], u[2, SPEED]
+    fastest = max(abs(now), abs(now + h * (slope + h * half)))
+    if half != 0.0:
+        vertex = -0.5 * slope / half
+        if 0.0 < vertex < h:
+            fastest = max(fastest, abs(now + 0.5 * slope * vertex))
+    turn = h * fastest
+    for k in range(features.shape[0]):
+        passed = turn * features[k, 1] / features[k, 0]
+        row = UNSEEN if passed > 1.0 else COARSE
+        if passed > 1.0 or (passed * SAMPLES > 1.0 and noted[COARSE, 0] < 0.0):
+            noted[row, 0], noted[row, 1], noted[row, 2], noted[row, 3] = k, passed, h, t
+        if passed > 1.0:
+            return STEP_TOO_LONG
+    return DONE
 
 
 @kernel

@@ -254,7 +254,11 @@ class Component:
     def step(self, t: float, h: float) -> None:
         """Advance from t to t + h; inputs follow u[0] + u[1] s + u[2] s², and keep their end value afterwards."""
         self._check(self._step(float(t), float(h)))
-        self.t = t + h
+        self.stepped(t + h)
+
+    def stepped(self, t: float) -> None:
+        """One step or many have reached the time t, s; a component may warn here of what its kernels noted in them."""
+        self.t = t
 
     def refresh(self) -> None:
         """Outputs from the present state and inputs."""

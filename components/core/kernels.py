@@ -26,11 +26,12 @@ if COMPILED:
 
     OPTIONS["pipeline_class"] = KernelCompiler
 
-DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE = range(4)
+DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE, STEP_TOO_LONG = range(5)
 REASONS = {
     NOT_FINITE: ("the state is not finite", "Reduce the macro step, or the component's substep"),
     NOT_CONVERGED: ("the iteration inside the step did not converge", "Reduce the component's substep"),
     OUT_OF_RANGE: ("an input left the range of the model", "Check the inputs, or shorten the run"),
+    STEP_TOO_LONG: ("the macro step is too long for what happens within it", "Reduce the macro step"),
 }
 
 

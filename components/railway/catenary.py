@@ -9,12 +9,11 @@ import numpy as np
 from ..core.banded import banded_product
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
-from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
 from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
-from .implicit import effective_band, implicit_steps
+from .implicit import implicit_steps
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
@@ -224,9 +223,10 @@ class Catenary(Component):
         self.y[STATIC_RESIDUAL] = residual
         self._work = np.zeros((5, N))
         if implicit:
-            self._factors = np.zeros((N, 7 if e.bending_stiffness is not None else 5))
+            self._stiffness = stiffness_of_wires(self.mesh, 7 if e.bending_stiffness is not None else 5)
+            self._band, self._factors = np.zeros((2, *self._stiffness.shape))
             self._factored = np.full(taut.size, -1.0)
-            self._method = generalized_alpha(math.inf, 1.0)
+            self._prepared = np.zeros(1)
         return DONE
 
     def _step(self, t: float, h: float) -> int:
@@ -237,14 +237,9 @@ class Catenary(Component):
             return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched,
                                     e.dropper_slackening, e.bending_stiffness,
                                     e.damping, e.second_pantograph, e.moving_window, e.wire_profile)
-        if h / n != self._method.step:
-            self._method = generalized_alpha(h / n, p.spectral_radius)
-            alpha, beta = (e.damping.alpha, e.damping.beta) if e.damping is not None else (0.0, 0.0)
-            self._band = effective_band(self._method, self.mesh, alpha, beta, self._factors.shape[1])
-            self._factored[:] = -1.0
-        return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, self._method,
-                                self._band, self._factors, self._factored, e.dropper_slackening, e.bending_stiffness,
-                                e.damping, e.second_pantograph, e.wire_profile)
+        return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, p.spectral_radius,
+                                self._prepared, self._stiffness, self._band, self._factors, self._factored, e.dropper_slackening,
+                                e.bending_stiffness, e.damping, e.second_pantograph, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
@@ -383,11 +378,12 @@ def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, sla
 
 
 @kernel
-def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, method, band, factors, factored, slack, bending,
-                     damping, second, profile):
+def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, radius, prepared, stiffness, band, factors, factored,
+                     slack, bending, damping, second, profile):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second)
+    status = implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending,
+                            damping, second)
     follow_contacts(h, x, u, mesh, second)
     catenary_outputs(x, u[0], y, mesh, watched, second, profile)
     return status

@@ -4,33 +4,35 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.banded import factor_band, solve_band
-from ..core.generalized_alpha import Method
+from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
-from .mesh import stiffness_of_wires
 from .wires import WHISPER, tension_and_bending
 
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
 
 
-def effective_band(method: Method, mesh, alpha: float, beta: float, width: int) -> np.ndarray:
-    """Band of the matrix that every step solves with, without droppers, (N, width)."""
+@kernel
+def effective_band(method, stiffness, mesh, alpha, beta, band):
+    """Band of the matrix that every step solves with, without droppers, into band (N, w); stiffness: of the wires, (N, w)."""
     h = method.step
     k = 1.0 - method.alpha_f
     m, c = (1.0 - method.alpha_m) / (method.beta * h**2), k * method.gamma / (method.beta * h)
-    band = (c * beta + k) * stiffness_of_wires(mesh, width)
-    band[:, 0] += (m + c * alpha) * np.where(np.isinf(mesh.mass), 0.0, mesh.mass) + c * mesh.ground_damping + k * mesh.ground
-    return band
+    for i in range(band.shape[0]):
+        for j in range(band.shape[1]):
+            band[i, j] = (c * beta + k) * stiffness[i, j]
+        mass = 0.0 if math.isinf(mesh.mass[i]) else mesh.mass[i]
+        band[i, 0] += (m + c * alpha) * mass + c * mesh.ground_damping[i] + k * mesh.ground[i]
 
 
 @kernel
 def factor_with_droppers(band, factors, taut, weight, first, mesh):
     """Factors of `band` plus the taut droppers' stiffness times `weight`, rows from `first` on; taut: (d,) 0 or 1."""
     N = band.shape[0]
-    factors[first : N - 2] = band[first : N - 2]
+    for i in range(first, N - 2):  # element by element: a copy of arrays that might overlap would allocate
+        for j in range(band.shape[1]):
+            factors[i, j] = band[i, j]
     for k in range(mesh.dropper.size):
         j = 2 * mesh.dropper[k]
         if j >= first and taut[k] > 0.0:
@@ -42,19 +44,27 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 
 @kernel
-def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factored, slack, bending, damping, second):
+def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending, damping,
+                   second):
     """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, contacts, taut (d,).
 
+    radius: spectral, of `generalized_alpha`.  prepared: (1,) the step that `band` was computed for, s.
     factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
     """
     N, droppers = mesh.mass.size, mesh.dropper.size
     q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[x.size - droppers :]
     z, base, w, kink, b = work[0], work[1], work[2], work[3], work[4]
-    am, af, gamma, beta_n, d = method.alpha_m, method.alpha_f, method.gamma, method.beta, h / n
+    d = h / n
+    method = generalized_alpha(d, radius)
+    am, af, gamma, beta_n = method.alpha_m, method.alpha_f, method.gamma, method.beta
     alpha, beta = 0.0, 0.0
     if damping is not None:
         alpha, beta = damping.alpha, damping.beta
+    if d != prepared[0]:
+        effective_band(method, stiffness, mesh, alpha, beta, band)
+        prepared[0] = d
+        factored[:] = -1.0
     v_v, v_a = af + (1.0 - af) * (1.0 - gamma / beta_n), (1.0 - af) * d * (1.0 - 0.5 * gamma / beta_n)
     a_v, a_a = -(1.0 - am) / (beta_n * d), am - (1.0 - am) * (0.5 / beta_n - 1.0)
     for step in range(n):
@@ -87,7 +97,8 @@ def implicit_steps(h, n, x, u, mesh, work, counts, method, band, factors, factor
             if first < N:
                 factor_with_droppers(band, factors, taut, 1.0 - af, first, mesh)
                 counts[2] += 1
-            b[2 : N - 2] = base[2 : N - 2]
+            for j in range(2, N - 2):
+                b[j] = base[j]
             for k in range(droppers):
                 j = 2 * mesh.dropper[k]
                 change = mesh.dropper_stiffness[k] * (q[j + 1] - q[j]) if taut[k] > 0.0 else -mesh.preload[k]

@@ -152,7 +152,7 @@ class ComponentUnit:
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
-        self.component.t = t
+        self.component.stepped(t)
 
     def stopped(self, status: int, t: float) -> None:
         """A hook has ended the step from t, s, with this status; raises the reason."""

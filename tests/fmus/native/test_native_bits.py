@@ -6,16 +6,18 @@ from cosimo.components.catalogue import CATALOGUE
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 
 MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",), "PipeRobot": ("harmonic_force",)}  # what makes them move
+OTHERS = [("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
+          ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ())]
 QUICK = ("PlanarLink", "FourBar")
-ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
+ALL = [pytest.param(n, MOVING.get(n, ()), (), marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
+ALL += [pytest.param(*other, marks=pytest.mark.full) for other in OTHERS]
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_thousand_driven_steps_at_three_lengths(name, tmp_path):
-    effects = MOVING.get(name, ())
-    found = compiled(name, effects)
+@pytest.mark.parametrize(("name", "effects", "parameters"), ALL)
+def test_thousand_driven_steps_at_three_lengths(name, effects, parameters, tmp_path):
+    found = compiled(name, effects, parameters)
     for share in (1.0, 0.37, 1.9):
-        component = maker(name, effects)()
+        component = maker(name, effects, parameters)()
         h = share * component.default_step
         expected = in_process(component, h, 1000)
         assert np.isfinite(expected).all()

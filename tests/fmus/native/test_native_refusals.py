@@ -12,7 +12,6 @@ from cosimo.components.core.stateless import StatelessComponent
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
 from cosimo.fmus.native.image import compiled_with_image
-from cosimo.tests.fmus.native.support import maker
 
 
 class Sum(StatelessComponent):
@@ -79,12 +78,6 @@ def test_a_component_without_native_form_is_refused_with_what_prevents_it(cls, w
         compiled_with_image(cls)
     assert caught.value.where == cls.__name__
     assert all(word in str(caught.value) for word in words), str(caught.value)
-
-
-@pytest.mark.full
-def test_refused_of_the_catalogue():
-    with pytest.raises(BadInput, match=r"Catenary._step has .*catenary.py, line \d+"):
-        compiled_with_image(maker("Catenary", (), {"method": "implicit"}))
 
 
 class Limited(Sum):
