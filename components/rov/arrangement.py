@@ -1,4 +1,4 @@
-"""Where the thrusters sit and which way they push: the Y-arrangement, and the matrix from thrusts to the wrench on the body.
+"""Where thrusters sit and which way they push: two arrangements, and the matrix from thrusts to the wrench on the body.
 
 The Y-arrangement has three horizontal thrusters on one circle, each along the circle's tangent, and three vertical ones on
 another, 120 degrees apart: six thrusters for six degrees of freedom. Body axes: x ahead, y to starboard, z down.
@@ -6,6 +6,11 @@ Source: Kabanov, Kramar, Ermakov, "Design and modeling of an experimental ROV wi
 113: its table of positions, of which only magnitudes could be read, so that signs and the height of the last two vertical
 thrusters are inferred from the layout. The columns printed there as (9), taken with those magnitudes, are no arrangement of 120
 degrees (determinant -0.0172, condition 20); the matrix here is therefore built from positions and directions alone.
+
+The arrangement of eight is that of a BlueROV2 Heavy, the usual layout for six degrees of freedom: four horizontal thrusters at 45
+degrees to the axes, and four vertical ones. Places of the horizontal ones: a public allocation script for that vehicle, read;
+of the vertical ones: von Benzon et al. (2022), recalled; which of them push downwards when they turn ahead: inferred, so that
+the limits of neighbours, which differ ahead and astern, cancel.
 """
 
 from __future__ import annotations
@@ -19,6 +24,7 @@ from ..core.errors import BadInput
 HORIZONTAL_RADIUS = 0.15125  # m
 HORIZONTAL_HEIGHT = -0.00387  # m, above the origin
 VERTICAL_RADIUS = 0.225  # m
+EIGHT = "BlueROV2 Heavy, eight thrusters"  # name of the preset of hull and controller
 
 
 def y_arrangement() -> tuple[np.ndarray, np.ndarray]:
@@ -29,6 +35,37 @@ def y_arrangement() -> tuple[np.ndarray, np.ndarray]:
     positions[:3, :2], positions[:3, 2], directions[:3, :2] = HORIZONTAL_RADIUS * around, HORIZONTAL_HEIGHT, along
     positions[3:, :2], directions[3:, 2] = VERTICAL_RADIUS * around, 1.0
     return positions, directions
+
+
+def eight_arrangement() -> tuple[np.ndarray, np.ndarray]:
+    """Positions in m and directions of thrust, (8, 3) each, of a BlueROV2 Heavy: four horizontal thrusters, four vertical ones.
+
+    Each four: starboard bow, port bow, starboard stern, port stern.
+    """
+    ahead, aside = np.array([1.0, 1.0, -1.0, -1.0]), np.array([1.0, -1.0, 1.0, -1.0])
+    positions, directions = np.zeros((8, 3)), np.zeros((8, 3))
+    positions[:4] = np.c_[0.156 * ahead, 0.111 * aside, np.full(4, 0.085)]
+    positions[4:] = np.c_[0.120 * ahead, 0.218 * aside, np.zeros(4)]
+    directions[:4] = np.c_[ahead, -aside, np.zeros(4)] * math.sqrt(0.5)
+    directions[4:, 2] = ahead * aside
+    return positions, directions
+
+
+def eight_places() -> dict[str, float]:
+    """The arrangement of eight as parameters of a hull or a controller with the effect `further_thrusters`."""
+    names = [f"thruster_{a}" for a in "xyz"] + [f"thruster_direction_{a}" for a in "xyz"]
+    values = np.hstack(eight_arrangement())
+    return {f"{n}[{i + 1}]" if i < 6 else f"further_thrusters.{n}[{i - 5}]": float(values[i, j])
+            for j, n in enumerate(names) for i in range(8)}
+
+
+def places_of(values, further) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and directions of all thrusters, (n, 3) each; `further`: the values of `further_thrusters`, or None."""
+    places, directions = [], []
+    for some in (values, further) if further is not None else (values,):
+        places.append(np.c_[some.thruster_x, some.thruster_y, some.thruster_z])
+        directions.append(np.c_[some.thruster_direction_x, some.thruster_direction_y, some.thruster_direction_z])
+    return np.vstack(places), np.vstack(directions)
 
 
 def columns(table: np.ndarray) -> tuple[tuple[float, ...], ...]:
@@ -42,6 +79,7 @@ def wrench_matrix(positions: np.ndarray, directions: np.ndarray, where: str) -> 
     if not lengths.all():
         i = int(np.argmin(lengths)) + 1
         raise BadInput(where, f"thruster {i} with the direction (0, 0, 0)", "a direction",
-                       f"Set thruster_direction_x[{i}], _y[{i}], _z[{i}].")
+                       f"Set thruster_direction_x[{i}], _y[{i}], _z[{i}]." if i <= 6 else
+                       f"Set further_thrusters.thruster_direction_x[{i - 6}], _y[{i - 6}], _z[{i - 6}].")
     axes = directions / lengths[:, None]
     return np.vstack((axes.T, np.cross(positions, axes).T))

@@ -7,19 +7,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.component import Effect
+from ..core.component import Effect, Preset
 from ..core.kernels import bind, kernel, kernel_tuple
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.sampled import SampledComponent, rows_in_use, sampled
 from ..core.variables import input_, output, parameter
 from .allocation import THRUSTERS, allocate, allocations, chosen
-from .arrangement import columns, wrench_matrix, y_arrangement
+from .arrangement import EIGHT, columns, eight_arrangement, eight_places, places_of, wrench_matrix, y_arrangement
 from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_command
 
 POSES = 8
 WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")
 POSITIONS, DIRECTIONS = (columns(table) for table in y_arrangement())
-# the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale
+FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
+# the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale; then the
+# commands of further thrusters
 COMMANDS, INTEGRALS, ERRORS, SCALE, STATES = 1, 7, 13, 19, 20
 
 
@@ -53,8 +55,25 @@ class Manoeuvre(Effect):
     yaw = parameter(0.0, "rad", "yaw added to it", size=POSES)
 
 
+class FurtherThrusters(Effect):
+    """Thrusters 7 and 8 beside the six; the preset of eight thrusters moves all of them to its places."""
+
+    explicit_only = True
+
+    thruster_x = parameter(FURTHER_POSITIONS[0], "m", "place of thruster 7, 8, ahead", size=2)
+    thruster_y = parameter(FURTHER_POSITIONS[1], "m", "place of thruster 7, 8, to starboard", size=2)
+    thruster_z = parameter(FURTHER_POSITIONS[2], "m", "place of thruster 7, 8, down", size=2)
+    thruster_direction_x = parameter(FURTHER_DIRECTIONS[0], "1", "direction of thrust, ahead", size=2)
+    thruster_direction_y = parameter(FURTHER_DIRECTIONS[1], "1", "direction of thrust, to starboard", size=2)
+    thruster_direction_z = parameter(FURTHER_DIRECTIONS[2], "1", "direction of thrust, down", size=2)
+
+    available = input_(1.0, "1", "1 where thruster 7, 8 is there, 0 where it has failed", size=2)
+
+    command = output("1", "command of thruster 7, 8, -1 to 1", size=2)
+
+
 class RovController(SampledComponent):
-    """PID controller of position and attitude with allocation to six thrusters, sampled, its commands held in between.
+    """PID controller of position and attitude with allocation to the thrusters, sampled, its commands held in between.
 
         force  = R' (I_p) + K_p R' (p_set - p) + K_v (R' p_set' - v),    I_p' = R K_i R' (p_set - p) + anti-windup
         moment = I_a + K_a e + K_w (w_set - w),                          I_a' = K_j e + anti-windup
@@ -76,6 +95,7 @@ class RovController(SampledComponent):
 
     inverse_curve = InverseCurve
     manoeuvre = Manoeuvre
+    further_thrusters = FurtherThrusters
 
     period = parameter(0.02, "s", "time between samples", low=1e-5)
     set_north = parameter(0.0, "m", "set point to the north")
@@ -131,6 +151,11 @@ class RovController(SampledComponent):
     error_yaw = output("rad", "the same about z")
     scale = output("1", "share of the wanted wrench that the limits of the thrusters allow")
 
+    presets = {
+        EIGHT: Preset(eight_places(), "the arrangement of the hull's preset of that name; gains are the component's own",
+                      "recalled", ("further_thrusters",)),
+    }
+
     def kernel_arguments(self) -> tuple[Any, ...]:
         """What the kernel gets: the control law, then the effects; curve and table of poses are checked."""
         p, e = self._declared_arguments()
@@ -138,9 +163,7 @@ class RovController(SampledComponent):
             check_curve(e.inverse_curve.command, e.inverse_curve.thrust, f"{self.name}: inverse_curve")
         if e.manoeuvre is not None:
             e = e._replace(manoeuvre=self._course(e.manoeuvre))
-        positions = np.stack((p.thruster_x, p.thruster_y, p.thruster_z), axis=1)
-        directions = np.stack((p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z), axis=1)
-        matrix = wrench_matrix(positions, directions, self.name)
+        matrix = wrench_matrix(*places_of(p, e.further_thrusters), self.name)
         law = Law(
             p.period, np.array([p.set_north, p.set_east, p.set_depth, p.set_roll, p.set_pitch, p.set_yaw]),
             np.concatenate((p.position_gain, p.attitude_gain)), np.concatenate((p.velocity_gain, p.rate_gain)),
@@ -156,7 +179,7 @@ class RovController(SampledComponent):
 
     def initial_state(self, t: float) -> np.ndarray:
         """All zero."""
-        return np.zeros(STATES)
+        return np.zeros(STATES + (2 if "further_thrusters" in self.on else 0))
 
 
 @kernel_tuple
@@ -170,8 +193,8 @@ class Law(NamedTuple):
     integral_gain: np.ndarray
     reach: float
     unwinding_time: float
-    matrix: np.ndarray  # (6, 6), wrench per thrust
-    allocations: np.ndarray  # (64, 6, 6), thrusts per wrench
+    matrix: np.ndarray  # (6, n), wrench per thrust
+    allocations: np.ndarray  # (2^n, n, 6), thrusts per wrench
     forward_limit: float
     reverse_limit: float
 
@@ -228,6 +251,14 @@ def turn_between(w, x, y, z, a, b, c, d):
 
 
 @kernel
+def command(thrust, law, e):
+    """Command for a thrust in N."""
+    if e.inverse_curve is not None:
+        return curve_command(thrust, e.inverse_curve.command, e.inverse_curve.thrust)
+    return thrust / (law.forward_limit if thrust > 0.0 else law.reverse_limit)
+
+
+@kernel
 def control_sample(t, u, x, work, law, e):
     """One sample at time t with the inputs u, (m,): commands, integrals and errors in x."""
     pose, rate, wrench, thrust, given = work[1], work[2], work[3], work[4], work[5]
@@ -251,13 +282,15 @@ def control_sample(t, u, x, work, law, e):
         k = j + 3
         wrench[k] = x[INTEGRALS + k] + law.gain[k] * x[ERRORS + k] + law.rate_gain[k] * (turn[j] - u[ROLL_RATE + j])
 
-    table = law.allocations[chosen(u, AVAILABLE)]
-    x[SCALE] = allocate(wrench, table, law.matrix, law.forward_limit, law.reverse_limit, thrust, given)
+    choice = chosen(u, AVAILABLE, THRUSTERS)
+    if e.further_thrusters is not None:
+        choice += chosen(u, e.further_thrusters.u, 2) << THRUSTERS
+    x[SCALE] = allocate(wrench, law.allocations[choice], law.matrix, law.forward_limit, law.reverse_limit, thrust, given)
     for i in range(THRUSTERS):
-        if e.inverse_curve is not None:
-            x[COMMANDS + i] = curve_command(thrust[i], e.inverse_curve.command, e.inverse_curve.thrust)
-        else:
-            x[COMMANDS + i] = thrust[i] / (law.forward_limit if thrust[i] > 0.0 else law.reverse_limit)
+        x[COMMANDS + i] = command(thrust[i], law, e)
+    if e.further_thrusters is not None:
+        for i in range(2):
+            x[STATES + i] = command(thrust[THRUSTERS + i], law, e)
 
     for j in range(6):
         given[j] = (given[j] - wrench[j]) / law.unwinding_time
@@ -270,10 +303,10 @@ def control_sample(t, u, x, work, law, e):
 
 @kernel
 def control_outputs(x, y):
-    """Commands, errors and scale of the last sample."""
+    """Commands, errors, scale and further commands of the last sample."""
     for i in range(THRUSTERS):
         y[i] = x[COMMANDS + i]
-    for j in range(7):
+    for j in range(x.size - ERRORS):
         y[THRUSTERS + j] = x[ERRORS + j]
 
 

@@ -1,13 +1,14 @@
-"""The current of the water around a vehicle, the same at every place and depth."""
+"""The motion of the water around a vehicle: a current, the same at every place and depth, and waves, which are not."""
 
 from __future__ import annotations
 
 import math
 
 from ..core.component import Effect
-from ..core.kernels import kernel
+from ..core.kernels import DONE, kernel
 from ..core.stateless import StatelessComponent
 from ..core.variables import output, parameter
+from .waves import PLACE, Waves, WaveSpectrum, add_waves, wave_train
 
 TURN = 2.0 * math.pi
 
@@ -44,7 +45,7 @@ class Gust(Effect):
 
 
 class WaterCurrent(StatelessComponent):
-    """Velocity and acceleration of the water in north, east and down; a function of time alone.
+    """Velocity and acceleration of the water in north, east and down; a function of time and, with `waves`, of the place.
 
     A vehicle needs the acceleration, too, which pulls at its added mass. Without effects it is 0.
     """
@@ -57,25 +58,34 @@ class WaterCurrent(StatelessComponent):
     tide = Tide
     ramp = Ramp
     gust = Gust
+    waves = Waves
+    spectrum = WaveSpectrum
 
     speed = parameter(0.3, "m/s", "mean horizontal speed", low=0.0)
     direction = parameter(0.0, "rad", "where the mean current sets, from north over east")
     downwelling = parameter(0.0, "m/s", "mean vertical speed, positive downwards")
 
-    velocity_north = output("m/s", "velocity to the north")
-    velocity_east = output("m/s", "velocity to the east")
-    velocity_down = output("m/s", "velocity downwards")
-    acceleration_north = output("m/s2", "acceleration to the north", nominal=0.1)
-    acceleration_east = output("m/s2", "acceleration to the east", nominal=0.1)
-    acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1)
+    velocity_north = output("m/s", "velocity to the north", feedthrough=PLACE)
+    velocity_east = output("m/s", "velocity to the east", feedthrough=PLACE)
+    velocity_down = output("m/s", "velocity downwards", feedthrough=PLACE)
+    acceleration_north = output("m/s2", "acceleration to the north", nominal=0.1, feedthrough=PLACE)
+    acceleration_east = output("m/s2", "acceleration to the east", nominal=0.1, feedthrough=PLACE)
+    acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1, feedthrough=PLACE)
+
+    def _initialize(self, t: float) -> int:
+        p, e = self._declared_arguments()
+        if e.waves is not None:
+            e = e._replace(waves=wave_train(e.waves, e.spectrum, self.name))
+        self.arguments = p, e
+        return DONE
 
     def _outputs(self, t: float) -> None:
-        water(t, self.y, *self.arguments)
+        water(t, self.u[0], self.y, *self.arguments)
 
 
 @kernel
-def water(t, y, p, e):
-    """Velocity and acceleration at time t; y: (6,)."""
+def water(t, u, y, p, e):
+    """Velocity and acceleration at time t in y[:6], the surface's elevation behind them; u: (m,) inputs."""
     share, rate = 1.0, 0.0
     if e.ramp is not None:
         s = min(max((t - e.ramp.start_time) / e.ramp.duration, 0.0), 1.0)
@@ -92,6 +102,8 @@ def water(t, y, p, e):
         w = TURN / e.gust.duration
         add(y, e.gust.direction, 0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * s)),
             0.5 * w * e.gust.amplitude * math.sin(TURN * s))
+    if e.waves is not None:
+        add_waves(t, u, y, e.waves)
 
 
 @kernel

@@ -13,10 +13,11 @@ from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind
 from ..core.rotation import quaternion_of_angles, to_body, to_world
 from ..core.variables import input_, output, parameter
-from .arrangement import columns, wrench_matrix, y_arrangement
+from .arrangement import EIGHT, columns, eight_arrangement, eight_places, places_of, wrench_matrix, y_arrangement
 from .hull_equations import Hull, hull_derivatives, hull_outputs, steady_outputs
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
+FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 TOP_SPEED, TOP_RATE = 2.0, 2.0  # m/s, rad/s: up to these the default step is stable; faster than the vehicles of the presets
 
@@ -82,6 +83,40 @@ class Current(Effect):
     acceleration_down = input_(0.0, "m/s2", "acceleration of the water downwards; acts on the added mass")
 
 
+class PressureGradient(Effect):
+    """Force of the pressure gradient of accelerating water on the displaced volume (Froude and Krylov), rho V R' v_c'.
+
+    In a current that varies over hours it is nothing; in waves it is as large as that on the added mass, and a neutral vehicle
+    without it does not move with the water. For bodies small beside the wavelength. Number: buoyancy of Wu (2018) over g.
+    """
+
+    requires = ("current",)
+    explicit_only = True
+
+    displaced_mass = parameter(114.8 / 9.80665, "kg", "mass of the displaced water", low=0.0)
+    centre_x = parameter(0.0, "m", "centre of the displaced volume ahead of the origin")
+    centre_y = parameter(0.0, "m", "centre of the displaced volume to starboard of the origin")
+    centre_z = parameter(0.0, "m", "centre of the displaced volume below the origin")
+
+
+class FurtherThrusters(Effect):
+    """Thrusters 7 and 8 beside the six; the preset of eight thrusters moves all of them to its places."""
+
+    explicit_only = True
+
+    thruster_x = parameter(FURTHER_POSITIONS[0], "m", "place of thruster 7, 8 ahead of the origin", size=2)
+    thruster_y = parameter(FURTHER_POSITIONS[1], "m", "place of thruster 7, 8 to starboard of the origin", size=2)
+    thruster_z = parameter(FURTHER_POSITIONS[2], "m", "place of thruster 7, 8 below the origin", size=2)
+    thruster_direction_x = parameter(FURTHER_DIRECTIONS[0], "1", "direction of a positive thrust on the hull, ahead", size=2)
+    thruster_direction_y = parameter(FURTHER_DIRECTIONS[1], "1", "direction of a positive thrust, to starboard", size=2)
+    thruster_direction_z = parameter(FURTHER_DIRECTIONS[2], "1", "direction of a positive thrust, downwards", size=2)
+
+    thrust = input_(0.0, "N", "thrust of thruster 7, 8 on the hull along its direction", nominal=10.0, size=2)
+
+    axial_speed = output("m/s", "speed of the hull at thruster 7, 8, along its direction, through the water", size=2,
+                         feedthrough=tuple(f"current.velocity_{way}" for way in ("north", "east", "down")))
+
+
 class TetherLoad(Effect):
     """A force at a point of the hull, in world axes, and that point's motion: where a tether attaches."""
 
@@ -102,7 +137,7 @@ class TetherLoad(Effect):
 
 
 FLOW = tuple(f"current.velocity_{way}" for way in ("north", "east", "down"))
-LOADS = (*(f"thrust[{i}]" for i in range(1, 7)), *FLOW,
+LOADS = (*(f"thrust[{i}]" for i in range(1, 7)), "further_thrusters.thrust[1]", "further_thrusters.thrust[2]", *FLOW,
          *(f"current.acceleration_{way}" for way in ("north", "east", "down")),
          *(f"tether.force_{way}" for way in ("north", "east", "down")),
          *(f".{what}_{axis}" for what in ("force", "moment") for axis in "xyz"))
@@ -141,9 +176,9 @@ class RovHull(OdeComponent):
         (M_RB + M_A) nu' = T F + tau - C_RB(nu) nu - C_A(nu_r) nu_r - D nu_r - D2 |nu_r| nu_r - g(q) + M_A (R' v_c)'
         C nu = (w x P, w x H + v x P)  with  (P, H) = M nu
 
-    F: six thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of the water, uniform in
-    space; tau: tether and external loads. Each term below the rigid body's inertia is an effect. In accelerating water the
-    force of the pressure gradient on the displaced volume is left out, as in the source.
+    F: thrusts; T: their wrench about the origin, from positions and directions; v_c: velocity of the water, uniform over the
+    hull; tau: tether and external loads. Each term below the rigid body's inertia is an effect. The force of the pressure
+    gradient on the displaced volume, which the source leaves out, is the effect `pressure_gradient`.
     Source of the equations: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, Wiley 2011, chapters 6 to 8.
     Source of the thrusters' places: Kabanov, Kramar, Ermakov, Drones 5 (2021) 113; see `arrangement`. Mass and drag of their
     vehicle were not found, and the numbers of a BlueROV2 of Wu (2018) stand in for them: the default vehicle is like theirs
@@ -163,6 +198,8 @@ class RovHull(OdeComponent):
     quadratic_drag = QuadraticDrag
     restoring = Restoring
     current = Current
+    pressure_gradient = PressureGradient
+    further_thrusters = FurtherThrusters
     tether = TetherLoad
     external = External
 
@@ -241,6 +278,11 @@ class RovHull(OdeComponent):
             "drag of Li et al. (2020), as copied in the repository CentraleNantesROV/bluerov2, which notes that the paper has no "
             "added mass; drag about x and y is missing too and 0 here. Mass and inertia are those of Wu (2018)", "verbatim",
             ("coriolis", "linear_drag", "quadratic_drag")),
+        EIGHT: Preset(
+            eight_places(),
+            "four horizontal thrusters of a public allocation script for this vehicle, four vertical ones of von Benzon et al. "
+            "(2022), recalled; masses and drag are the component's own, those of Wu (2018)", "recalled",
+            (*WATER, "further_thrusters")),
     }
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
@@ -260,11 +302,9 @@ class RovHull(OdeComponent):
         """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
         p, e = self._declared_arguments()
         self.rigid_mass, self.water_mass = self.masses()
-        positions = np.c_[p.thruster_x, p.thruster_y, p.thruster_z]
-        directions = np.c_[p.thruster_direction_x, p.thruster_direction_y, p.thruster_direction_z]
         inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
         hull = Hull(p.mass, _centre(p), np.diag(self.rigid_mass)[3:].copy(), inverse,
-                    np.ascontiguousarray(wrench_matrix(positions, directions, self.name)))
+                    np.ascontiguousarray(wrench_matrix(*places_of(p, e.further_thrusters), self.name)))
         sixes = [n for n in ("added_mass", "linear_drag", "quadratic_drag") if n in self.on]
         arrays: dict[str, np.ndarray] = {n: _six(getattr(e, n)) for n in sixes}
         if (restoring := e.restoring) is not None:

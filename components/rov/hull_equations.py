@@ -18,7 +18,7 @@ class Hull(NamedTuple):
     centre: np.ndarray  # (3,) of gravity, m
     inertia: np.ndarray  # (3,) principal, about the origin, kg m²
     inverse: np.ndarray  # (6, 6) of the rigid body's and the added mass
-    thrusters: np.ndarray  # (6, 6) wrench per thrust
+    thrusters: np.ndarray  # (6, n) wrench per thrust; the first six, then those of `further_thrusters`
 
 
 @kernel
@@ -49,6 +49,11 @@ def wrench(x, u, h, e):
         F = u[n]
         X, Y, Z = X + T[0, n] * F, Y + T[1, n] * F, Z + T[2, n] * F
         K, M, N = K + T[3, n] * F, M + T[4, n] * F, N + T[5, n] * F
+    if e.further_thrusters is not None:
+        for n in range(6, 8):
+            F = u[e.further_thrusters.u + n - 6]
+            X, Y, Z = X + T[0, n] * F, Y + T[1, n] * F, Z + T[2, n] * F
+            K, M, N = K + T[3, n] * F, M + T[4, n] * F, N + T[5, n] * F
     cx, cy, cz = water_velocity(x, u, e.current)
     rx, ry, rz = vx - cx, vy - cy, vz - cz  # velocity through the water
 
@@ -88,6 +93,13 @@ def wrench(x, u, h, e):
         if e.coriolis is not None:
             ax, ay, az = ax - (q * cz - r * cy), ay - (r * cx - p * cz), az - (p * cy - q * cx)
         X, Y, Z = X + e.added_mass[0] * ax, Y + e.added_mass[1] * ay, Z + e.added_mass[2] * az
+    if e.current is not None and e.pressure_gradient is not None:
+        n = e.current.u + 3
+        ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
+        a, b, c = e.pressure_gradient.centre_x, e.pressure_gradient.centre_y, e.pressure_gradient.centre_z
+        m = e.pressure_gradient.displaced_mass
+        X, Y, Z = X + m * ax, Y + m * ay, Z + m * az
+        K, M, N = K + m * (b * az - c * ay), M + m * (c * ax - a * az), N + m * (a * ay - b * ax)
     if e.tether is not None:
         n = e.tether.u
         fx, fy, fz = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
@@ -125,6 +137,11 @@ def hull_outputs(t, x, u, y, h, e):
     for n in range(6):
         y[17 + n] = (T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
                      + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
+    if e.further_thrusters is not None:
+        for n in range(6, 8):
+            y[e.further_thrusters.y + n - 6] = (
+                T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
+                + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
     if e.tether is not None:
         w, i, j, k = x[3], x[4], x[5], x[6]
         n = e.tether.y

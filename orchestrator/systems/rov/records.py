@@ -25,7 +25,7 @@ ACCELERATIONS = tuple(f"external.acceleration_{a}" for a in "xyz")
 QUATERNION = tuple(f"quaternion_{n}" for n in "wxyz")
 ERRORS = ("error_north", "error_east", "error_down", "error_roll", "error_pitch", "error_yaw")
 WATER = ("north", "east", "down")
-THRUSTERS = 6
+THRUSTS = (*(f"thrust[{i}]" for i in range(1, 7)), "further_thrusters.thrust[1]", "further_thrusters.thrust[2]")
 FULL = 1.0 - 1e-9  # of the command, from which on a thruster gives all it can
 CONSERVING = {"added_mass", "coriolis", "external", "tether"}  # without forces through the latter two
 
@@ -80,10 +80,10 @@ def _vehicle(result: Result, unit: str) -> Vehicle:
     if valid is not None:
         signals |= {n: np.where(valid > 0.5, signals[n], np.nan) for n in ("roll", "yaw") if n in signals}
     thrusts, commands, controllers = {}, {}, []
-    for k in range(1, THRUSTERS + 1):
-        driving = source(result.scene, unit, f"thrust[{k}]")
-        if column := recorded(result, unit, f"thrust[{k}]"):
-            thrusts[k] = _arrived(result, np.asarray(result.columns[column], dtype=float), {driving, f"{unit}.thrust[{k}]"})
+    for k, name in enumerate(THRUSTS, 1):
+        driving = source(result.scene, unit, name)
+        if column := recorded(result, unit, name):
+            thrusts[k] = _arrived(result, np.asarray(result.columns[column], dtype=float), {driving, f"{unit}.{name}"})
         thruster = driving.partition(".")[0]
         if thruster and (column := recorded(result, thruster, "command")):
             commands[k] = np.asarray(result.columns[column])

@@ -31,13 +31,18 @@ FACTS: dict[str, Facts] = {
             "restoring.buoyancy": (NO_WEIGHT | {"restoring.centre_of_buoyancy_z": -0.01}, 1e-3),
             **{f"current.velocity_{way}": ({}, 1e-3) for way in ("north", "east", "down")},
             **{f"tether.force_{way}": ({}, 1e-4) for way in ("north", "east", "down")},
+            "pressure_gradient.displaced_mass": ({"current.acceleration_north": 0.1}, 1e-3),
+            "further_thrusters.thrust[1]": ({}, 1e-4),
             **{f"external.{what}_{axis}": ({}, 1e-4) for what in ("force", "moment") for axis in "xyz"},
         },
         structural=frozenset({"coriolis"}),
         # the water's acceleration acts on added mass only, which the effect alone has not
         form=frozenset({f"restoring.centre_of_buoyancy_{axis}" for axis in "xyz"}
                        | {f"current.acceleration_{way}" for way in ("north", "east", "down")}
-                       | {f"tether.attachment_{axis}" for axis in "xyz"}),
+                       | {f"tether.attachment_{axis}" for axis in "xyz"}
+                       | {f"pressure_gradient.centre_{axis}" for axis in "xyz"}
+                       | {f"further_thrusters.thruster_{axis}" for axis in "xyz"}
+                       | {f"further_thrusters.thruster_direction_{axis}" for axis in "xyz"}),
     ),
     "AddedMassForce": Facts(),
     "Thruster": Facts(
@@ -49,16 +54,18 @@ FACTS: dict[str, Facts] = {
         moving=frozenset({"*"}),
         plain=(("tide", "ramp", "gust"), {"gust.start_time": 0.0}, 20),
         step=0.2,
-        strengths={"tide.amplitude": ({}, 1e-3), "gust.amplitude": ({}, 1e-3)},
-        structural=frozenset({"ramp"}),
-        form=frozenset({"tide.period", "tide.phase", "tide.direction", "gust.start_time", "gust.duration", "gust.direction"}),
+        strengths={"tide.amplitude": ({}, 1e-3), "gust.amplitude": ({}, 1e-3), "waves.height": ({}, 1e-3)},
+        structural=frozenset({"ramp", "spectrum"}),
+        form=frozenset({"tide.period", "tide.phase", "tide.direction", "gust.start_time", "gust.duration", "gust.direction",
+                        "waves.period", "waves.direction", "waves.phase", "waves.water_depth", "waves.position_north",
+                        "waves.position_east", "waves.depth"}),
     ),
     "RovController": Facts(
         plain=(("inverse_curve", "manoeuvre"), {"period": 2e-3, "manoeuvre.time[2]": 10.0, "manoeuvre.pitch[2]": 1.0}, 20),
         disturbance={"position_north": 0.3, "depth": -0.2, "quaternion_x": 0.1, "yaw_rate": 0.05},
         step=0.02,
         strengths={f"manoeuvre.{way}[2]": ({"manoeuvre.time[2]": 2.0}, 1e-4) for way in WAYS},
-        structural=frozenset({"inverse_curve"}),
+        structural=frozenset({"inverse_curve", "further_thrusters"}),
         form=frozenset({"manoeuvre.time"}),
     ),
     "Tether": Facts(

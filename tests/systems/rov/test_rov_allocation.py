@@ -88,4 +88,4 @@ def test_an_arrangement_without_pitch_gets_the_best_it_can():
 
 def test_a_thruster_is_there_above_one_half():
     inputs = np.array([9.0, 9.0, 1.0, 0.4, 1.0, 0.0, 0.6, 0.5])
-    assert chosen(inputs, 2) == 0b010101
+    assert chosen(inputs, 2, 6) == 0b010101
