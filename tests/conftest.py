@@ -1,6 +1,7 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
 import signal
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -27,9 +28,17 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(config, items):
     """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them.
 
-    Of all tests, those marked `interpreted` are left to the processes of `test_plain_python.py`, and to the complete run.
+    Of all tests, those marked `interpreted` are left to the processes of `test_plain_python.py`, and to the complete run; those
+    marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
     """
     items.sort(key=lambda item: item.path.name not in LONG)
+    kept = Counter()
+    for item in items:
+        if (first := item.get_closest_marker("first")) and not item.get_closest_marker("full"):
+            test = item.nodeid.partition("[")[0]
+            kept[test] += 1
+            if kept[test] > (first.args or (1,))[0]:
+                item.add_marker(pytest.mark.full)
     if "benchmark" not in config.option.markexpr:
         benchmarks = [item for item in items if item.get_closest_marker("benchmark")]
         config.hook.pytest_deselected(items=benchmarks)

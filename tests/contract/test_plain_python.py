@@ -25,9 +25,8 @@ REST = (
 pytestmark = pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
 
 
-@pytest.mark.parametrize("file", SHORT)
-def test_without_the_compiler(file):
-    passes_without_the_compiler(file, "not full")
+def test_without_the_compiler():
+    passes_without_the_compiler(" ".join(SHORT), "not full")
 
 
 @pytest.mark.full

@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.core.events import ROWS, rk4_events
 from cosimo.components.core.kernels import DONE, NOT_CONVERGED, bind, kernel
 
+pytestmark = pytest.mark.interpreted
 STICK = 0.0
 
 

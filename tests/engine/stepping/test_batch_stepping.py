@@ -61,6 +61,7 @@ def test_components_give_the_same_bits(algorithm, degree, monkeypatch):
     assert alone <= degree  # only those from which the histories get their first samples
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeypatch):
@@ -76,6 +77,7 @@ def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeyp
     assert (alone, python) == (0, [])
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(algorithm, degree, monkeypatch):
@@ -87,6 +89,7 @@ def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(algorithm
     assert together.info["energy"]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_fmus_give_the_same_bits(algorithm, degree, monkeypatch):
@@ -110,6 +113,7 @@ def test_wide_ports_of_fmus_give_the_same_bits(algorithm, monkeypatch):
     assert_alike(*both_ways(wide(algorithm), monkeypatch, CompiledLoop)[:2])
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("flags", ["", 'canInterpolateInputs="true"'])
 @pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)

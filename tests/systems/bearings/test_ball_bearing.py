@@ -99,6 +99,7 @@ def test_the_equations_are_those_of_the_docstring(effects):
         np.testing.assert_allclose(dx, slow_derivatives(bearing, 0.3, x), rtol=1e-6 if effects else 1e-10, atol=1e-6)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("effects", [(), ("clearance",), ALL], ids=["none", "clearance", "all"])
 def test_dimensional_and_dimensionless_are_the_same_trajectory(effects):
     given = {n: v for n, v in (WAVES | DEFECTS).items() if n.partition(".")[0] in effects}

@@ -290,6 +290,7 @@ def spectrum(bearing, names, speed, steps=2**14, h=1e-3, window=True):
     return np.fft.rfftfreq(steps, h) * 2.0 * math.pi / speed, amplitude
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(
     ("race", "order", "output", "lines"),
     [
@@ -323,6 +324,7 @@ def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
     assert orders[np.argmax(amplitude)] == pytest.approx(2.0, abs=0.01)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("race", "key"), [("inner", "inner"), ("outer", "outer"), ("ball", "ball")])
 def test_a_defect_is_met_at_its_frequency(race, key):
     """Dips of the force at a fixed displacement, counted: BPFI, BPFO, and twice BSF from one ball."""

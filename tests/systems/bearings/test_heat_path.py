@@ -145,6 +145,7 @@ def test_a_tube_takes_off_what_yovanovich_says():
     assert wide - narrow == pytest.approx(expected, rel=0.03)  # next term 0.34 (a/b)³ of 1.41 a/b: 0.3 %; grids differ a little
 
 
+@pytest.mark.full
 def test_an_ellipse_on_a_half_space_by_refinement():
     """Semi-axes 1 and 6. Its edge cuts the cells, so the error need not fall evenly."""
     exact = constriction(6.0, 1.0, 1.0) - finite_ring(900.0, 1.0)
@@ -164,6 +165,7 @@ def bare_ball(ratio, fineness):
     return 1.0 / solve_path(part, part, RADIUS, 46.0, fineness=fineness).conductance
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("ratio", [0.05, 0.1])
 def test_a_ball_against_its_closed_form(ratio):
     """By refinement and extrapolation; the discs add a thousandth of the constriction."""

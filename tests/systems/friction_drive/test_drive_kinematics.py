@@ -84,6 +84,7 @@ def settled(layout: int, effects, first: float, second: float, duration: float =
     return wheels
 
 
+@pytest.mark.first(4)
 @pytest.mark.parametrize("effects", [(), ("smoothed_slip",), ("lugre_slip",), ("exact_slip",)])
 @pytest.mark.parametrize("layout", [FREE_ROLLERS, ORTHOGONAL])
 def test_free_rollers_end_without_slip_whatever_the_friction(layout, effects):
@@ -102,6 +103,7 @@ def test_creeping_plain_wheels_end_at_the_mean():
     assert wheels["rotation_rate"] == pytest.approx(turn, rel=1e-10)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("effects", [("smoothed_slip",), ("lugre_slip",), ("exact_slip",)])
 @pytest.mark.parametrize("second", [20.0, -20.0])
 def test_even_plain_wheels_give_a_pure_motion(effects, second):
@@ -113,6 +115,7 @@ def test_even_plain_wheels_give_a_pure_motion(effects, second):
     assert wheels["rotation_rate"] == pytest.approx(turn, rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("turn", [-12.0, 0.0, 15.0])
 def test_unloaded_plain_wheels_leave_the_rotation_between_their_own_open(turn):
     """Slips against each other, whatever their size: no torque. The controller of such wheels has to close the loop."""

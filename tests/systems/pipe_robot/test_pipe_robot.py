@@ -191,6 +191,7 @@ def reference(duration: float, amplitude: float, forward=2.0, backward=8.0) -> t
     return x, modes
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("amplitude", "cycle"), [(20.0, [1, -1]), (1.5, [0, 1])])
 def test_stick_and_slip_are_those_of_another_solver(amplitude, cycle):
     wanted, modes = reference(3.0, amplitude)
@@ -202,6 +203,7 @@ def test_stick_and_slip_are_those_of_another_solver(amplitude, cycle):
     np.testing.assert_allclose(made.y[:4], wanted, atol=2e-7)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("w", "speed"), [(60.0, 0.36017), (77.46, 1.00825)])
 def test_mean_speed_of_the_default_robot(w, speed):
     """Figures of a run from event to event by another program; 77.46 rad/s is the resonance of both masses on the spring."""
@@ -297,6 +299,7 @@ def test_a_robot_that_stops_stays_up_to_the_static_level(pull, after):
     assert made.work["events"] == 1
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("pull", "slides"), [(2.3, False), (2.7, True), (-9.2, False), (-10.6, True)])
 def test_bristles_of_lugre_let_go_at_the_static_level(pull, slides):
     """1.3 times 2 N and 8 N. The pull comes slowly: bristles that bend at the Stribeck velocity would bear less."""

@@ -26,6 +26,7 @@ def carried(catenary: LumpedCatenary, speed: float, force: float, seconds: float
     return np.array(heights)
 
 
+@pytest.mark.full
 def test_fit_gives_back_the_elasticity_of_the_distributed_catenary():
     distributed = Catenary(["dropper_slackening"], {"spans": 5, "method": "implicit", "first_watched_support": 0})
     distributed.initialize(0.0)

@@ -60,6 +60,7 @@ def test_eigenfrequencies_of_the_free_oscillation(lower):
         assert np.abs(pantograph.x[1::2]).max() == pytest.approx(omega * np.abs(shape).max(), rel=1e-6)
 
 
+@pytest.mark.full
 def test_transmissibility_of_the_base():
     """Steady oscillation under a shaken base, contact spring bilateral: amplitude and phase of the head."""
     M, C, K = linear_system(lower=False)

@@ -58,6 +58,7 @@ def crossing(body: GimbalBody, output: str, begin: float, end: float) -> float:
 
 
 # -- inertial motion -------------------------------------------------------------------------------------------------------
+@pytest.mark.first
 @pytest.mark.parametrize("orientation", ["vertical", "horizontal"])
 def test_inertial_motion_keeps_momentum_and_energy(orientation):
     body = gimbal(axis_orientation=orientation, start_outer_rate=5.0, start_inner_rate=2.0)
@@ -167,6 +168,7 @@ def test_nutation_of_a_gyroscope():
     np.testing.assert_allclose(rows[:, 3], -1e-3 * math.sqrt(0.015 / 0.02) * np.sin(phase), atol=1e-7)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("inclination", [0.0, 1.0, 1.4, 1.55, math.pi - 1.0])
 def test_steady_precession_and_its_growth_towards_gimbal_lock(inclination):
     """Torque on the inner axis, answered by the outer one: -T / (h cos beta); exact for a body with equal moments."""
@@ -214,6 +216,7 @@ def test_a_pendulum_with_dry_friction_turns_where_the_work_says_and_stays(subste
     assert body.work["events"] == len(turning) - 1
 
 
+@pytest.mark.full
 def test_smoothed_friction_creeps_where_exact_friction_stands():
     """Under half the level: never at rest, but at the rate where tanh is 1/2 - that is the price of the smoothed law."""
     for effect, rate in (("smoothed_friction", 0.01 * math.atanh(0.5)), ("stick_friction", 0.0), ("lugre_friction", 0.0)):

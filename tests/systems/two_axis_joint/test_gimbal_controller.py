@@ -114,6 +114,7 @@ def test_the_loop_points_and_holds_against_weight_and_dry_friction():
     assert rows[:, 1].max() < 0.5 * 1.4
 
 
+@pytest.mark.full
 def test_the_loop_follows_a_scan():
     body = GimbalBody(("viscous",), {"start_inner_angle": 0.0})
     made = controller(("scan",), None, **{"scan.outer_frequency": 0.2, "scan.inner_frequency": 0.4})

@@ -38,6 +38,7 @@ def absolute(chain: TwoLinkChain) -> np.ndarray:
     return chain.y[:4].copy()
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("preset", "square", "shape"), [
     ("equal point masses", 2.0 - math.sqrt(2.0), (1.0, math.sqrt(2.0))),
     ("equal point masses", 2.0 + math.sqrt(2.0), (1.0, -math.sqrt(2.0))),
@@ -174,6 +175,7 @@ def test_energy_changes_by_what_motors_give_and_losses_take(effects):
         assert rate == pytest.approx(power, abs=1e-7 * (abs(power) + np.abs(dx[:4]).max() + energy(0.0) / h * 1e-9))
 
 
+@pytest.mark.full
 def test_without_gravity_and_friction_energy_and_angular_momentum_stay():
     chain = started(**GENERAL, **starting((0.3, 2.0), (5.0, -7.0)), substep=1e-4)
     energy, momentum = chain.energy(), chain["angular_momentum"]

@@ -179,6 +179,7 @@ def test_a_turbine_too_fast_for_the_stable_step_fails_the_step():
 COEFFICIENTS = {"sun": 1.0, "ring": 3.0, "carrier": -4.0}
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("turbine_on", "pump_on"), ARRANGEMENTS)
 def test_willis_relations_hold_in_the_steady_state(turbine_on, pump_on):
     """Speeds: w_s + k w_r = (1 + k) w_c; torques as 1 : k : -(1 + k). With sun and ring the pump's speed is counted against."""

@@ -42,6 +42,7 @@ def test_all_muscles_at_once_leave_the_hand_at_a_place_between():
     assert result["tendons.flexion_torque"][-1] == pytest.approx(result["wrist.flexion"][-1], abs=1e-3)  # 1 N.m/rad
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("muscle", range(COUNT))
 def test_one_muscle_alone_at_full_force_stays_within_the_limits(muscle):
     """Against the elastic limits, 200 N.m/rad: beyond them by the torque over the stiffness, no more than a degree."""

@@ -25,6 +25,7 @@ def test_wrist_cases_pass(name):
     assert len(found.rows) == len(load_table(name).rows)
 
 
+@pytest.mark.full
 def test_an_axis_that_is_moved_by_a_degree_is_seen(monkeypatch):
     """The signs stay, the angles of the rows and the roll do not."""
     given = wrist_rules.scenes

@@ -164,6 +164,7 @@ def test_energy_is_counted_from_the_hand_at_rest_and_its_height_against_gravity(
     assert made.energy() == pytest.approx(-MASS * moved @ [-4.0, 3.0, -2.0], rel=1e-12)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("effects", [("morphology",), ALL], ids=["rows", "all"])
 def test_without_damping_energy_stays(effects):
     made = wrist(effects, {**FREE, "start_proximal_angle": 0.4, "start_distal_angle": -0.3, "start_distal_rate": 5.0})
