@@ -1,0 +1,189 @@
+"""Where the set of turbine and converter is stable: eigenvalues of the closed equations against pushes on the components."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from .....harness.analysis.operating_point import SceneRates, linearised
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....results import Result
+from .....run import run
+from .....scene.scene import Scene
+from .... import read_scene
+from .plant import RADIUS, Plant, farm, heier
+
+PUSH, LINE = 1.02, 0.02  # times the speed of the turbine; share of the load within which a point counts as on the line
+PLANTS = {"farm": Plant(farm, 6.0, 2.4), "heier": Plant(heier, 1.0, 14.0)}
+WINDS = {"farm": np.arange(1.0, 8.1, 1.0), "heier": np.arange(2.5, 9.1, 0.75)}  # m/s
+LOADS = {"farm": np.geomspace(4.0, 40.0, 8), "heier": np.geomspace(0.8, 22.0, 14)}  # N.m
+STEPS, STOPS = {"farm": 0.05, "heier": 0.2}, {"farm": 40.0, "heier": 360.0}  # s
+GIVEN = (3.0, 6.0, 8.0)  # m/s, winds in which the eigenvalues of the components are measured
+MEAN_TORQUE = 13.2435  # N.m
+RESTING = 0.05  # rad/s, below which a pump that has no equilibrium counts as standing: it turned at 1 at the start
+FIXED_WIND, FIXED_LOAD = 6.0, 8.0  # m/s, N.m, of the turbine with Heier's curve and a gear without steps
+
+
+@dataclass(frozen=True)
+class Point:
+    """An equilibrium, or a wind and a load without one (NaN): speeds in rad/s, growth in 1/s; what a push on it led to."""
+
+    wind: float
+    load: float
+    speed: float
+    pump: float
+    growth: float
+    near: bool  # the sign of the growth is another one within 2 % of the load
+    returned: bool
+
+    @property
+    def right(self) -> bool:
+        """Whether the run did what the eigenvalue says."""
+        return self.returned == (self.growth < 0.0)
+
+
+def study(options: Options) -> Evidence:
+    """Maps of both turbines, eigenvalues measured on the components, and the same turbine behind a fixed ratio."""
+    measured: dict[str, float] = {}
+    runs: dict[str, Result] = {}
+    points: dict[str, list[Point]] = {}
+    for name in PLANTS:
+        points[name], none = _map(name, options)
+        sure = [p for p in points[name] if not p.near]
+        measured |= {
+            f"map.{name}": 100.0 * sum(p.right for p in sure) / len(sure),
+            f"points.{name}": len(sure),
+            f"unstable.{name}": sum(p.growth > 0.0 for p in points[name]),
+        }
+        if none:
+            measured[f"standing.{name}"] = 100.0 * float(np.mean(none))
+    rising = [p for p in points["heier"] if PLANTS["heier"].slope(p.wind, p.speed) > 0.0]
+    measured["rising.stable"] = 100.0 * sum(p.growth < 0.0 and p.right for p in rising) / len(rising)
+    for wind in GIVEN:
+        measured |= _eigenvalues(wind)
+    measured |= _fixed(options)
+    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), runs)
+
+
+def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
+    """All points of a turbine, and for winds and loads without an equilibrium whether the pump came to stand."""
+    plant, points, standing = PLANTS[name], [], []
+    for wind in WINDS[name].tolist():
+        cells = [(load, at) for load in LOADS[name].tolist() for at in plant.equilibria(wind, load) or [None]]
+        starts = [(load, at and (PUSH * at[0], at[1])) for load, at in cells]
+        result = run(scene(plant, wind, starts, STEPS[name], STOPS[name]), in_process=True)  # thousands of starts in all
+        if result.outcome != "done":
+            raise RuntimeError(result.message)
+        for k, (load, at) in enumerate(cells):
+            turbine, pump = result[f"turbine_{k}.speed"], result[f"converter_{k}.speed"]
+            if at is None:
+                standing.append(bool(pump[-1] < RESTING))
+                continue
+            growths = [plant.growth(wind, *near) for s in (1.0 - LINE, 1.0, 1.0 + LINE)
+                       for near in [_nearest(plant.equilibria(wind, s * load), at)] if near]
+            here = plant.growth(wind, *at)
+            near = len(growths) < 3 or min(growths) < 0.0 < max(growths)
+            returned = abs(float(turbine[-1]) / at[0] - 1.0) < PUSH - 1.0
+            points.append(Point(wind, load, *at, here, near, returned))
+    return points, standing
+
+
+def _nearest(found: list[tuple[float, float]], at: tuple[float, float]) -> tuple[float, float] | None:
+    """The equilibrium at a changed load that belongs to the one given; None where it is gone."""
+    close = [x for x in found if abs(x[0] / at[0] - 1.0) < 0.2]
+    return min(close, key=lambda x: abs(x[0] - at[0])) if close else None
+
+
+def scene(plant: Plant, wind: float, starts: list[tuple[float, tuple[float, float] | None]], step: float, stop: float) -> Scene:
+    """Sets of turbine and averaged converter side by side, each under its load and from its speeds; None: a slow pump."""
+    units: dict[str, Any] = {}
+    connections = []
+    curve = {"curve": "farm" if plant.coefficient is farm else "heier", "inertia": plant.inertias[0], "wind": wind}
+    gear = {"gear_ratio": plant.gear, "driven_inertia": plant.inertias[1]}
+    for k, (load, at) in enumerate(starts):
+        turbine, pump = at or (0.9 * plant.largest_ratio * wind / RADIUS, 1.0)
+        units[f"turbine_{k}"] = {"component": "WindTurbine", "parameters": {**curve, "start_speed": turbine, "substep": step}}
+        units[f"converter_{k}"] = {"component": "AveragedConverter", "parameters": {
+            **gear, "load_torque": load, "start_speed": pump, "largest_turbine_speed": 120.0}}
+        connections += [f"turbine_{k}.speed -> converter_{k}.turbine_speed",
+                        f"converter_{k}.turbine_torque -> turbine_{k}.torque"]
+    signals = [f"{kind}_{k}.speed" for kind, k in product(("turbine", "converter"), range(len(starts)))]
+    return read_scene({"title": f"Pushed sets in {wind:g} m/s", "stop_time": stop, "units": units, "connections": connections,
+                       "master": {"step": step, "extrapolation": 1}, "record": {"signals": signals, "interval": stop}},
+                      "paper-wind-pump")  # fmt: skip
+
+
+def _eigenvalues(wind: float) -> dict[str, float]:
+    """Eigenvalues and Jt J2 det of the components at the operating point of the pump's mean torque, linearised."""
+    plant = Plant(farm, 6.0, 2.4, (8.0, 0.5))
+    at = plant.equilibria(wind, MEAN_TORQUE)[0]
+    parts = scene(plant, wind, [(MEAN_TORQUE, at)], 0.01, 1.0)
+    matrix = linearised(SceneRates(parts, {"turbine_0": [0], "converter_0": [0]}), np.array(at))
+    values = sorted(np.linalg.eigvals(matrix).astype(complex), key=lambda x: (-x.real, x.imag))
+    return {f"slow.{wind:g}": values[0].real, f"fast.{wind:g}": values[1].real, f"swing.{wind:g}": values[1].imag,
+            f"det.{wind:g}": float(np.linalg.det(matrix))}
+
+
+def _fixed(options: Options) -> dict[str, float]:
+    """The turbine with Heier's curve behind a gear of ratio 1, at both speeds that balance a constant load, pushed."""
+    plant = PLANTS["heier"]
+    rising, falling = plant.balanced(FIXED_WIND, FIXED_LOAD)
+    measured = {}
+    for name, speed in (("rising", rising), ("falling", falling)):
+        start = PUSH * speed
+        result = run(read_scene({
+            "title": f"Fixed ratio, {name} branch, pushed", "stop_time": 60.0,
+            "connections": ["turbine.speed -> gear.turbine_speed", "gear.turbine_torque -> turbine.torque"],
+            "units": {
+                "turbine": {"component": "WindTurbine",
+                            "parameters": {"curve": "heier", "wind": FIXED_WIND, "start_speed": start, "inertia": 15.0}},
+                "gear": {"component": "FixedTransmission",
+                         "parameters": {"load_torque": FIXED_LOAD, "start_speed": start}},
+            },
+            "master": {"step": 0.02}, "record": {"signals": ["turbine.speed"], "interval": 1.0}}, "paper-wind-pump"),
+            in_process=options.in_process)  # fmt: skip
+        measured[f"fixed.{name}"] = abs(float(result["turbine.speed"][-1]) / speed - 1.0) / (PUSH - 1.0)
+    return measured
+
+
+def _chart(points: list[Point]) -> Chart:
+    def series(name: str, some: list[Point]) -> Series:
+        return Series(name, [p.load for p in some], [p.speed * RADIUS / p.wind for p in some], "points")
+
+    panels = []
+    winds = sorted({p.wind for p in points})
+    for wind in winds[:: max(len(winds) // 4, 1)][:4]:
+        here = [p for p in points if p.wind == wind]
+        kinds = {"returns": [p for p in here if p.returned], "leaves": [p for p in here if not p.returned]}
+        plant, line = PLANTS["heier"], []
+        for load in np.geomspace(LOADS["heier"][0], LOADS["heier"][-1], 60).tolist():
+            line += [(load, w * RADIUS / wind, plant.growth(wind, w, x)) for w, x in plant.equilibria(wind, load)]
+        closed = tuple(Series(f"closed form, {word}", [x[0] for x in line if (x[2] < 0.0) == stable],
+                              [x[1] for x in line if (x[2] < 0.0) == stable], "dots", faint=not stable)
+                       for word, stable in (("stable", True), ("unstable", False)))
+        panels.append(Panel(f"tip speed ratio, {wind:g} m/s", (*closed, *(series(n, some) for n, some in kinds.items()))))
+    return Chart("Equilibria of a turbine whose torque rises with its speed at first, behind the converter", "load, N.m",
+                 tuple(panels), "Each point is a run from an equilibrium with the turbine 2 % too fast: it returns or leaves. "
+                 "With a light load there are three equilibria in one wind, of which the middle one is unstable.", columns=2)
+
+
+def _growths(points: list[Point]) -> Chart:
+    series = tuple(Series(name, [p.wind for p in some], [p.load for p in some], "points",
+                          shades=[p.growth for p in some], shade_label="growth, 1/s")
+                   for name, some in (("least damped equilibrium", _worst(points)),))
+    return Chart("Stability over wind and load", "wind, m/s", (Panel("load, N.m", series, logarithmic=True),),
+                 "The largest real part of the eigenvalues, of the least damped equilibrium in each wind and under each load.")
+
+
+def _worst(points: list[Point]) -> list[Point]:
+    cells: dict[tuple[float, float], Point] = {}
+    for p in points:
+        key = (p.wind, p.load)
+        if key not in cells or p.growth > cells[key].growth:
+            cells[key] = p
+    return list(cells.values())

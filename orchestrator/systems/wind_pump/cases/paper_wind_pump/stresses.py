@@ -1,0 +1,138 @@
+"""Stresses of both transmissions: torsion by a piston pump and by one-way clutches, its cycles, and the damage they add up to."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from .....harness.analysis.fatigue import Endurance, rainflow
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....results import Result
+from .....run import run
+from .....scene.scene import Scene
+from .... import load_scene, read_scene
+
+TURN = 2.0 * math.pi
+DIAMETERS = (20.0, 25.0, 30.0)  # mm, of the pump's shaft
+SPEED, TURNS = 2.0, 10  # rad/s of the pump behind the fixed ratio; recorded turns
+TURBINE, GEAR, RECORDED = 2.5178906, 6.0, 12  # rad/s, that of 3 m/s under the pump's mean torque; recorded turns of the crank
+SEEN = 200  # instants a turn
+ENDURANCE = Endurance(150e6, 2e6, 5.0)  # Pa in torsion; recalled for a shaft of plain steel
+BENDING = 200e6  # Pa, amplitude that plain steel endures in bending; recalled
+STRESS = "stresses.driven_shaft_stress"
+THREE_YEARS = 3.0 * 365.25 * 86400.0  # s, of a run of three years
+
+
+def study(options: Options) -> Evidence:
+    """Torsion of the shaft behind a fixed ratio, of the shaft behind the clutches, and of the lever in gusts."""
+    runs: dict[str, Result] = {}
+    for label, scene in (("piston behind a fixed ratio", piston()), ("converter at held speeds", converter()),
+                         ("gusts", load_scene("wind-pump-gusts"))):
+        runs[label] = run(scene, in_process=options.in_process, progress=options.progress)
+        if runs[label].outcome != "done":
+            return Evidence({}, runs=runs, notes=(runs[label].message,))
+    fixed, held, gusts = runs.values()
+    measured = _fixed(fixed) | _clutches(held)
+    bending = rainflow(gusts["converter.stresses.lever_stress"])
+    measured["gust.lever"] = 0.5 * float(bending.ranges.max()) / BENDING
+    measured["gust.cycles"] = float(bending.counts[bending.ranges > 0.5 * bending.ranges.max()].sum())
+    note = (f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
+            f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
+            f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled.")
+    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), {"converter at held speeds": held}, (note,))
+
+
+def piston() -> Scene:
+    """A piston pump behind the shaft of a fixed ratio, the turbine's speed given; the inertia behind the shaft is small."""
+    return read_scene({
+        "title": "Piston pump behind a fixed ratio", "stop_time": (TURNS + 1) * TURN / SPEED,
+        "connections": ["gear.speed -> pump.speed", "pump.torque -> gear.load_torque"],
+        "units": {"gear": {"component": "FixedTransmission",
+                           "parameters": {"turbine_speed": SPEED, "start_speed": SPEED, "driven_inertia": 0.05}},
+                  "pump": {"component": "PistonPump", "preset": "60 x 150 mm"}},
+        "master": {"step": TURN / SPEED / 1000.0, "extrapolation": 1},
+        "record": {"signals": ["gear.driving_torque", "pump.torque", "pump.angle"], "interval": TURN / SPEED / SEEN},
+    }, "paper-wind-pump")  # fmt: skip
+
+
+def converter() -> Scene:
+    """Converters whose flywheels hold the crank and the driven shaft: stalled, and at the speeds of the operating point."""
+    period = TURN / (TURBINE * GEAR)
+    always = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "shaft_damping": 0.0,
+              "turbine_speed": TURBINE}  # fmt: skip
+    ways: dict[str, dict[str, float]] = {"stalled": {"load_torque": 1e4}, "driving": {"start_speed": 2.6416274}}
+    units: dict[str, Any] = {name: {"component": "InertialConverter", "effects": ["stresses"], "parameters": {**always, **way}}
+                             for name, way in ways.items()}
+    signals = [f"{name}.{signal}" for name in units for signal in ("driving_torque", STRESS)]
+    return read_scene({"title": "Stresses of converters at held speeds", "stop_time": (RECORDED + 1) * period, "units": units,
+                       "master": {"step": period / SEEN}, "record": {"signals": signals}}, "paper-wind-pump")
+
+
+def torsion(torque: np.ndarray | float, diameter: float) -> np.ndarray | float:
+    """Shear stress, MPa, of a torque in N.m on a shaft of a diameter in mm."""
+    return 16.0 * np.asarray(torque) / (math.pi * (1e-3 * diameter) ** 3) * 1e-6
+
+
+def _fixed(result: Result) -> dict[str, float]:
+    torque = _last(result["gear.driving_torque"], TURNS)
+    measured: dict[str, float] = {}
+    for d in DIAMETERS:
+        stress = torsion(torque, d)
+        cycles = rainflow(1e6 * np.asarray(stress))
+        large = cycles.ranges > 0.5 * cycles.ranges.max()
+        measured |= {
+            f"mean.{d:g}": float(np.mean(stress)), f"peak.{d:g}": float(np.max(stress)),
+            f"amplitude.{d:g}": 0.5e-6 * float(cycles.ranges.max()),
+            f"damage.{d:g}": ENDURANCE.damage(cycles) / TURNS,
+        }
+        measured[f"cycles.{d:g}"] = float(cycles.counts[large].sum()) / TURNS
+    return measured
+
+
+def _clutches(result: Result) -> dict[str, float]:
+    measured = {}
+    for name in ("stalled", "driving"):
+        torque, stress = (_last(result[f"{name}.{signal}"], RECORDED) for signal in ("driving_torque", STRESS))
+        cycles = rainflow(stress)
+        lines = np.abs(np.fft.rfft(torque - torque.mean()))
+        measured |= {
+            f"{name}.peak": float(torque.max() / torque.mean()),
+            f"{name}.cycles": float(cycles.counts[cycles.ranges > 0.5 * cycles.ranges.max()].sum()) / RECORDED,
+            f"{name}.order": float(np.argmax(lines)) / RECORDED,
+            f"{name}.stress": float(stress.max() / (1e6 * torsion(torque.max(), 30.0))),
+        }
+    return measured
+
+
+def _last(values: np.ndarray, turns: int) -> np.ndarray:
+    """The last whole turns of a record with `SEEN` instants a turn."""
+    return np.asarray(values)[-turns * SEEN:]
+
+
+def _courses(fixed: Result, held: Result) -> Chart:
+    turn = np.arange(2 * SEEN) / SEEN
+    shafts = tuple(Series(name, turn, torsion(_last(torque, 2), 20.0)) for name, torque in (
+        ("piston behind a fixed ratio, over turns of the pump", fixed["gear.driving_torque"]),
+        ("behind the clutches, over turns of the crank", held["driving.driving_torque"])))
+    return Chart("Torsion of a shaft of 20 mm", "turn", (Panel("shear stress, MPa", shafts),),
+                 "Both pass on 13.2 N.m in the mean, at the operating point of 3 m/s: one stroke a turn of the pump, two pushes "
+                 "a turn of the crank.")  # fmt: skip
+
+
+def _damage(fixed: Result, held: Result) -> Chart:
+    diameters = np.linspace(8.0, 30.0, 45)
+    lines = [Series("end of life", [8.0, 30.0], [1.0, 1.0], faint=True)]
+    for name, torque, seconds in (
+        ("piston behind a fixed ratio", _last(fixed["gear.driving_torque"], TURNS), TURNS * TURN / SPEED),
+        ("behind the clutches", _last(held["driving.driving_torque"], RECORDED), RECORDED * TURN / (TURBINE * GEAR)),
+    ):
+        each = [ENDURANCE.damage(rainflow(1e6 * np.asarray(torsion(torque, d)))) for d in diameters.tolist()]
+        lines.append(Series(name, diameters, np.array(each) * THREE_YEARS / seconds))
+    return Chart("Damage of a shaft in three years of the same wind", "diameter, mm",
+                 (Panel("Miner's sum, 1", tuple(lines), logarithmic=True),),
+                 "Elementary rule of Palmgren and Miner, rainflow cycles of the nominal stress; the endurance is recalled, and "
+                 "notches are not in it.")  # fmt: skip

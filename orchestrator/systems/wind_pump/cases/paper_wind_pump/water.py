@@ -1,0 +1,141 @@
+"""Water of a year by a wind distribution: the converter against the fixed ratio that suits the same site best.
+
+The units run to their operating points in winds side by side; what they give is weighted with a Weibull distribution of the
+wind. Energies are shares of the ideal: the turbine's largest power coefficient in every wind.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import minimize_scalar
+from scipy.special import gamma
+
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....run import run
+from .... import read_scene
+from ..start import FREE, scene, turning_point
+from .plant import AREA, DENSITY, RADIUS
+
+BEST = 0.3  # largest power coefficient of the farm windmill
+LOAD = 13.2435  # N.m, mean torque of the pump
+LIFT = 1000.0 * 9.81 * 20.0  # Pa, of the water
+YEAR = 365.25 * 86400.0  # s
+RATIOS = (0.7, 1.0, 1.4)  # of the fixed gear, pump over turbine
+SITES = (3.0, 4.0, 5.0)  # m/s, mean wind
+SHAPES = (1.5, 2.0, 2.5, 3.0)  # of the Weibull distribution; 2 is Rayleigh's
+CAP = 2.0  # times the mean wind, above which the power stays what it is there
+Share = Callable[[np.ndarray], np.ndarray]
+
+
+def study(options: Options) -> Evidence:
+    """Power coefficients over the wind by runs of both transmissions, and the water of a year at several sites."""
+    winds = np.concatenate((np.linspace(1.52, 3.0, 16), np.linspace(3.2, 10.0, 18)))
+    converter = _settled(winds, "AveragedConverter", {}, FREE)
+    over = np.geomspace(1.003, 5.5, 24)  # wind over the wind that balances the mean torque
+    fixed = {}
+    for ratio in RATIOS:
+        balanced = math.sqrt(ratio * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5))
+        fixed[ratio] = _settled(over * balanced, "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE)
+    u = over**-2.0
+    measured = {"curve": max(float(np.abs(c / BEST - 4.0 * u * (1.0 - u)).max()) for c in fixed.values())}
+    stop, start = (turning_point(run(scene("fixed", what), in_process=options.in_process), what) for what in ("stop", "start"))
+    measured["start"] = start / stop
+    running = PchipInterpolator(np.concatenate(([1.0], over)), np.concatenate(([0.0], fixed[1.0])), extrapolate=False)
+
+    def of_fixed(balanced: float, first: float) -> Share:
+        return lambda v: np.where(v > first * balanced, np.nan_to_num(running(v / balanced)), 0.0)
+
+    adapted = PchipInterpolator(winds, converter, extrapolate=False)
+
+    def of_converter(v: np.ndarray) -> np.ndarray:
+        return np.where(v > winds[-1], converter[-1], np.nan_to_num(adapted(v)))
+
+    for shape in SHAPES:
+        best, share = _best(lambda b: of_fixed(b, 1.0), 1.0, shape, None)
+        late, late_share = _best(lambda b: of_fixed(b, start / stop), 1.0, shape, None)
+        measured |= {f"balance.{shape:g}": best, f"share.{shape:g}": share, f"gain.{shape:g}": 1.0 / share,
+                     f"late.balance.{shape:g}": late, f"late.share.{shape:g}": late_share,
+                     f"late.gain.{shape:g}": 1.0 / late_share}
+    for mean in SITES:
+        ideal = energy(lambda v: np.full_like(v, BEST), mean, 2.0, CAP)
+        own = energy(of_converter, mean, 2.0, CAP)
+        best, share = _best(lambda b: of_fixed(b, 1.0), mean, 2.0, CAP)
+        late, late_share = _best(lambda b: of_fixed(b, start / stop), mean, 2.0, CAP)
+        measured |= {f"ideal.{mean:g}": ideal * YEAR / LIFT, f"water.{mean:g}": own * YEAR / LIFT,
+                     f"converter.{mean:g}": own / ideal, f"capped.{mean:g}": 1.0 / share, f"over.{mean:g}": own / ideal / share,
+                     f"late.over.{mean:g}": own / ideal / late_share}
+    note = (f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
+            f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to start "
+            "against the pump's peak.")
+    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
+
+
+def _settled(winds: np.ndarray, component: str, parameters: dict[str, float], speed: float) -> np.ndarray:
+    """Power coefficients at the end of runs side by side, one a wind, under the mean torque. speed: start over wind, 1/m."""
+    units: dict[str, Any] = {}
+    connections = []
+    fixed = component == "FixedTransmission"
+    for k, wind in enumerate(winds.tolist()):
+        begin = {"start_speed": parameters.get("gear_ratio", 1.0) * speed * wind if fixed else 1.0, "load_torque": LOAD}
+        units[f"turbine_{k}"] = {"component": "WindTurbine", "preset": "farm windmill",
+                                 "parameters": {"wind": wind, "start_speed": speed * wind}}
+        units[f"drive_{k}"] = {"component": component, "parameters": {**parameters, **begin}}
+        connections += [f"turbine_{k}.speed -> drive_{k}.turbine_speed", f"drive_{k}.turbine_torque -> turbine_{k}.torque"]
+    step = 0.02 if fixed else 0.05
+    result = run(read_scene({
+        "title": f"{component} in steady winds", "stop_time": 60.0, "units": units, "connections": connections,
+        "master": {"step": step, "extrapolation": 1},
+        "record": {"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0}},
+        "paper-wind-pump"), in_process=True)  # a hundred units
+    if result.outcome != "done":
+        raise RuntimeError(result.message)
+    return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds.size)])
+
+
+def energy(coefficient: Share, mean: float, shape: float, cap: float | None) -> float:
+    """Mean power, W, of a power coefficient over the wind in a Weibull distribution of a mean wind, m/s.
+
+    cap: times the mean wind, above which the power stays the same; None: it goes on with the cube.
+    """
+    scale = mean / float(gamma(1.0 + 1.0 / shape))
+    v = np.linspace(1e-6, 6.0 * mean, 24001)
+    density = shape / scale * (v / scale) ** (shape - 1.0) * np.exp(-((v / scale) ** shape))
+    reached = v if cap is None else np.minimum(v, cap * mean)
+    return float(np.trapezoid(density * 0.5 * DENSITY * AREA * reached**3 * coefficient(reached), v))
+
+
+def _best(of_fixed: Callable[[float], Share], mean: float, shape: float, cap: float | None) -> tuple[float, float]:
+    """(wind over mean wind at which the best fixed ratio balances the mean torque, its share of the ideal energy)."""
+    ideal = energy(lambda v: np.full_like(v, BEST), mean, shape, cap)
+    best = minimize_scalar(lambda b: -energy(of_fixed(b * mean), mean, shape, cap), bounds=(0.4, 1.6), method="bounded",
+                           options={"xatol": 1e-3})
+    return float(best.x), -float(best.fun) / ideal
+
+
+def _curves(winds: np.ndarray, converter: np.ndarray, over: np.ndarray, fixed: dict[float, np.ndarray]) -> Chart:
+    balanced = {r: math.sqrt(r * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5)) for r in RATIOS}
+    series = [Series("converter", winds, converter, "line+points")]
+    series += [Series(f"fixed ratio {r:g}", over * balanced[r], c, "points") for r, c in fixed.items()]
+    series += [Series(f"closed form, {r:g}", over * balanced[r], BEST * 4.0 * over**-2.0 * (1.0 - over**-2.0), faint=True)
+               for r in RATIOS]
+    panel = Panel("power coefficient, 1", tuple(series), x_range=(1.0, 10.0))
+    return Chart("Power coefficient in a steady wind", "wind, m/s", (panel,),
+                 "A fixed ratio has its best coefficient in one wind; the converter stays near it from 2.5 m/s on.")
+
+
+def _sites(measured: dict[str, float]) -> Chart:
+    water = (Series("ideal", SITES, [measured[f"ideal.{m:g}"] for m in SITES], "line+points", faint=True),
+             Series("converter", SITES, [measured[f"water.{m:g}"] for m in SITES], "line+points"),
+             Series("best fixed ratio, always running", SITES,
+                    [measured[f"water.{m:g}"] / measured[f"over.{m:g}"] for m in SITES], "line+points"),
+             Series("best fixed ratio that starts against the peak", SITES,
+                    [measured[f"water.{m:g}"] / measured[f"late.over.{m:g}"] for m in SITES], "line+points"))
+    return Chart("Water of a year, 20 m of lift", "mean wind, m/s", (Panel("m³", water),),
+                 "Rayleigh distribution, the power constant above twice the mean wind; each fixed ratio is its site's best.")
