@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -78,6 +79,6 @@ def rainflow(values: Iterable[float]) -> Cycles:
                 del kept[0]
             else:
                 del kept[-3:-1]
-    found += [(abs(b - a), 0.5 * (a + b), 0.5) for a, b in zip(kept, kept[1:], strict=False)]
+    found += [(abs(b - a), 0.5 * (a + b), 0.5) for a, b in pairwise(kept)]
     table = np.array(found, dtype=float).reshape(-1, 3)
     return Cycles(*table.T)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.fatigue import Endurance, rainflow, turning_points
 
@@ -26,7 +25,8 @@ def test_sine_with_a_ripple_has_one_large_cycle_a_period_and_its_ripples() -> No
 
 def test_turning_points_leave_out_what_is_no_extreme() -> None:
     assert turning_points([0.0, 1.0, 1.0, 2.0, 2.0, 1.0, -1.0, 0.0]).tolist() == [0.0, 2.0, -1.0, 0.0]
-    assert turning_points([]).size == 0 and turning_points([3.0, 3.0]).tolist() == [3.0]
+    assert turning_points([]).size == 0
+    assert turning_points([3.0, 3.0]).tolist() == [3.0]
     assert rainflow([1.0]).counts.size == 0
 
 

@@ -19,7 +19,8 @@ from .... import load_scene, read_scene
 TURN = 2.0 * math.pi
 DIAMETERS = (20.0, 25.0, 30.0)  # mm, of the pump's shaft
 SPEED, TURNS = 2.0, 10  # rad/s of the pump behind the fixed ratio; recorded turns
-TURBINE, GEAR, RECORDED = 2.5178906, 6.0, 12  # rad/s, that of 3 m/s under the pump's mean torque; recorded turns of the crank
+TURBINE, PUMP, GEAR, RECORDED = 2.5178906, 2.6416274, 6.0, 12  # rad/s, in 3 m/s; recorded turns of the crank
+MEAN_TORQUE = 13.2435  # N.m, of the pump at 20 m
 SEEN = 200  # instants a turn
 ENDURANCE = Endurance(150e6, 2e6, 5.0)  # Pa in torsion; recalled for a shaft of plain steel
 BENDING = 200e6  # Pa, amplitude that plain steel endures in bending; recalled
@@ -64,7 +65,7 @@ def converter() -> Scene:
     period = TURN / (TURBINE * GEAR)
     always = {"crank_inertia": 1e6, "driven_inertia": 1e6, "shaft_stiffness": 1e-3, "shaft_damping": 0.0,
               "turbine_speed": TURBINE}  # fmt: skip
-    ways: dict[str, dict[str, float]] = {"stalled": {"load_torque": 1e4}, "driving": {"start_speed": 2.6416274}}
+    ways: dict[str, dict[str, float]] = {"stalled": {"load_torque": 1e4}, "driving": {"start_speed": PUMP}}
     units: dict[str, Any] = {name: {"component": "InertialConverter", "effects": ["stresses"], "parameters": {**always, **way}}
                              for name, way in ways.items()}
     signals = [f"{name}.{signal}" for name in units for signal in ("driving_torque", STRESS)]
@@ -77,6 +78,11 @@ def torsion(torque: np.ndarray | float, diameter: float) -> np.ndarray | float:
     return 16.0 * np.asarray(torque) / (math.pi * (1e-3 * diameter) ** 3) * 1e-6
 
 
+def constant_damage(diameter: float) -> float:
+    """Miner's sum of one stroke after Basquin's line, 1: amplitude 8 T / d³ of the pump's mean torque, diameter in mm."""
+    return (8.0 * MEAN_TORQUE / (1e-3 * diameter) ** 3 / ENDURANCE.limit) ** ENDURANCE.exponent / ENDURANCE.cycles
+
+
 def _fixed(result: Result) -> dict[str, float]:
     torque = _last(result["gear.driving_torque"], TURNS)
     measured: dict[str, float] = {}
@@ -87,7 +93,7 @@ def _fixed(result: Result) -> dict[str, float]:
         measured |= {
             f"mean.{d:g}": float(np.mean(stress)), f"peak.{d:g}": float(np.max(stress)),
             f"amplitude.{d:g}": 0.5e-6 * float(cycles.ranges.max()),
-            f"damage.{d:g}": ENDURANCE.damage(cycles) / TURNS,
+            f"damage.{d:g}": ENDURANCE.damage(cycles) / TURNS / constant_damage(d),
         }
         measured[f"cycles.{d:g}"] = float(cycles.counts[large].sum()) / TURNS
     return measured
@@ -100,12 +106,15 @@ def _clutches(result: Result) -> dict[str, float]:
         cycles = rainflow(stress)
         lines = np.abs(np.fft.rfft(torque - torque.mean()))
         measured |= {
-            f"{name}.peak": float(torque.max() / torque.mean()),
+            f"{name}.peak": float(torque.max() / torque.mean()), f"{name}.mean": float(torque.mean()),
             f"{name}.cycles": float(cycles.counts[cycles.ranges > 0.5 * cycles.ranges.max()].sum()) / RECORDED,
             f"{name}.order": float(np.argmax(lines)) / RECORDED,
             f"{name}.stress": float(stress.max() / (1e6 * torsion(torque.max(), 30.0))),
         }
-    return measured
+    # what a stand would measure: the mean torque at stall, and at a known speed of both shafts
+    crank = TURBINE * GEAR
+    k1 = measured["stalled.mean"] / crank**2
+    return measured | {"stand.k1": k1, "stand.k2": (k1 * crank**2 - measured["driving.mean"]) / (crank * PUMP)}
 
 
 def _last(values: np.ndarray, turns: int) -> np.ndarray:

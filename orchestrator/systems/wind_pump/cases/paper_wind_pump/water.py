@@ -72,8 +72,8 @@ def study(options: Options) -> Evidence:
                      f"converter.{mean:g}": own / ideal, f"capped.{mean:g}": 1.0 / share, f"over.{mean:g}": own / ideal / share,
                      f"late.over.{mean:g}": own / ideal / late_share}
     note = (f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
-            f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to start "
-            "against the pump's peak.")
+            f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
+            "start against the pump's peak.")
     return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
 
 
@@ -105,7 +105,7 @@ def energy(coefficient: Share, mean: float, shape: float, cap: float | None) -> 
     cap: times the mean wind, above which the power stays the same; None: it goes on with the cube.
     """
     scale = mean / float(gamma(1.0 + 1.0 / shape))
-    v = np.linspace(1e-6, 6.0 * mean, 24001)
+    v = np.linspace(1e-6, 10.0 * mean, 30001)
     density = shape / scale * (v / scale) ** (shape - 1.0) * np.exp(-((v / scale) ** shape))
     reached = v if cap is None else np.minimum(v, cap * mean)
     return float(np.trapezoid(density * 0.5 * DENSITY * AREA * reached**3 * coefficient(reached), v))
