@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -27,6 +28,9 @@ GIVEN = (3.0, 6.0, 8.0)  # m/s, winds in which the eigenvalues of the components
 MEAN_TORQUE = 13.2435  # N.m
 RESTING = 0.05  # rad/s, below which a pump that has no equilibrium counts as standing: it turned at 1 at the start
 FIXED_WIND, FIXED_LOAD = 6.0, 8.0  # m/s, N.m, of the turbine with Heier's curve and a gear without steps
+
+
+Speeds = tuple[float, float]  # rad/s, of turbine and driven shaft
 
 
 @dataclass(frozen=True)
@@ -72,9 +76,13 @@ def study(options: Options) -> Evidence:
 
 def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
     """All points of a turbine, and for winds and loads without an equilibrium whether the pump came to stand."""
-    plant, points, standing = PLANTS[name], [], []
+    plant = PLANTS[name]
+    points: list[Point] = []
+    standing: list[bool] = []
     for wind in WINDS[name].tolist():
-        cells = [(load, at) for load in LOADS[name].tolist() for at in plant.equilibria(wind, load) or [None]]
+        cells: list[tuple[float, Speeds | None]] = []
+        for load in LOADS[name].tolist():
+            cells += [(load, at) for at in plant.equilibria(wind, load)] or [(load, None)]
         starts = [(load, at and (PUSH * at[0], at[1])) for load, at in cells]
         result = run(scene(plant, wind, starts, STEPS[name], STOPS[name]), in_process=True)  # thousands of starts in all
         if result.outcome != "done":
@@ -93,13 +101,13 @@ def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
     return points, standing
 
 
-def _nearest(found: list[tuple[float, float]], at: tuple[float, float]) -> tuple[float, float] | None:
+def _nearest(found: list[Speeds], at: Speeds) -> Speeds | None:
     """The equilibrium at a changed load that belongs to the one given; None where it is gone."""
     close = [x for x in found if abs(x[0] / at[0] - 1.0) < 0.2]
     return min(close, key=lambda x: abs(x[0] - at[0])) if close else None
 
 
-def scene(plant: Plant, wind: float, starts: list[tuple[float, tuple[float, float] | None]], step: float, stop: float) -> Scene:
+def scene(plant: Plant, wind: float, starts: Sequence[tuple[float, Speeds | None]], step: float, stop: float) -> Scene:
     """Sets of turbine and averaged converter side by side, each under its load and from its speeds; None: a slow pump."""
     units: dict[str, Any] = {}
     connections = []

@@ -44,7 +44,7 @@ def study(options: Options) -> Evidence:
     note = (f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
             f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
             f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled.")
-    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), {"converter at held speeds": held}, (note,))
+    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,))
 
 
 def piston() -> Scene:
@@ -73,7 +73,7 @@ def converter() -> Scene:
                        "master": {"step": period / SEEN}, "record": {"signals": signals}}, "paper-wind-pump")
 
 
-def torsion(torque: np.ndarray | float, diameter: float) -> np.ndarray | float:
+def torsion(torque: np.ndarray | float, diameter: float) -> np.ndarray:
     """Shear stress, MPa, of a torque in N.m on a shaft of a diameter in mm."""
     return 16.0 * np.asarray(torque) / (math.pi * (1e-3 * diameter) ** 3) * 1e-6
 
@@ -100,7 +100,7 @@ def _fixed(result: Result) -> dict[str, float]:
 
 
 def _clutches(result: Result) -> dict[str, float]:
-    measured = {}
+    measured: dict[str, float] = {}
     for name in ("stalled", "driving"):
         torque, stress = (_last(result[f"{name}.{signal}"], RECORDED) for signal in ("driving_torque", STRESS))
         cycles = rainflow(stress)
