@@ -90,7 +90,10 @@ class _Callback:
     argument = 0
     error: BaseException | None = None
 
-    def __init__(self, hook: Callable[[float, float], None]):
+    def __init__(self, hook: Callable[[float, float], None], reason: str):
+        """`reason`: what of it is not a call of a kernel."""
+        self.reason = reason
+
         def call(t: float, h: float, _: int | None) -> int:
             try:
                 hook(t, h)
@@ -147,8 +150,14 @@ class ComponentUnit:
     def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | _Callback:
         try:
             return Entry(calls())
-        except PythonInHook:
-            return _Callback(python)
+        except PythonInHook as what:
+            return _Callback(python, str(what))
+
+    def python_hooks(self, h: float) -> dict[str, str]:
+        """What of the hooks is Python in steps of length h, s, of the initialized component: hook -> statement."""
+        self.call_table(h)
+        hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
+        return {name: hook.reason for name, hook in hooks if isinstance(hook, _Callback)}
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""

@@ -55,13 +55,15 @@ def _folded(call: KernelCall) -> tuple[Any, ...]:
 
 def _compiled(call: KernelCall) -> tuple[int, tuple[str, ...]]:
     """(address, types of the arguments in machine code) of a kernel for these arguments."""
+    from numba.core.types import unliteral
+
     kernel = call.kernel
     signature = tuple(kernel.typeof_pyval(0.0 if isinstance(a, Symbol) else a) for a in _folded(call))
     if signature not in kernel.overloads:
         kernel.compile(signature)
     compiled = kernel.overloads[signature]
     kinds = [str(k) for k in compiled.target_context.get_arg_packer(compiled.fndesc.argtypes).argument_types]
-    result = str(compiled.signature.return_type)
+    result = str(unliteral(compiled.signature.return_type))  # one that always returns DONE has a type of that number
     if result not in ("int64", "none") or (call.checked and result == "none"):
         raise PythonInHook(f"{kernel.__name__}, which returns {result}")
     return (compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name),

@@ -8,11 +8,10 @@ from typing import Any, cast
 import numpy as np
 
 from ....components.core.errors import StepFailed
-from ....components.core.kernels import COMPILED
 from ...units.component import ComponentUnit
 from ...units.fmi2 import Fmi2CoSimulation
 from .compiled import FAILED, WAY, LoopLayout, LoopState, run_steps
-from .energy import EnergyAccount, Meter
+from .energy import EnergyAccount
 from .gauss_seidel import GaussSeidel
 from .initial import RUNAWAY
 from .jacobi import Jacobi
@@ -22,7 +21,7 @@ Unit = ComponentUnit | Fmi2CoSimulation
 
 
 class CompiledLoop:
-    """Macro steps of a master in compiled code, with the same bits; made by `compiled_loop_for`.
+    """Macro steps of a master in compiled code, with the same bits; made by `batch_loop_for`.
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
     changes a master there need not know of this. `inputs`: of the last stretch, (n, 2, L), the inputs behind each step in the
@@ -173,16 +172,3 @@ class CompiledLoop:
             past.before, past.earlier = take(now.before[at]), take(now.earlier[at])
             interpolated = bool(now.interpolates[k])
             node.reached, node.known = (None, take(now.known[at])) if interpolated else (take(now.reached[at]), None)
-
-
-def compiled_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None) -> CompiledLoop | None:
-    """The stretches of a master; None where a unit is of another kind, or is corrected. `halt`: as in `batch_loop_for`."""
-    units: list[Any] = [node.unit.unit if isinstance(node.unit, Meter) else node.unit for node in master.nodes]
-    corrected = account is not None and account.correction
-    if not COMPILED or corrected or not all(isinstance(u, ComponentUnit) or _by_address(u) for u in units):
-        return None
-    return CompiledLoop(master, units, halt, account)
-
-
-def _by_address(unit: Any) -> bool:
-    return isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None

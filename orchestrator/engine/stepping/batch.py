@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from ....components.core.kernels import COMPILED
+from ...units.component import ComponentUnit
+from ...units.fmi2 import Fmi2CoSimulation
 from ..algorithms import Master
-from ..algorithms.energy import EnergyAccount
+from ..algorithms.energy import EnergyAccount, Meter
 from ..algorithms.gauss_seidel import GaussSeidel
 from ..algorithms.jacobi import Jacobi
+from ..algorithms.multirate import MultirateUnit
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
 from .clock import Clock
@@ -76,14 +80,41 @@ class BatchStepping(Stepping):
 
 
 def batch_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None = None) -> Any:
-    """Stretches for a master, of components in this process or of FMUs; None where the scene needs what they do not have.
+    """Batches of steps for a master, of components in this process or of FMUs; None where there are `obstacles`.
 
-    `account`: the stretches are entered in it. `halt`: (1,) uint8; a number other than 0 ends a stretch behind its present step.
+    `account`: the batches are entered in it. `halt`: (1,) uint8; a number other than 0 ends a batch behind its present step.
     """
-    nodes = master.nodes
-    plain = type(master) in (Jacobi, GaussSeidel) and master.texts is None and not master.loops
-    if not plain or any(type(node) is not Node or type(node.history) is not History for node in nodes):
+    if any(obstacles(master, account)):
         return None
-    from ..algorithms.compiled_loop import compiled_loop_for  # loads Numba
+    from ..algorithms.compiled_loop import CompiledLoop  # loads Numba
 
-    return compiled_loop_for(master, halt, account)
+    return CompiledLoop(master, [inner(node) for node in master.nodes], halt, account)
+
+
+def inner(node: Node) -> Any:
+    """The unit of a node, without its meter."""
+    return node.unit.unit if isinstance(node.unit, Meter) else node.unit
+
+
+def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
+    """What of a scene keeps its steps out of the compiled loop, in the scene's own words."""
+    if not COMPILED:
+        yield "Numba, which is missing or switched off"
+    if type(master) not in (Jacobi, GaussSeidel):
+        yield "master.algorithm"
+    if master.texts is not None:
+        yield "connections of texts"
+    if account is not None and account.correction:
+        yield "master.energy_correction"
+    for solver in master.loops:
+        yield f"the algebraic loop {solver.loop.text}"
+    for node in master.nodes:
+        unit = inner(node)
+        if isinstance(unit, MultirateUnit):
+            yield f"units.{unit.name}.every"
+        elif not (isinstance(unit, ComponentUnit) or (isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None)):
+            yield f"units.{unit.name}, a {unit.kind}" + (" that a fault can take away" if hasattr(unit, "lost") else "")
+        if type(node) is not Node:
+            yield "master.smoothing"
+        elif type(node.history) is not History:
+            yield f"units.{unit.name}, an input of which is discrete or comes from a unit with `every`"

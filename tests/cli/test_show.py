@@ -1,0 +1,120 @@
+"""`cosimo show`: what a component or a scene consists of, and where Python is in its steps."""
+
+import json
+
+import pytest
+from cosimo.components.core.kernels import COMPILED, DONE, kernel
+from cosimo.components.core.stateless import StatelessComponent
+from cosimo.components.core.variables import input_, output, parameter
+from cosimo.orchestrator.advice.stepping_path import stepping_path
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.systems import load_scene, read_scene
+
+compiled = pytest.mark.skipif(not COMPILED, reason="without Numba every step is Python")
+
+
+@kernel
+def double(u, y):
+    """y = 2 u."""
+    y[0] = 2.0 * u[0, 0]
+    return DONE
+
+
+class Compiled(StatelessComponent):
+    """Its hook is the call of a kernel."""
+
+    title = "doubled"
+    amount = input_(1.0, "m", "a length")
+    result = output("m", "twice as much")
+
+    def _outputs(self, t):
+        double(self.u, self.y)
+
+
+class Half(Compiled):
+    """Its hook calls a kernel, and then computes."""
+
+    title = "halved"
+    share = parameter(0.5, "1", "factor", low=0.0, high=1.0)
+
+    def _outputs(self, t):
+        super()._outputs(t)
+        self.y[0] *= self.parameters["share"]
+
+
+def shown(capsys, *arguments):
+    """What `cosimo show ... --json` prints."""
+    with pytest.raises(SystemExit) as done:
+        main(["show", *arguments, "--json"])
+    assert not done.value.code
+    return json.loads(capsys.readouterr().out)
+
+
+@compiled
+def test_a_component(capsys):
+    found = shown(capsys, "PlanarLink", "--effects", "gravity")
+    rows = {row["name"]: row for row in found["variables"]}
+    assert rows["mass"] == {"name": "mass", "is": "parameter", "unit": "kg", "default": 1.0, "limits": ">= 1e-12",
+                            "text": "mass of the link"}
+    assert rows["tip_force_x"]["is"] == "input"
+    effects = {row["name"]: row for row in found["effects"]}
+    assert effects["gravity"]["on"]
+    assert effects["gravity"]["adds"] == ["parameter acceleration"]
+    assert not effects["pinned"]["on"]
+    assert effects["pinned"]["adds"] == ["output reaction_x", "output reaction_y"]
+    assert found["step"] == "compiled"
+
+
+@compiled
+@pytest.mark.parametrize(("cls", "step"), [
+    (Compiled, "compiled"), (Half, "Python in _outputs: self.y[0] *= self.parameters['share']"),
+])  # fmt: skip
+def test_python_in_a_step_is_named_with_its_hook_and_statement(cls, step, capsys):
+    found = shown(capsys, f"{__name__}:{cls.__name__}")
+    assert found["step"].startswith(step)
+    assert [row["name"] for row in found["variables"] if row["is"] == "output"] == ["result"]
+
+
+def test_a_scene(capsys):
+    found = shown(capsys, "mass-on-spring")
+    assert [unit["what"] for unit in found["units"]] == ["PlanarLink", "CompliantJoint"]
+    assert {"from": "mass.base_x", "to": "spring.second_x", "times": 1.0, "plus": 0.0} in found["connections"]
+    assert {"setting": "step", "value": 0.005} in found["master"]
+
+
+BOND = {"master.bonds": ["spring.second_force_x * mass.base_velocity_x"]}
+
+
+@compiled
+@pytest.mark.parametrize(("changes", "obstacle"), [
+    ({}, ""), ({"master.algorithm": "jacobi"}, ""), (BOND, ""),
+    ({"units.spring.every": 2}, "units.spring.every"),
+    ({"master.algorithm": "iterative"}, "master.algorithm"),
+    ({"master.smoothing": True}, "master.smoothing"),
+    ({**BOND, "master.energy_correction": True}, "master.energy_correction"),
+    ({"master.control": {"method": "milne", "relative": 1e-4}}, "master.control"),
+    ({"master.events": ["mass.base_x"]}, "master.events"),
+    ({"units.spring.isolation": "process"}, "units.spring"),
+])  # fmt: skip
+def test_the_setting_that_puts_a_scene_on_the_general_path(changes, obstacle):
+    path = stepping_path(load_scene("mass-on-spring").with_changes({"stop_time": 0.1, **changes}))
+    assert path.python == {}
+    assert bool(path.obstacles) == bool(obstacle)
+    assert any(words.startswith(obstacle) for words in path.obstacles) or not obstacle, path.obstacles
+
+
+@compiled
+def test_python_in_the_steps_of_a_unit():
+    data = load_scene("mass-on-spring").model_dump(exclude_unset=True)
+    data["units"] = {**data["units"], "other": {"component": f"{__name__}:Half"}}
+    path = stepping_path(read_scene(data))
+    assert path.obstacles == ()
+    assert list(path.python) == ["other"]
+
+
+@pytest.mark.parametrize(("name", "words"), [("PlanarLynk", "did you mean 'PlanarLink'"), ("mass-on-sprin", "mass-on-spring")])
+def test_an_unknown_name_is_one_message(name, words, capsys):
+    with pytest.raises(SystemExit) as done:
+        main(["show", name])
+    assert done.value.code == 2
+    assert words in capsys.readouterr().err
