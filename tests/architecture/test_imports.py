@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -40,13 +40,16 @@ def dotted(path: Path) -> str:
     return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
-def imports(source: str) -> Iterator[tuple[int, str]]:
-    """(level, module) of every import statement anywhere in a source; level 0 is absolute."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            yield from ((0, alias.name) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.level, node.module or ""
+@cache
+def statements(source: str) -> tuple[ast.Import | ast.ImportFrom, ...]:
+    """Every import statement anywhere in a source."""
+    return tuple(node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom))
+
+
+def imports(source: str) -> list[tuple[int, str]]:
+    """(level, module) of every import statement; level 0 is absolute."""
+    return [(0, alias.name) if isinstance(node, ast.Import) else (node.level, node.module or "")
+            for node in statements(source) for alias in (node.names if isinstance(node, ast.Import) else node.names[:1])]
 
 
 def absolute(source: str) -> set[str]:
@@ -58,7 +61,7 @@ def relative_imports(path: Path) -> set[str]:
     """Dotted names below the root that a module imports relatively anywhere, for types and inside functions too."""
     package = path.relative_to(ROOT).parts[:-1]  # of a module and of an __init__ alike, the folder
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in statements(path.read_text()):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = (*package[: len(package) - node.level + 1], *(node.module.split(".") if node.module else ()))
             found.add(".".join(base))

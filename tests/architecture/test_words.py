@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,9 +32,13 @@ FORMER_OF_COMPONENTS = {"settle": "kernel_arguments", "asked_only": "explicit_on
 CLEAN = ("components", "fmus", "orchestrator")  # where no name may be one of these
 
 
-def identifiers(path: Path) -> Iterator[str]:
+@cache
+def identifiers(path: Path) -> frozenset[str]:
     """Every name that a module defines, assigns, imports or takes as an argument, and its own name."""
-    yield path.stem
+    return frozenset((path.stem, *_defined(path)))
+
+
+def _defined(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text())):
         match node:
             case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.Name(id=name, ctx=ast.Store()):
@@ -49,7 +54,7 @@ def offences(place: str, banned: set[str]) -> set[str]:
     root = ROOT / place
     files = [root] if root.is_file() else sorted(root.rglob("*.py"))
     assert files, f"{place} does not exist"
-    return {f"{path.relative_to(ROOT)}: {name}" for path in files for name in set(identifiers(path))
+    return {f"{path.relative_to(ROOT)}: {name}" for path in files for name in identifiers(path)
             if name.removeprefix("_") in banned - _allowed(path)}
 
 
@@ -70,4 +75,4 @@ def test_a_name_says_what_its_value_is(place):
 def test_names_are_seen_wherever_they_are_written(tmp_path):
     path = tmp_path / "module.py"
     path.write_text("import a.settle\ndef idle(told, *, made=1):\n    self.found, came = f(said=2)\nfor things in x: pass\n")
-    assert {"settle", "idle", "told", "made", "found", "came", "said", "things"} <= set(identifiers(path))
+    assert {"settle", "idle", "told", "made", "found", "came", "said", "things"} <= identifiers(path)

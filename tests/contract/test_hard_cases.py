@@ -108,6 +108,7 @@ def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     assert np.abs(catenary.x[: catenary.mesh.mass.size]).max() > 0.01  # m; it still swings
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 def test_one_span(method):
     catenary = Catenary(["dropper_slackening", "gravity_sag"], {"spans": 1, "method": method})

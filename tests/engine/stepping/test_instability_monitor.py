@@ -23,6 +23,7 @@ def spring(step, degree=0, d=4.0, steps=4000, ground=(0.0, 0.0), **more):
     })
 
 
+@pytest.mark.first
 @pytest.mark.parametrize(("degree", "limit"), [(0, 0.08), (1, 0.1213169), (2, 0.1301332)])
 def test_just_beyond_the_limit_a_run_is_stopped_and_just_below_it_is_not(degree, limit):
     """Limits: roots of the characteristic polynomials at a fifth of critical damping, ω = 10 rad/s."""

@@ -34,6 +34,7 @@ def limit(scene, algorithm, degree, steps=300):
 TABLE = {0.05: (0.200000, 0.694174, 1.063371), 0.2: (0.800000, 1.213169, 1.301332), 0.5**0.5: (1.414214, 0.739315, 0.401216)}
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("share", TABLE)
 def test_limits_meet_the_table_of_a_mass_on_a_spring_damper(share, degree):
@@ -59,6 +60,7 @@ def test_the_shipped_scene_meets_the_closed_form_over_its_map(degree):
         assert one.longest == pytest.approx(longest_step(k / m, 4.0 / m, degree), rel=WITHIN), one.point
 
 
+@pytest.mark.full
 def test_iterated_linear_forces_have_the_limit_of_linear_acceleration():
     """√12 over the frequency, Newmark's; weak damping shifts it by less than a percent."""
     assert limit(spring(d=0.2), "iterative", 1).longest == pytest.approx(math.sqrt(12.0) / 10.0, rel=WITHIN)
@@ -78,6 +80,7 @@ def test_without_damping_no_held_force_is_stable():
     assert found.tried <= 0.1 / 64.0
 
 
+@pytest.mark.full
 def test_two_masses_have_the_limits_of_their_own_spectral_radius():
     """Case 1 of the LIM benchmark, cut into force and displacement: 14.02 and 37.07 ms, from eigenvalues of the whole."""
     scene = read_scene(two_masses("jacobi", 0.01) | {"stop_time": 40.0})
@@ -125,6 +128,7 @@ def test_every_algorithm_with_every_degree_is_measured_unless_some_are_named():
     assert ("interface-model", 1) in schemes_of(load_scene("en50318-2002-interface-model"))
 
 
+@pytest.mark.full
 def test_order_control_and_faults_of_a_scene_do_not_stand_in_the_way():
     scene = spring(algorithm="gauss-seidel", order=["s", "m"], control={"method": "milne"})
     found = stability(scene, [("jacobi", 0), ("gauss-seidel", 0)], steps=300)

@@ -88,6 +88,7 @@ def test_split_and_whole_agree():
     assert one.level == other.level
 
 
+@pytest.mark.full
 def test_slow_feed_goes_by_stick_and_slip(slow):
     """The seal lets go when wheels and contacts have pulled it to its static friction, and holds again at the kinetic one."""
     for unit in ("seeking", "plain"):
@@ -97,6 +98,7 @@ def test_slow_feed_goes_by_stick_and_slip(slow):
         assert rate.min() < 5e-4
 
 
+@pytest.mark.full
 def test_the_seeking_drive_hunts_and_the_plain_one_stands(slow):
     late = slow.time > 3.3
     assert starts(slow["seeking_first.shaft_friction.stuck"][late]) >= 3
@@ -111,6 +113,7 @@ def test_the_seeking_drive_hunts_and_the_plain_one_stands(slow):
     assert 0.0 < left < most / (0.8446 * 20.0) * 0.01 / np.cos(np.pi / 6.0)
 
 
+@pytest.mark.full
 def test_plain_wheels_hold_what_rollers_let_slide(preload):
     """Without the first wheel's preload rollers of the second let the sleeve go across; a plain wheel bears any direction."""
     before = (preload.time > 0.9) & (preload.time < 1.0)

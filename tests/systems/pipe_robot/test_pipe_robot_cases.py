@@ -32,6 +32,7 @@ def test_pipe_robot_cases_pass(name):
     assert all(r.reference.standing == "computed" for r in found.rows)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("changed", [{"forward_friction": 2.002}, {"backward_friction": 8.01}, {"body_mass": 1.001},
                                      {"damping": 5.01}, {"substep": 5e-3}])  # fmt: skip
 def test_a_tenth_of_a_percent_is_seen(changed):

@@ -58,6 +58,7 @@ def answer(catenary: Catenary, speed: float, omega: float, h: float = 1e-3) -> c
     return complex(a, b)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("method", ["explicit", "implicit"])
 @pytest.mark.parametrize(("speed", "beta", "EI"), [(69.4, 1e-3, 0.0), (83.3, 3e-3, 0.0), (83.3, 1e-3, 195.0)])
 def test_answer_to_a_moving_load_is_that_of_the_infinite_wire(method, speed, beta, EI):
@@ -87,6 +88,7 @@ def test_answer_converges_at_second_order_or_better(speed, beta, EI):
         assert np.all(errors <= 2.0 * errors[0] * (steps / longest) ** 2)  # no slope: at one of these steps it is almost zero
 
 
+@pytest.mark.full
 def test_compliance_of_the_mesh_is_what_a_moving_constant_load_needs():
     """What a coarse mesh lacks against one of a quarter of its element is the difference of their compliances."""
     heights, compliances = [], []
@@ -102,6 +104,7 @@ def test_compliance_of_the_mesh_is_what_a_moving_constant_load_needs():
     assert heights[1] - heights[0] == pytest.approx(compliances[0] - compliances[1], rel=0.05)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("beta", [0.0, 1e-3])
 def test_waves_ahead_and_behind_have_the_numbers_of_doppler(beta):
     """A moving oscillating load sends waves with k = omega / (c - v) ahead and omega / (c + v) behind (undamped string)."""

@@ -35,6 +35,7 @@ def deviation(a, b):
     return float(np.sqrt(np.mean((a - b) ** 2)) / b.std())
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("speed", [250.0, 300.0])
 @pytest.mark.parametrize("halved", [False, True])
 def test_all_cells_of_the_2002_table_hold_and_hold_with_element_and_step_halved(speed, halved):
@@ -46,6 +47,7 @@ def test_all_cells_of_the_2002_table_hold_and_hold_with_element_and_step_halved(
     assert not outside
 
 
+@pytest.mark.full
 def test_the_two_integrators_agree():
     """Explicit and implicit method share mesh and droppers, nothing of the time integration."""
     explicit = force(finished(reference_scene()))
@@ -53,6 +55,7 @@ def test_the_two_integrators_agree():
     assert deviation(implicit, explicit) < 0.02  # both are within 1.3 % of a converged run
 
 
+@pytest.mark.full
 def test_error_falls_at_second_order_or_better_in_the_element():
     """Macro step and substep small, so that the elements make the error."""
     def history(element, substep):
@@ -65,6 +68,7 @@ def test_error_falls_at_second_order_or_better_in_the_element():
     assert np.polyfit(np.log(elements), np.log(errors), 1)[0] > 1.9
 
 
+@pytest.mark.full
 def test_error_falls_at_second_order_in_the_macro_step():
     """Linear extrapolation, second order (an order more than held inputs would give); the reference has a tenth of the step."""
     steps = np.array([4e-3, 2e-3, 1e-3])
@@ -75,6 +79,7 @@ def test_error_falls_at_second_order_in_the_macro_step():
     assert 1.5 < np.polyfit(np.log(steps), np.log(errors), 1)[0] < 2.2
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("speed", "low", "high"), [(250.0, 1.2, 1.7), (300.0, 1.3, 1.9)])
 def test_slackening_takes_a_third_off_the_standard_deviation(speed, low, high):
     """Bilateral droppers raise it by 1.4 to 1.6 in an independent solver with a flat wire; the same wire is used here."""
@@ -83,12 +88,14 @@ def test_slackening_takes_a_third_off_the_standard_deviation(speed, low, high):
     assert low < sigma[0] / sigma[1] < high
 
 
+@pytest.mark.full
 def test_sag_between_droppers_lowers_the_standard_deviation():
     """An independent solver finds 5 N less than with a flat wire."""
     flat, sagging = (statistics(finished(reference_scene(effects=e))).std for e in (["dropper_slackening", "damping"], EFFECTS))
     assert 3.0 < flat - sagging < 8.0
 
 
+@pytest.mark.full
 def test_the_wake_reaches_the_trailing_pantograph():
     """The leading one hardly feels the other; the trailing one meets a wire that swings already."""
     scene = load_scene("two-pantographs")

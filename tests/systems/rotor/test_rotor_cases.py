@@ -11,7 +11,8 @@ from cosimo.orchestrator.systems import cases
 from cosimo.orchestrator.systems.rotor.cases import friswell, jeffcott
 
 
-@pytest.mark.parametrize("name", ["friswell-5.9.1", "jeffcott"])
+@pytest.mark.first
+@pytest.mark.parametrize("name", ["jeffcott", "friswell-5.9.1"])
 def test_rotor_cases_pass(name):
     case = cases()[name]
     found = case.function(Options(in_process=True))
@@ -22,6 +23,7 @@ def test_rotor_cases_pass(name):
     assert all(r.reference.standing == "computed" for r in found.rows)
 
 
+@pytest.mark.full
 def test_a_rotor_without_gyroscopic_effect_fails(monkeypatch):
     """Whirl does not split then: every row of the running rotor is outside."""
     preset = BeamRotor.presets["Friswell 5.9.1"]

@@ -58,6 +58,7 @@ def test_station_keeping_gives_way_to_current_and_gust_a_little(kept):
     assert kept["controller.scale"].min() == 1.0
 
 
+@pytest.mark.full
 def test_without_a_vertical_thruster_depth_heading_and_place_are_held_and_pitch_is_given_up(failed):
     t = failed.time
     before, unknown, after = (t > 10.0) & (t < 20.0), (t > 20.0) & (t < 30.0), t > 70.0
@@ -69,6 +70,7 @@ def test_without_a_vertical_thruster_depth_heading_and_place_are_held_and_pitch_
     assert not failed["controller.command[4]"][after].any()
 
 
+@pytest.mark.full
 def test_the_pitch_that_is_given_up_is_the_moments_balance(failed):
     """Righting moment z_g W sin(pitch), the two thrusters behind, those at the sides, and Munk's moment of the flow."""
     pitch = failed["hull.pitch"][-1]
@@ -81,6 +83,7 @@ def test_the_pitch_that_is_given_up_is_the_moments_balance(failed):
     assert math.radians(3.0) < pitch < math.radians(12.0)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("lost", [1, 2, 3, 4, 5, 6])
 def test_depth_and_heading_survive_any_thruster(lost):
     """Told at once; which place can still be held depends on the thruster: without a horizontal one, not every place."""
@@ -125,6 +128,7 @@ def test_the_tether_pulls_and_its_pull_is_small(moved):
     assert 0.1 < moved["tether.tension"].max() < 20.0
 
 
+@pytest.mark.full
 def test_a_shorter_macro_step_changes_little():
     """The controller samples at 50 Hz whatever the step; what is left is the thrust held over a step, first order."""
     scene = load_scene("rov-station-keeping").with_changes({"stop_time": 20.0})

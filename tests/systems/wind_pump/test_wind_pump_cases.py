@@ -17,9 +17,10 @@ from cosimo.orchestrator.systems.wind_pump.cases import (
     start as wind_pump_start,
 )
 
-NAMES = [pytest.param("wind-pump-closed-forms", marks=pytest.mark.full), "wind-pump-equilibrium", "wind-pump-start"]
+NAMES = ["wind-pump-equilibrium", "wind-pump-start", "wind-pump-closed-forms"]
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("name", NAMES)
 def test_wind_pump_cases_pass(name):
     case = cases()[name]
@@ -32,6 +33,7 @@ def test_wind_pump_cases_pass(name):
     assert all(r.reference.standing == "computed" for r in found.rows)
 
 
+@pytest.mark.full
 def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     """A per cent of the mass is seen in the speeds; the power balance holds for every mass."""
     given = wind_pump_equilibrium.scene
@@ -45,6 +47,7 @@ def test_another_mass_on_the_lever_is_another_operating_point(monkeypatch):
     assert not inside["cp.3"]  # not run, and so not inside
 
 
+@pytest.mark.full
 def test_a_double_acting_pump_starts_at_the_same_wind_and_stops_later(monkeypatch):
     """Its peak is the same and its mean twice as large: with the mean of the one for the other, the ratio is sqrt(pi / 2)."""
     given = wind_pump_start.scene

@@ -51,6 +51,7 @@ def test_a_coupler_of_another_length_is_another_linkage(monkeypatch):
     assert inside["work.energy"]
 
 
+@pytest.mark.full
 def test_a_stiffness_that_is_turned_the_other_way_is_seen(monkeypatch):
     """With the sign of the coupling the other way, the hand would be soft in radial flexion: 26.6 degrees on the wrong side."""
     given = wrist_stiffness.scene
