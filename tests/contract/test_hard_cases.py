@@ -166,6 +166,7 @@ def test_a_dropper_that_would_push_at_rest_is_refused():
     Catenary(["pre_sag"], light.parameters).initialize(0.0)  # bilateral droppers may push
 
 
+@pytest.mark.full
 def test_a_contact_point_beyond_the_wire_is_a_failed_step_that_can_be_taken_back():
     for method in ("explicit", "implicit"):
         catenary = Catenary(parameters={"spans": 1, "method": method})

@@ -62,6 +62,7 @@ def test_a_second_process_compiles_nothing_and_an_edit_recompiles_what_depends_o
     assert [p.name for p in cache.iterdir()] == ["kernels"]
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("kind", ["nbi", "nbc"])
 def test_damaged_files_count_as_missing_and_are_written_anew(package, tmp_path, kind):
     cache = tmp_path / "cache"

@@ -101,6 +101,7 @@ def test_a_mass_against_a_dashpot_is_the_matrix_exponential():
 
 
 # -- impacts of free bodies: the reduced model is the whole truth ----------------------------------------------------------
+@pytest.mark.first(2)
 @pytest.mark.parametrize("leader", [None, "first", "second"])
 @pytest.mark.parametrize("law", [{"law": "unilateral", "stiffness": 1e6}, {"law": "hertz", "stiffness": 1e8}])
 def test_elastic_impact_whatever_the_step(law, leader):
@@ -169,6 +170,7 @@ def error(step, damping, degree, leader, *, acceleration=True, inertia=None):
     return np.abs(reached - expm(states(10.0, 1000.0, 100.0, damping)) @ [0.0, 100.0, 0.0, -100.0]).max()
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("leader", [None, "second"])
 @pytest.mark.parametrize("degree", [0, 1])
 @pytest.mark.parametrize("acceleration", [True, False])

@@ -56,6 +56,7 @@ def growth(scene: dict, signal: str) -> float:
     return np.inf if result.outcome == "unstable" else x[-tenth:].max() / x[(x.size - tenth) // 2 :][:tenth].max()
 
 
+@pytest.mark.first(2)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # a coupling that grows overflows, as it should
 @pytest.mark.parametrize(("feedthrough", "degree"), LIMITS)
 def test_runs_decay_below_the_limit_and_grow_above(feedthrough, degree):
@@ -167,6 +168,7 @@ def masses(mass_ratio: float, stiffness_ratio: float, damping_ratio: float) -> t
                      cc=twice * math.sqrt(stiffness_ratio * reduced)), math.sqrt(stiffness_ratio / reduced)
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize(("scheme", "degree"), TABLE, ids=lambda value: str(value))
 def test_limits_over_mass_stiffness_and_damping_ratios(scheme, degree):
     for column, limit in zip(COLUMNS, TABLE[scheme, degree], strict=True):

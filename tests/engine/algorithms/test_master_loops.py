@@ -13,6 +13,7 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.units.interface import Interface, Signal
 from cosimo.tests.engine.algorithms.oscillators import Feedthrough
+from cosimo.tests.short_run import full_but
 from cosimo.tests.support import Linear
 from cosimo.tests.units.native import native_fmu
 from scipy.linalg import expm
@@ -81,7 +82,7 @@ def states(result) -> np.ndarray:
     return np.array([result[f"{u}.x_out"][-1] for u in ("one", "two")])
 
 
-@pytest.mark.parametrize("degree", [0, 1])
+@pytest.mark.parametrize("degree", full_but((1,), (0, 1)))
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 @pytest.mark.parametrize(("d2", "stop"), [(-0.9, 1.0), (1.1, 1e-3)])
 def test_a_loop_of_any_gain_keeps_the_order_of_accuracy(d2, stop, algorithm, degree):
