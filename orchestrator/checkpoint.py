@@ -31,7 +31,7 @@ from .engine.stepping.observers import BatchObserver
 from .scene.scene import Scene
 from .units import Interface, Unit
 
-FORMAT = "cosimo checkpoint 2"
+FORMAT = "cosimo checkpoint 3"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "units", "parts"}
 
 

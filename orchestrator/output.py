@@ -1,12 +1,24 @@
-"""Files that are written for the user: directories, tables of comma-separated values."""
+"""Files that are written for the user: directories, their locks, files that are replaced by whole ones only."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+import json
+import os
+import platform
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import IO, Any
 
 from ..components.core.errors import BadInput
+
+UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or was writing when it was killed
+HOLDER = "holder.json"  # in it: who writes
+_held: set[str] = set()  # directories that this process writes into
 
 
 def ensure_directory(directory: str | Path) -> Path:
@@ -18,11 +30,36 @@ def ensure_directory(directory: str | Path) -> Path:
     return Path(directory)
 
 
+@contextmanager
+def replaced(path: str | Path) -> Iterator[IO[str]]:
+    """A text file to write, which takes the place of `path` when it is whole; after an error `path` is as it was."""
+    path = Path(path)
+    handle, part = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
+            yield file
+            file.flush()
+            os.fsync(handle)
+        os.chmod(part, 0o666 & ~_umask())
+        os.replace(part, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(part)
+        raise
+
+
+def write_json(path: str | Path, content: Any) -> None:
+    """Numbers, texts, lists and mappings as a JSON file, in place when it is whole."""
+    with replaced(path) as file:
+        json.dump(content, file, indent=2)
+        file.write("\n")
+
+
 def write_table(directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str]]) -> Path:
     """A file of comma-separated values in the directory, which is created; numbers keep every bit, texts stand in quotes."""
     path = ensure_directory(directory) / name
     try:
-        with open(path, "w", encoding="utf-8", newline="") as file:
+        with replaced(path) as file:
             writer = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
             writer.writerow(header)
             writer.writerows(rows)
@@ -33,4 +70,91 @@ def write_table(directory: str | Path, name: str, header: Sequence[str], rows: I
 
 def not_written(directory: str | Path, error: OSError) -> BadInput:
     """The message for a place that cannot be written."""
-    return BadInput("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror}.")
+    return BadInput("output directory", repr(str(directory)), "a place that can be written", f"{error.strerror or error}.")
+
+
+@contextmanager
+def locked(directory: str | Path) -> Iterator[Path]:
+    """The directory, created and reserved for this process until the context ends; raises `BadInput` that names the holder.
+
+    The operating system keeps the lock and frees it however the process ends. Where a file system has no locks, nothing is
+    locked. Entered once more by the same process, it is one lock.
+    """
+    path = ensure_directory(directory)
+    key = str(path.resolve())
+    if key in _held:
+        yield path
+        return
+    try:
+        release = _lock(path)
+    except BlockingIOError:
+        raise BadInput("output directory", f"{str(directory)!r}, into which {_holder(path)} writes",
+                       "one of its own for each run", "Wait for it, or give another directory.") from None
+    except OSError as error:
+        raise not_written(directory, error) from None
+    _held.add(key)
+    try:
+        with suppress(OSError):  # the message of another run would be less precise
+            (path / UNFINISHED).mkdir(exist_ok=True)
+            write_json(path / UNFINISHED / HOLDER, {"process": os.getpid(), "host": platform.node(),
+                                                    "since": datetime.now(UTC).isoformat(timespec="seconds")})
+        yield path
+    finally:
+        _held.discard(key)
+        with suppress(OSError):
+            (path / UNFINISHED / HOLDER).unlink()
+        with suppress(OSError):  # not where a run has left its rows there
+            (path / UNFINISHED).rmdir()
+        release()
+
+
+def is_locked(directory: Path) -> bool:
+    """Whether a process writes into the directory now."""
+    if str(directory.resolve()) in _held:
+        return True
+    try:
+        _lock(directory)()
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
+def _holder(path: Path) -> str:
+    try:
+        holder = json.loads((path / UNFINISHED / HOLDER).read_text(encoding="utf-8"))
+        return f"process {holder['process']} on {holder['host']} (since {holder['since']})"
+    except (OSError, ValueError, KeyError, TypeError):
+        return "another process"
+
+
+if sys.platform == "win32":
+    def _lock(path: Path) -> Any:
+        try:  # a file that the system removes with its last user
+            handle = os.open(path / ".lock", os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
+        except (FileExistsError, PermissionError):
+            raise BlockingIOError from None
+        return lambda: os.close(handle)
+
+    def _umask() -> int:
+        return 0
+else:
+    import fcntl
+
+    def _lock(path: Path) -> Any:
+        handle = os.open(path, os.O_RDONLY)  # the directory itself: there is no file to be left behind
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            raise
+        except OSError:  # a file system without locks
+            pass
+        return lambda: os.close(handle)
+
+    def _umask() -> int:
+        """Of this process; the system has no call that only reads it."""
+        mask = os.umask(0o077)
+        os.umask(mask)
+        return mask

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import signal
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,10 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..components.core.errors import BadInput, nearest
-from .output import ensure_directory, not_written
+from .output import UNFINISHED, is_locked, locked, not_written, write_json
+from .recording import INFO, SNAPSHOTS, TABLE, OutputFailed, ResultFiles
+from .scene.scene import Models, recorded_scene
+from .tables import TIME, StoredColumns, StoredTable, Table, joined
 
 if TYPE_CHECKING:
     from .scene.scene import Scene
+
+HELD = 20_000_000  # numbers that a result holds in memory; of one with more, columns are read when they are asked for
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class Result:
     time: (n,) s.  columns: "unit.variable" -> (n,) numbers.  texts: "unit.variable" -> (n,) texts, of the same rows.
     measures: "unit.variable" -> unit of measure.
     info: what run.json holds.  outcome: "done", "failed", "unstable" or "stopped", with the reason in `message`.
+    directory: where it is stored, if it is.
     """
 
     scene: Scene
@@ -45,19 +50,41 @@ class Result:
     outcome: str
     message: str
     texts: Mapping[str, np.ndarray] = field(default_factory=dict)
+    directory: Path | None = None
 
     def __repr__(self) -> str:
-        end = f" to t = {self.time[-1]:g} s" if self.time.size else ""
+        end = f" to t = {self.end:g} s" if self.rows else ""
         warnings = len(self.info.get("warnings", ()))
-        return (f"<Result of {self.scene.name}: {self.outcome}; {self.time.size} rows{end}, "
+        return (f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
                 f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>")
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The column "unit.variable", (n,) numbers or texts; raises `BadInput` with the near names."""
-        everything = {**self.columns, **self.texts}
-        if name not in everything:
-            raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, everything))
-        return everything[name]
+        for group in (self.columns, self.texts):
+            if name in group:
+                return group[name]
+        raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal",
+                       nearest(name, [*self.columns, *self.texts]))
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are."""
+        return self.time.size
+
+    @property
+    def end(self) -> float:
+        """Time of the last row, s."""
+        return float(self.time[-1])
+
+    @property
+    def held(self) -> bool:
+        """Whether all of it is in memory; else each look at a column reads it from the directory."""
+        return True
+
+    def extremes(self, name: str) -> tuple[float, float, float]:
+        """Smallest, largest and last value of a column of numbers, which has at least one row."""
+        column = self.columns[name]
+        return float(column.min()), float(column.max()), float(column[-1])
 
     def unless_stopped(self) -> Result:
         """This result; where a signal stopped the run, the signal takes its usual effect, as it must for a study of many runs."""
@@ -66,18 +93,127 @@ class Result:
         return self
 
     def save(self, directory: str | Path) -> Path:
-        """Write result.csv and run.json into the directory, which is made.
+        """Write result.parquet, result.csv, run.json and snapshots into the directory, which is created.
 
-        result.csv: first column "time", then numbers, which keep every bit, then texts in quotation marks.
+        result.csv: first column "time", then numbers, which keep every bit, then texts in quotation marks. Where the result is
+        stored there already, only run.json is written anew. Raises `BadInput` where that is impossible; what was there stays.
         """
-        directory = ensure_directory(directory)
+        with locked(directory) as path:
+            try:
+                if self.directory is not None and self.directory == path.resolve():
+                    write_json(path / INFO, self.info)
+                else:
+                    self._write(path)
+            except OSError as error:
+                raise not_written(directory, error) from None
+            except OutputFailed as error:
+                raise BadInput("output directory", str(error), "a place that can be written") from None
+        return path
+
+    def _write(self, path: Path) -> None:
+        files = ResultFiles(path)
+        table = files.open([*self.columns], [*self.texts], self.measures, {"scene": {"name": self.scene.name}, **self.info})
+        rows = max(HELD // 20 // (1 + len(self.columns)), 1)
+        for first in range(0, self.rows, rows):
+            some = slice(first, first + rows)
+            texts = np.array([c[some] for c in self.texts.values()], dtype=object)
+            time, n = self.time[some], len(self.columns)
+            table.append(time, np.array([c[some] for c in self.columns.values()]).reshape(n, time.size).T,
+                         texts.reshape(-1, time.size).T)
+        for name, snapshot in self.snapshots.items():
+            elements = [f"{name}[{k + 1}]" for k in range(snapshot.values.shape[1])]
+            none = np.zeros((snapshot.time.size, 0), dtype=object)
+            files.snapshots(name, elements).append(snapshot.time, snapshot.values, none)
+        files.finish(self.info)
+
+    @classmethod
+    def read(cls, directory: str | Path, analysis: Models | None = None) -> Result:
+        """The result in a directory; of a run that was killed, what it had written, with the outcome "failed".
+
+        `analysis`: by the name of a system, the model of what [analysis] may say. Raises `BadInput` where there is none.
+        """
+        path = Path(directory)
+        killed = (path / UNFINISHED / INFO).is_file() and not is_locked(path)
+        folder = path / UNFINISHED if killed else path
         try:
-            with open(directory / "result.csv", "w", encoding="utf-8", newline="") as file:
-                table = csv.writer(file, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
-                table.writerow(["time", *self.columns, *self.texts])
-                columns = [c.tolist() for c in (self.time, *self.columns.values(), *self.texts.values())]
-                table.writerows(zip(*columns, strict=True))
-            (directory / "run.json").write_text(json.dumps(self.info, indent=2) + "\n", encoding="utf-8")
+            info = json.loads((folder / INFO).read_text(encoding="utf-8"))
+            scene = recorded_scene(info["scene"], analysis)
+            where = folder / TABLE if (folder / TABLE).is_dir() else path / TABLE  # killed while it was put in place
+            table = StoredTable.read(where) if killed or where.is_dir() else None
+            snapshots = [StoredTable.read(p) for p in sorted((folder / SNAPSHOTS).glob("*.parquet")) if any(p.iterdir())]
         except OSError as error:
-            raise not_written(directory, error) from None
-        return directory
+            raise BadInput("result", repr(str(path)), "a directory that a run has written",
+                           f"{error.strerror or error}.") from None
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            if isinstance(error, BadInput):
+                raise
+            raise BadInput("result", repr(str(path)), "a directory that a run has written", f"{error}.") from None
+        if killed:
+            last = table.extremes(TIME)[2] if table and table.rows else 0.0
+            info |= {"outcome": "failed", "message": f"the run was killed; its rows up to t = {last:.9g} s were written"}
+        return result_of(scene, table, {t.title: t for t in snapshots}, table.units if table else {}, info,
+                         path.resolve() if not killed else None)
+
+
+class _Held:
+    """Time of a stored result: given as its table, and read from that when it is asked for."""
+
+    def __get__(self, result: StoredResult | None, owner: type) -> Any:
+        if result is None:
+            return self
+        given = result.__dict__["_time"]
+        return given.column(TIME) if isinstance(given, StoredTable) else given
+
+    def __set__(self, result: StoredResult, value: Any) -> None:
+        result.__dict__["_time"] = value
+
+
+class StoredResult(Result):
+    """A result too large for the memory."""
+
+    time: Any = _Held()
+
+    @property
+    def rows(self) -> int:
+        return self.columns.table.rows  # type: ignore[attr-defined]
+
+    @property
+    def end(self) -> float:
+        return self.columns.table.extremes(TIME)[2]  # type: ignore[attr-defined]
+
+    @property
+    def held(self) -> bool:
+        return False
+
+    def extremes(self, name: str) -> tuple[float, float, float]:
+        return self.columns.table.extremes(name)  # type: ignore[attr-defined]
+
+
+class _Snapshots(Mapping[str, Snapshot]):
+    """Snapshots that are read when they are asked for."""
+
+    def __init__(self, tables: Mapping[str, StoredTable]):
+        self._tables = tables
+
+    def __getitem__(self, name: str) -> Snapshot:
+        return Snapshot(*joined(self._tables[name])[:2])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
+
+
+def result_of(scene: Scene, table: Table | None, snapshots: Mapping[str, Any], measures: Mapping[str, str],
+              info: Mapping[str, Any], directory: Path | None) -> Result:
+    """The result whose rows are in tables, held in memory unless they are many; `directory`: where they are stored."""
+    outcome, message = str(info.get("outcome", "failed")), str(info.get("message", ""))
+    if isinstance(table, StoredTable) and table.rows * (1 + len(table.names)) > HELD:
+        return StoredResult(scene, table, StoredColumns(table, table.names), _Snapshots(snapshots), measures,  # type: ignore[arg-type]
+                            info, outcome, message, StoredColumns(table, table.texts), directory)
+    time, values, texts = joined(table) if table is not None else (np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)))
+    names, strings = (table.names, table.texts) if table is not None else ((), ())
+    columns = dict(zip(names, (c.copy() for c in values.T), strict=True))
+    return Result(scene, time, columns, {name: Snapshot(*joined(t)[:2]) for name, t in snapshots.items()}, measures, info,
+                  outcome, message, dict(zip(strings, texts.T, strict=True)), directory)

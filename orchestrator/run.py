@@ -7,6 +7,7 @@ import sys
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
+from math import isfinite
 from pathlib import Path
 from signal import SIGINT
 from time import perf_counter, process_time
@@ -27,9 +28,12 @@ from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, TextRecorder, reading
 from .open_all import open_units, read_in_every_step
-from .results import Result, Snapshot
-from .run_info import CompileTime, describe_run
+from .output import UNFINISHED, locked, not_written
+from .recording import OutputFailed, ResultFiles, Spool
+from .results import Result, result_of
+from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
+from .tables import MemoryTable, Table
 from .units import Unit
 from .units.component import ComponentUnit
 from .units.interface import SimulationEnded
@@ -43,7 +47,7 @@ TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 def run(scene: Scene, *, in_process: bool = False, native: bool = False, progress: bool = False,
         checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None,
-        resume: str | Path | None = None, rescue_to: str | Path | None = None) -> Result:
+        resume: str | Path | None = None, output: str | Path | None = None) -> Result:
     """Simulate a scene from 0 to its stop_time.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
@@ -54,11 +58,13 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     `checkpoint_every`: s of simulated time; the file `checkpoint_to` is written at the first macro step not before each
     multiple of it, and when the run is stopped. `resume`: such a file, from which the run goes on. What it recorded before is in
     the result, and every number is the same as without the interruption; counters of the units and `timing` start anew.
-    `rescue_to`: a directory, in which the partial result is saved where an FMU ends this process; the exit code is 3 then.
+    `output`: a directory, into which the result is written as it comes, as with `Result.save`, so that the memory does not grow
+    with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
+    saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
     """
     with ExitStack() as stack:
-        current = Run(scene, stack, in_process=in_process, native=native, progress=progress)
-        current.rescue_to = Path(rescue_to).absolute() if rescue_to is not None else None
+        files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
+        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files)
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -70,15 +76,16 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
 class Run:
     """One run of a scene, from `prepare` over `observe` and `execute` to `conclude`; `stack` closes what it opens."""
 
-    def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool):
+    def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool,
+                 files: ResultFiles | None = None):
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
+        self.files = files
         self.started = perf_counter()
         self._folder, self._moved = _working_directory(), False
         stack.callback(self._return)
         self.compiling = stack.enter_context(CompileTime(announce=progress))
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message = "failed", ""
-        self.rescue_to: str | Path | None = None
         self.checkpoints: Checkpoints | None = None
         self.resolution: StepResolution | None = None
         self.repeated: RepeatedSteps | None = None
@@ -119,16 +126,26 @@ class Run:
         watched = bool(self._watched)
         self._ends = tuple(master.positions) if watched else coupling.signals
         sample = master.sample if watched else reading(self.units, self._ends)
-        self.signals = Recorder(sample, len(self._ends), every, end, of_master=watched)
-        self.arrays = {f"{unit}.{array}": Recorder(self.units[unit].reader(names), len(names), snapshot_every, end)
-                       for (unit, array), names in coupling.snapshots.items()}
-        self.texts: TextRecorder | None = None
+        signals = Recorder(sample, len(self._ends), every, end, of_master=watched)
+        texts: TextRecorder | None = None
         if ends := coupling.recorded_texts:
-            self.texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
+            texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
+        places = {end: k for k, end in enumerate(self._ends)}
+        columns = [places[signal] for signal in coupling.signals]
+        self.signals = Spool(signals, self._table(), columns, texts)
+        self.arrays = {}
+        for (unit, array), names in coupling.snapshots.items():
+            recorder, name = Recorder(self.units[unit].reader(names), len(names), snapshot_every, end), f"{unit}.{array}"
+            elements = [f"{unit}.{n}" for n in names]
+            self.arrays[name] = Spool(recorder, self.files.snapshots(name, elements) if self.files else MemoryTable(elements))
         self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
-        self.observers: list[Observer] = [self.signals, *self.arrays.values(), self.extrapolation, self._interrupt]
-        self.observers[:0] = [self.texts] if self.texts else []  # first: an interrupt leaves them no row behind
+        recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
+        recorders[:0] = [texts] if texts else []  # first: an interrupt leaves them no row behind
+        self.observers: list[Observer] = [*recorders, self.extrapolation, self._interrupt]
+        if self.files is not None:
+            self.files.watch([self.signals, *self.arrays.values()])
+            self.observers.append(self.files)
         steps = int(scene.stop_time / scene.master.step)
         if scene.master.control is None:  # steps that follow an error estimate need no other
             self.resolution = StepResolution(master, steps)
@@ -145,13 +162,29 @@ class Run:
             since = past.t if past else 0.0
             self.observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, since)))
 
+    def _table(self) -> Table:
+        """Where the rows of the recorded signals go."""
+        names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
+        if self.files is None:
+            return MemoryTable(names, texts)
+        self.stack.callback(self.files.close)
+        info = {"scene": scene_info(self.scene), "outcome": "running", "message": "the run has not ended", "warnings": []}
+        try:
+            return self.files.open(names, texts, self._measures, info)
+        except OSError as error:
+            raise not_written(self.files.directory, error) from None
+
+    @property
+    def _measures(self) -> dict[str, str]:
+        """Units of measure of the recorded signals."""
+        return {f"{u}.{n}": self.coupling.interfaces[u].outputs[n].unit for u, n in self.coupling.signals}
+
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
         parts: dict[str, Part] = {"signals": self.signals, "misses": self.extrapolation, "faults": self.faults,
                                   "stepping": self.stepping}
         parts |= {"resolution": self.resolution} if self.resolution else {}
-        parts |= {"texts": self.texts} if self.texts else {}
-        return parts | {f"snapshots of {name}": recorder for name, recorder in self.arrays.items()}
+        return parts | {f"snapshots of {name}": spool for name, spool in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
         """Initialize, go on from a checkpoint where there is one, and step to the end; keeps why it did not get there."""
@@ -166,8 +199,10 @@ class Run:
             self.message = f"{error}. {self._remedy()}"
         except SimulationEnded as error:
             self._end_early(error)
-        except StepFailed as error:
+        except (StepFailed, OutputFailed) as error:
             self.message = str(error)
+        except MemoryError:
+            self.message = f"out of memory at t = {self._now:.9g} s"
         except SystemExit as error:
             self.message = f"a unit has called sys.exit({error.code!r})"
         except KeyboardInterrupt:
@@ -182,8 +217,8 @@ class Run:
     def _rescue(self, message: str) -> None:
         """This process is ending inside of a unit's call: save what there is."""
         self.message, self._until = message, (perf_counter(), process_time())
-        if self.rescue_to is not None and hasattr(self, "signals"):
-            print(f"cosimo: partial result in {self.conclude(None).save(self.rescue_to)}", file=sys.stderr)
+        if self.files is not None and hasattr(self, "observers"):
+            print(f"cosimo: partial result in {self.conclude(None).directory}", file=sys.stderr)
 
     def _end_early(self, end: SimulationEnded) -> None:
         """A unit has ended the simulation: that is no failure. The last row is of its end, or of the last step of all units."""
@@ -191,18 +226,27 @@ class Run:
         rewinds = self.stepping.rewinds
         if len(self.units) == 1 or rewinds:
             t = self._now if rewinds else end.time
-            self.signals.close(t, reading(self.units, self._ends))
-            for recorder in (*self.arrays.values(), *([self.texts] if self.texts else [])):
+            self.signals.recorder.close(t, reading(self.units, self._ends))
+            others = [spool.recorder for spool in self.arrays.values()]
+            for recorder in (*others, *([self.signals.texts] if self.signals.texts else [])):
                 recorder.close(t)
-        rows, near = self.signals.time, END * self.scene.master.step
-        if (rows[-1:] < end.time - near).any():
-            self.message += f"; the last row, of all units at the same time, is that of t = {rows[-1]:.9g} s"
-        if (rows[-1:] > end.time + near).any():  # it steps with every n-th macro step
+        last, near = self.signals.last, END * self.scene.master.step
+        if isfinite(last) and last < end.time - near:
+            self.message += f"; the last row, of all units at the same time, is that of t = {last:.9g} s"
+        if last > end.time + near:  # it steps with every n-th macro step
             self.message += "; the rows behind it hold extrapolated outputs of this unit"
 
     def conclude(self, past: Checkpoint | None) -> Result:
         """The result, with all that run.json says of the run."""
-        coupling, signals = self.coupling, self.signals
+        coupling = self.coupling
+        spools = [self.signals, *self.arrays.values()]
+        try:
+            for spool in spools if self.files is None else ():
+                spool.flush()
+            if self.files is not None:
+                self.files.flush()
+        except OutputFailed as error:
+            self.outcome, self.message = "failed", str(error)
         resolved = self.resolution.judge() if self.resolution else []
         if self.outcome == "done" and (worst := diverging(resolved, coupling)) is not None:
             self.outcome = "unstable"
@@ -218,15 +262,16 @@ class Run:
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
         info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
-        columns = dict(zip(self._ends, signals.values.T, strict=True))
-        texts = self.texts.texts[: signals.rows].T if self.texts else ()
-        return Result(
-            self.scene, signals.time, {f"{u}.{n}": columns[u, n].copy() for u, n in coupling.signals},
-            {name: Snapshot(recorder.time, recorder.values) for name, recorder in self.arrays.items()},
-            {f"{u}.{n}": coupling.interfaces[u].outputs[n].unit for u, n in coupling.signals},
-            info, self.outcome, self.message,
-            {f"{u}.{n}": values for (u, n), values in zip(coupling.recorded_texts, texts, strict=True)},
-        )
+        directory = None
+        if self.files is not None:
+            try:
+                self.files.finish(info)
+                directory = self.files.directory.resolve()
+            except OutputFailed as error:
+                self.outcome, self.message = "failed", f"{error}; what was written is in its folder {UNFINISHED!r}"
+                info |= {"outcome": self.outcome, "message": self.message}
+        return result_of(self.scene, self.signals.table, {name: spool.table for name, spool in self.arrays.items()},
+                         self._measures, info, directory)
 
     @property
     def _now(self) -> float:

@@ -77,13 +77,18 @@ class CompileTime:
             self.spent = real + perf_counter() - since, cpu + process_time() - cpu_since
 
 
+def scene_info(scene: Scene) -> dict[str, Any]:
+    """All settings of a scene, as run.json has them."""
+    return {"name": scene.name, **scene.model_dump(mode="json")}
+
+
 def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], master: Master) -> dict[str, Any]:
     """What run.json holds beside outcome and timing."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
-        "scene": {"name": scene.name, **scene.model_dump(mode="json")},
+        "scene": scene_info(scene),
         "units": {n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
                   for n, unit in units.items()},
         "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},

@@ -1,7 +1,7 @@
 """The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help is quick.
 
 Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept), 130 and
-143 it was stopped by Ctrl-C or SIGTERM (likewise).
+143 it was stopped by Ctrl-C or SIGTERM, 129 by SIGHUP (likewise).
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from signal import Signals
@@ -32,6 +33,7 @@ from .common import (
 )
 
 if TYPE_CHECKING:
+    from ..results import Result
     from ..scene.scene import Scene
 
 CHECKPOINT = "checkpoint"  # file in the output directory
@@ -69,7 +71,7 @@ def run(
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..output import ensure_directory
+    from ..output import locked
     from ..run import run as run_scene
     from ..systems import load_scene
 
@@ -106,27 +108,22 @@ def run(
         return
     if checkpoint_every is not None and output is None:
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
-    if output is not None:
-        ensure_directory(output)  # now, not after a long run
-    result = run_scene(loaded, in_process=in_process, native=native, progress=True, checkpoint_every=checkpoint_every,
-                       checkpoint_to=None if output is None or checkpoint_every is None else output / CHECKPOINT, resume=resume,
-                       rescue_to=output)
-    if reason is not None:
-        result = replace(result, info={**result.info, "accuracy": reason})
-    if choice is not None and within is not None:
-        result = replace(result, info=choice.with_reasons(result.info, within))
-    if output is not None:
-        from ..harness import report
-        from ..systems import SYSTEMS
-
-        result.save(output)
-        written = ["result.csv", "run.json"]
-        if result.time.size > 1:
-            written.append(report.for_run(result, output, SYSTEMS).name)
-        print("wrote " + ", ".join(str(output / name) for name in written))
+    with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
+        checkpoint = None if output is None or checkpoint_every is None else output / CHECKPOINT
+        result = run_scene(loaded, in_process=in_process, native=native, progress=True, checkpoint_every=checkpoint_every,
+                           checkpoint_to=checkpoint, resume=resume, output=output)
+        given = result
+        if reason is not None:
+            result = replace(result, info={**result.info, "accuracy": reason})
+        if choice is not None and within is not None:
+            result = replace(result, info=choice.with_reasons(result.info, within))
+        if output is not None:
+            if result is not given:
+                result.save(output)
+            print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
+                                                                       *_report(result, output))))
     print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
-        (name, result.measures[name], float(c.min()), float(c.max()), float(c[-1]))
-        for name, c in result.columns.items() if c.size
+        (name, result.measures[name], *result.extremes(name)) for name in result.columns if result.rows
     ])
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
@@ -137,6 +134,26 @@ def run(
         raise SystemExit(STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
     if verify and asked is not None and not _verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
+
+
+def _report(result: Result, output: Path) -> list[str]:
+    """Write the report of a run into its directory: its file's name, or none where it cannot be drawn."""
+    from ..harness import report
+    from ..results import HELD
+    from ..systems import SYSTEMS
+
+    if result.rows < 2:
+        return []
+    if not result.held:
+        print(f"cosimo: no report.html: it is drawn of at most {HELD} numbers, not of {result.rows} rows", file=sys.stderr)
+        return []
+    try:
+        return [report.for_run(result, output, SYSTEMS).name]
+    except OSError as error:
+        if result.outcome == "done":
+            raise
+        print(f"cosimo: no report.html: {error.strerror or error}", file=sys.stderr)
+        return []
 
 
 def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm: str | None) -> float | None:

@@ -107,6 +107,18 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     return scene
 
 
+def recorded_scene(data: Mapping[str, Any], analysis: Models | None = None) -> Scene:
+    """The scene of which run.json says all settings, for its result: the files that it names may be gone, and are not read."""
+    settings, name, models = dict(data), str(data.get("name")), analysis or {}
+    settings.pop("name", None)
+    try:
+        scene = Scene.model_validate({**settings, "analysis": _analysis(settings.get("analysis", {}), name, models)})
+    except ValidationError as error:
+        raise one_message(error, Scene, name) from None
+    scene._name, scene._models = name, models
+    return scene
+
+
 def _check_quantities(scene: Scene) -> None:
     """Refuse quantities of interest that no run could have."""
     interfaces = scene.coupling.interfaces

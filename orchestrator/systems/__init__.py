@@ -35,6 +35,13 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     return scenes.read_scene(data, name, folder, remarks, ANALYSIS)
 
 
+def read_result(directory: str | Path) -> Result:
+    """The result that a run has written into a directory; of one that was killed, its rows up to the last chunk."""
+    from ..results import Result
+
+    return Result.read(directory, ANALYSIS)
+
+
 @cache
 def cases() -> dict[str, Case]:
     """All validation cases by name, system by system."""

@@ -5,6 +5,7 @@ Each is called with the tick and the time.
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 import threading
@@ -47,7 +48,7 @@ class Recorder(BatchObserver):
     def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False):
         """`of_master`: the sample is the master's own."""
         self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
-        self._due = 0
+        self._due, self._last = 0, -math.inf
         self._times, self._values = array("d"), array("d")
 
     def __call__(self, tick: int, t: float) -> None:
@@ -75,18 +76,36 @@ class Recorder(BatchObserver):
 
     def close(self, t: float, sample: Sample | None = None) -> None:
         """A last row where a unit has ended the run at t, s, between two steps; by `sample` where the own one is out of date."""
-        if not self._times or t > self._times[-1]:
+        if t > self.last:
             self._times.append(t)
             self._values.fromlist((sample or self._sample)())
 
+    def drain(self, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """Times (rows,) s and values (rows, width) of the first rows, which it keeps no longer."""
+        time, values = self.time[:rows], self.values[:rows]
+        if rows:
+            self._last = float(time[-1])
+            del self._times[:rows], self._values[: rows * self._width]
+        return time, values
+
+    @property
+    def last(self) -> float:
+        """Time of the last row, s; without one, minus infinity."""
+        return self._times[self.rows - 1] if self.rows else self._last
+
     def state(self) -> dict[str, Any]:
-        """What was recorded so far, for a checkpoint."""
-        return {"due": self._due, "times": self.time, "values": self.values}
+        """What was recorded and not drained, for a checkpoint."""
+        return {"due": self._due, "last": self._last, "times": self.time, "values": self.values}
 
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`."""
-        self._due = state["due"]
+        self._due, self._last = state["due"], state["last"]
         self._times, self._values = array("d", state["times"].tolist()), array("d", state["values"].ravel().tolist())
+
+    @property
+    def pending(self) -> int:
+        """About how many rows have not been drained."""
+        return len(self._times)
 
     @property
     def rows(self) -> int:
@@ -121,10 +140,10 @@ class TextRecorder(Recorder):
         super().take(state)
         self._places |= {text: float(k) for k, text in enumerate(state["texts"])}
 
-    @property
-    def texts(self) -> np.ndarray:
-        """The rows, (n, width), of texts."""
-        return np.array(list(self._places), dtype=object)[self.values.astype(int)]
+    def drain(self, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """As in `Recorder`; values (rows, width) of texts."""
+        time, places = super().drain(rows)
+        return time, np.array([*self._places, None], dtype=object)[places.astype(int)]
 
 
 def reading(units: Mapping[str, Unit], ends: Sequence[Endpoint], *, texts: bool = False) -> Callable[[], list[Any]]:

@@ -13,6 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
+from ...output import replaced
 from ..charts.blocks import Block
 from ..charts.style import DARK
 
@@ -72,5 +73,6 @@ def write_page(page: Page, path: Path) -> Path:
         )
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(html, encoding="utf-8")
+    with replaced(path) as file:
+        file.write(html)
     return path

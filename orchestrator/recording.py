@@ -1,0 +1,197 @@
+"""Where the rows of a run go: into tables in memory, or into its result directory as they come.
+
+A directory holds the result of its last run that came to an end. What a run writes meanwhile is in its folder `unfinished`, and
+takes the place of the earlier result at the end; after `kill -9` it is still there, readable up to the last chunk.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from time import perf_counter
+from typing import IO, Any
+
+import numpy as np
+
+from .engine.stepping.observers import BatchObserver, Recorder, TextRecorder
+from .output import HOLDER, UNFINISHED, write_json
+from .tables import StoredTable, Table, joined
+
+TABLE, CSV, INFO, SNAPSHOTS, REPORT = "result.parquet", "result.csv", "run.json", "snapshots", "report.html"
+RESERVE = "reserve"  # a file to be removed where the disk is full, so that the outcome can still be written
+RESERVED = 1 << 16  # bytes
+CHUNK_ROWS, CHUNK_VALUES, CHUNK_SECONDS = 100_000, 1_000_000, 5.0  # a chunk is written when it has reached one of them
+FIRST_SECONDS = 0.2  # a run that is killed early leaves something, too; then twice as long each time
+CSV_ROWS = 5_000  # that are texts at a time
+
+
+class OutputFailed(Exception):
+    """The rows of a run cannot be written."""
+
+
+class Spool:
+    """Recorders of the same rows and the table these go to; takes part in checkpoints."""
+
+    def __init__(self, recorder: Recorder, table: Table, columns: Sequence[int] | None = None, texts: TextRecorder | None = None):
+        """`columns`: those of the recorder that the table has; default: all. `texts`: records the same rows."""
+        self.recorder, self.table, self.texts = recorder, table, texts
+        self._columns = columns
+
+    @property
+    def last(self) -> float:
+        """Time of the last row, s; without one, minus infinity."""
+        return self.recorder.last
+
+    def drain(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows that are not in the table yet; the recorders keep them no longer."""
+        rows = self.recorder.rows if self.texts is None else min(self.recorder.rows, self.texts.rows)
+        time, values = self.recorder.drain(rows)
+        texts = np.zeros((rows, 0), dtype=object) if self.texts is None else self.texts.drain(rows)[1]
+        return time, values if self._columns is None else values[:, self._columns], texts
+
+    def flush(self) -> None:
+        """Rows that are not in the table yet go there."""
+        self.table.append(*self.drain())
+
+    def state(self) -> dict[str, Any]:
+        """All rows so far, for a checkpoint."""
+        self.flush()
+        time, values, texts = joined(self.table)
+        recorders = [r.state() for r in (self.recorder, self.texts) if r is not None]
+        return {"time": time, "values": values, "texts": texts.tolist(), "recorders": recorders}
+
+    def take(self, state: Mapping[str, Any]) -> None:
+        """Go on from a `state`."""
+        time, values = state["time"], state["values"]
+        texts = np.array(state["texts"], dtype=object).reshape(time.size, len(self.table.texts))
+        if values.shape != (time.size, len(self.table.names)):
+            raise ValueError(f"rows of shape {values.shape}, expected {time.size, len(self.table.names)}")
+        for recorder, own in zip([r for r in (self.recorder, self.texts) if r is not None], state["recorders"], strict=True):
+            recorder.take(own)
+        self.table.append(time, values, texts)
+
+
+class ResultFiles(BatchObserver):
+    """Writes the rows of a run into a directory as they come: Parquet parts, and the same as comma-separated values."""
+
+    def __init__(self, directory: Path):
+        self.directory = directory.absolute()  # wherever a unit goes
+        self._folder = self.directory / UNFINISHED
+        self._spools: list[Spool] = []
+        self._tables: list[StoredTable] = []
+        self._csv: IO[str] | None = None
+        self._pause, self._due = FIRST_SECONDS, perf_counter() + FIRST_SECONDS
+        self.failure = ""  # why nothing more is written
+
+    def open(self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: Mapping[str, Any]) -> Table:
+        """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`."""
+        for entry in self._folder.iterdir():
+            if entry.name != HOLDER:
+                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+        (self._folder / RESERVE).write_bytes(os.urandom(RESERVED))
+        write_json(self._folder / INFO, info)
+        self._csv = open(self._folder / CSV, "w", encoding="utf-8", newline="")  # noqa: SIM115 - open for the whole run
+        self._writer = csv.writer(self._csv, quoting=csv.QUOTE_NONNUMERIC, lineterminator="\n")
+        self._writer.writerow(["time", *names, *texts])
+        self._csv.flush()
+        self._whole = os.fstat(self._csv.fileno()).st_size  # bytes of whole chunks
+        table = _WithCsv(self._folder / TABLE, names, texts, units, title=info["scene"]["name"], write=self._write_rows)
+        self._tables.append(table)
+        return table
+
+    def snapshots(self, name: str, elements: Sequence[str]) -> Table:
+        """The table of the snapshots of an array."""
+        self._tables.append(StoredTable(self._folder / SNAPSHOTS / f"{len(self._tables):03d}.parquet", elements, title=name))
+        return self._tables[-1]
+
+    def watch(self, spools: Sequence[Spool]) -> None:
+        """What is written from now on."""
+        self._spools = list(spools)
+        self._limits = [min(CHUNK_ROWS, max(CHUNK_VALUES // (1 + len(s.table.names)), 1)) for s in spools]
+
+    def __call__(self, tick: int, t: float) -> None:
+        for spool, limit in zip(self._spools, self._limits, strict=True):
+            if spool.recorder.pending >= limit:
+                self._flush(spool)
+        if perf_counter() >= self._due:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what has come since the last chunk; raises `OutputFailed`."""
+        self._pause = min(2.0 * self._pause, CHUNK_SECONDS)
+        self._due = perf_counter() + self._pause
+        for spool in self._spools:
+            self._flush(spool)
+
+    def finish(self, info: Mapping[str, Any]) -> None:
+        """All rows are written: the result takes the place of an earlier one. Raises `OutputFailed`."""
+        try:
+            (self._folder / RESERVE).unlink(missing_ok=True)
+            write_json(self._folder / INFO, info)
+            self.close()
+            for name in (REPORT, TABLE, SNAPSHOTS, CSV, INFO):  # an earlier report goes; last what says that it is whole
+                _move(self._folder / name, self.directory / name)
+            for table in self._tables:
+                table.folder = self.directory / table.folder.relative_to(self._folder)
+        except OSError as error:
+            raise OutputFailed(self._text(error)) from None
+
+    def close(self) -> None:
+        """Let go of the CSV file, with whole chunks only."""
+        if self._csv is None or self._csv.closed:
+            return
+        with suppress(OSError):
+            self._csv.close()
+        if self.failure:
+            os.truncate(self._folder / CSV, self._whole)
+
+    def _flush(self, spool: Spool) -> None:
+        if self.failure:
+            return
+        try:
+            spool.flush()
+        except OSError as error:
+            self.failure = self._text(error)
+            raise OutputFailed(self.failure) from None
+
+    def _write_rows(self, time: np.ndarray, values: np.ndarray, texts: np.ndarray) -> None:
+        assert self._csv is not None
+        for first in range(0, time.size, CSV_ROWS):
+            some = slice(first, first + CSV_ROWS)
+            columns = [time[some].tolist(), *values[some].T.tolist(), *texts[some].T.tolist()]
+            self._writer.writerows(zip(*columns, strict=True))
+        self._csv.flush()
+        self._whole = os.fstat(self._csv.fileno()).st_size
+
+    def _text(self, error: OSError) -> str:
+        return f"the results cannot be written to {str(self.directory)!r}: {error.strerror or error}"
+
+
+class _WithCsv(StoredTable):
+    """Writes the same rows elsewhere as well."""
+
+    def __init__(self, *arguments: Any, write: Any, **named: Any):
+        super().__init__(*arguments, **named)
+        self._write = write
+
+    def append(self, time: np.ndarray, values: np.ndarray, texts: np.ndarray) -> None:
+        super().append(time, values, texts)
+        self._write(time, values, texts)
+
+
+def _move(new: Path, old: Path) -> None:
+    """Put a file or folder in the place of another one; without a new one, the old one goes."""
+    if old.is_dir():
+        aside = new.with_name(f"old-{new.name}")
+        os.replace(old, aside)
+        if new.exists():
+            os.replace(new, old)
+        shutil.rmtree(aside, ignore_errors=True)
+    elif new.exists():
+        os.replace(new, old)
+    else:
+        old.unlink(missing_ok=True)

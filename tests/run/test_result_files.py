@@ -1,0 +1,262 @@
+"""Results are written as they come: what is left after kills, full disks and limits of memory, and who may write where."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import threading
+from time import monotonic, sleep
+
+import cosimo
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator import recording, results
+from cosimo.orchestrator.output import UNFINISHED, locked
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import read_result, read_scene
+from cosimo.orchestrator.tables import StoredTable
+from cosimo.tests.support import Oscillator, two_masses
+
+PATIENCE = 120.0  # s until a busy machine must have written a chunk
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and limits of POSIX")
+PROBE = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe", "parameters": {"length": 4.0}}},
+         "master": {"step": 0.1}, "record": {"signals": ["p.time"], "snapshots": ["p.profile"], "snapshot_interval": 0.5}}
+
+
+def masses(stop: float = 2.0):
+    return read_scene({**two_masses("jacobi", 5e-3, 1), "stop_time": stop})
+
+
+def same(one, other):
+    assert one.time.tobytes() == other.time.tobytes()
+    assert list(one.columns) == list(other.columns)
+    assert all(one[name].tobytes() == other[name].tobytes() for name in one.columns)
+    assert {n: (s.time.tolist(), s.values.tolist()) for n, s in one.snapshots.items()} == \
+           {n: (s.time.tolist(), s.values.tolist()) for n, s in other.snapshots.items()}
+    assert (one.outcome, one.message, dict(one.measures)) == (other.outcome, other.message, dict(other.measures))
+
+
+@pytest.mark.parametrize("scene", [masses, lambda: read_scene(PROBE)], ids=["masses", "snapshots"])
+def test_what_is_written_is_the_result(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "CHUNK_ROWS", 7)  # many parts
+    whole = run(scene())
+    stored = run(scene(), output=tmp_path / "streamed")
+    whole.save(tmp_path / "saved")
+    for result in (stored, read_result(tmp_path / "streamed"), read_result(tmp_path / "saved")):
+        same(whole, result)
+        assert result.scene.settings() == {**whole.scene.settings(), **result.scene.settings()}
+    texts = [(tmp_path / d / "result.csv").read_bytes() for d in ("streamed", "saved")]
+    assert texts[0] == texts[1]
+    table = np.loadtxt(tmp_path / "saved" / "result.csv", delimiter=",", skiprows=1, ndmin=2)
+    assert table[:, 0].tobytes() == whole.time.tobytes()
+    assert not (tmp_path / "streamed" / UNFINISHED).exists()
+
+
+def test_rows_wait_in_memory_only_until_a_chunk_is_full(tmp_path, monkeypatch):
+    monkeypatch.setattr(recording, "CHUNK_ROWS", 16)
+    seen = []
+    call = recording.ResultFiles.__call__
+
+    def watched(files, tick, t):
+        call(files, tick, t)
+        seen.append(max(spool.recorder.pending for spool in files._spools))
+
+    monkeypatch.setattr(recording.ResultFiles, "__call__", watched)
+    run(masses(), output=tmp_path)
+    assert len(seen) > 100
+    assert max(seen) < 16
+    parts = sorted(p.name for p in (tmp_path / "result.parquet").iterdir())
+    assert parts == [f"part-{k:06d}.parquet" for k in range(len(parts))]
+    assert len(parts) >= 401 // 16
+
+
+def test_a_result_that_fills_the_memory_stays_on_disk(tmp_path, monkeypatch):
+    whole = run(masses())
+    monkeypatch.setattr(results, "HELD", 100)
+    stored = run(masses(), output=tmp_path)
+    assert not stored.held
+    assert (stored.rows, stored.end) == (whole.rows, whole.end)
+    assert repr(stored) == repr(whole)
+    same(whole, stored)
+    for name in whole.columns:
+        assert stored.extremes(name) == whole.extremes(name)
+    with pytest.raises(BadInput, match="a recorded signal"):
+        stored["nothing"]
+
+
+def test_texts_are_kept_as_well(tmp_path):
+    """Units without texts are the rule; the table takes them with numbers whose names start alike."""
+    table = StoredTable(tmp_path / "t", ["a.x", "a.x.y"], ["a.s"], {"a.x": "m"}, "title")
+    texts = np.array([["one"], ["zwölf, \"\n"]], dtype=object)
+    for k in range(3):
+        table.append(np.array([k, k + 0.5]), np.array([[1.0, np.nan], [2.0, np.inf]]) * (k + 1), texts)
+    again = StoredTable.read(tmp_path / "t")
+    assert (again.names, again.texts, again.title, again.rows) == (["a.x", "a.x.y"], ["a.s"], "title", 6)
+    assert again.units["a.x"] == "m"
+    assert again.column("a.x").tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
+    assert again.column("a.s").tolist() == ["one", "zwölf, \"\n"] * 3
+    with pytest.raises(KeyError):
+        again.column("a")
+
+
+def command(folder, *options: str) -> list[str]:
+    return [sys.executable, "-m", "cosimo.orchestrator.cli", "run", "mass-on-spring", "--in-process", "-o", str(folder), *options]
+
+
+def started(folder, *options: str, **named):
+    """A long run in a process of its own, in plain Python."""
+    return subprocess.Popen(command(folder, "--stop", "1e5", *options), env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+                            stderr=subprocess.PIPE, text=True, stdout=subprocess.DEVNULL, **named)
+
+
+def until_written(process, folder) -> int:
+    """Number of parts that a run has put in place."""
+    end = monotonic() + PATIENCE
+    while monotonic() < end and process.poll() is None:
+        if parts := [*(folder / UNFINISHED / "result.parquet").glob("*.parquet")]:
+            return len(parts)
+        sleep(0.02)
+    raise AssertionError(process.communicate()[1])
+
+
+@posix
+@pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.full) for k in range(2, 51))])
+def test_a_killed_run_leaves_its_chunks_and_the_earlier_result(seed, tmp_path):
+    scene = cosimo.load_scene("mass-on-spring")
+    earlier = run(scene.with_changes({"stop_time": 0.1}), in_process=True, output=tmp_path)
+    same(earlier, read_result(tmp_path))
+    process = started(tmp_path)
+    try:
+        until_written(process, tmp_path)
+        sleep(random.Random(seed).uniform(0.0, 2.0))
+        acknowledged = [*(tmp_path / UNFINISHED / "result.parquet").glob("*.parquet")]
+        process.kill()
+    finally:
+        process.communicate()
+    left = read_result(tmp_path)
+    assert (left.outcome, left.message) == ("failed", f"the run was killed; its rows up to t = {left.end:.9g} s were written")
+    assert left.rows >= StoredTable.read(acknowledged[0].parent).rows > 0
+    again = run(scene.with_changes({"stop_time": left.end}), in_process=True)
+    assert left.time.tobytes() == again.time.tobytes()
+    for name in left.columns:
+        assert left[name][:-2].tobytes() == again[name][:-2].tobytes()  # the last step of `again` is a shorter one
+    assert json.loads((tmp_path / "run.json").read_text())["outcome"] == "done"  # of the earlier one, which is whole
+    final = run(scene.with_changes({"stop_time": 0.2}), in_process=True, output=tmp_path)
+    same(final, read_result(tmp_path))
+    assert not (tmp_path / UNFINISHED).exists()
+
+
+@posix
+def test_a_second_run_into_the_same_directory_is_refused_with_its_holder(tmp_path):
+    process = started(tmp_path)
+    try:
+        until_written(process, tmp_path)
+        with pytest.raises(BadInput, match=f"process {process.pid} on .* writes; expected one of its own"):
+            run(masses(), output=tmp_path)
+    finally:
+        process.kill()
+        process.communicate()
+    run(masses(0.1), output=tmp_path)  # the lock has gone with its process
+
+
+def test_a_lock_is_one_for_what_its_holder_writes(tmp_path):
+    with locked(tmp_path):
+        run(masses(0.1), output=tmp_path)
+    assert sorted(os.listdir(tmp_path)) == ["result.csv", "result.parquet", "run.json"]
+
+
+@posix
+def test_a_disk_that_is_full_ends_the_run_with_what_is_written(tmp_path):
+    """A limit of the size of a file stands for the disk: the same calls fail, with another number of the error."""
+    import resource
+
+    limit = 200_000  # bytes
+    process = started(tmp_path, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    try:
+        errors = process.communicate(timeout=PATIENCE)[1]
+    finally:
+        process.kill()
+    assert process.returncode == 3, errors
+    assert "Traceback" not in errors
+    result = read_result(tmp_path)
+    assert result.outcome == "failed"
+    assert "the results cannot be written to" in result.message
+    assert "the results cannot be written to" in errors
+    assert result.rows > 10
+    rows = (tmp_path / "result.csv").read_text().splitlines()
+    assert 0 < len(rows) - 1 <= result.rows
+    assert all(len(row.split(",")) == len(result.columns) + 1 for row in rows)
+
+
+class Hungry(Oscillator):
+    """Takes ever more memory."""
+
+    def _step(self, t, h):
+        self.kept = [*getattr(self, "kept", []), np.ones(4_000_000)]
+        return super()._step(t, h)
+
+
+@posix
+def test_a_run_without_memory_left_keeps_what_it_has(tmp_path):
+    program = f"""
+import resource
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.support import two_masses
+scene = two_masses("jacobi", 5e-3, 1)
+scene["units"]["b"]["component"] = "{__name__}:Hungry"
+scene = read_scene({{**scene, "stop_time": 50.0}})
+run(scene.with_changes({{"stop_time": 0.005}}), output={str(tmp_path)!r})  # all is loaded now
+taken = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (taken + 400_000_000,) * 2)
+result = run(scene, output={str(tmp_path)!r})
+print(result.outcome, result.message)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE,
+                          env=os.environ | {"NUMBA_DISABLE_JIT": "1"})
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("failed"), done.stdout
+    assert "memory" in done.stdout.lower()
+    result = read_result(tmp_path)
+    assert result.outcome == "failed"
+    assert result.rows > 3
+
+
+@posix
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_signal_leaves_a_whole_result(number, tmp_path):
+    process = started(tmp_path)
+    try:
+        until_written(process, tmp_path)
+        process.send_signal(number)
+        errors = process.communicate(timeout=PATIENCE)[1]
+    finally:
+        process.kill()
+    assert process.returncode == 128 + number, errors
+    result = read_result(tmp_path)
+    assert (result.outcome, result.info["signal"]) == ("stopped", number.name)
+    assert len((tmp_path / "result.csv").read_text().splitlines()) == 1 + result.rows
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"scene": 3}', '{"scene": {"units": {}}}', "[" * 5000])
+def test_what_is_no_result_is_refused_in_one_message(content, tmp_path):
+    with pytest.raises(BadInput, match="a directory that a run has written"):
+        read_result(tmp_path)
+    (tmp_path / "run.json").write_text(content)
+    with pytest.raises(BadInput):
+        read_result(tmp_path)
+
+
+def test_runs_of_threads_do_not_meet(tmp_path):
+    """The lock is of the process: what its own threads do is theirs to order; separate directories work side by side."""
+    threads = [threading.Thread(target=lambda k=k: run(masses(0.1), output=tmp_path / str(k))) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    same(read_result(tmp_path / "0"), read_result(tmp_path / "1"))
