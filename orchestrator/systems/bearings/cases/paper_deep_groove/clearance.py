@@ -1,4 +1,4 @@
-"""Natural frequencies and level of vibration over the clearance: statics in closed scales, free oscillations, and coupled runs."""
+"""Natural frequencies and level of vibration over the clearance: linearisation, free oscillations, and coupled runs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from .shaft import BALL_PASS, BALLS, FREQUENCY, LENGTH, MASS, acceleration, moti
 
 TABLE = (-3.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0)
 WIDE = (5.0, 10.0)  # two balls carry, whatever the clearance
+FEWER = (7, 8)  # balls, without clearance
 PITCH = 2.0 * math.pi / BALLS
 NORMAL = (2.5e-6 / LENGTH, 10e-6 / LENGTH)  # radial, of the class CN of a bearing with a bore of 30 mm: 5 to 20 um diametral
 RUNS = (-3.0, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)
@@ -33,11 +34,14 @@ def study(options: Options) -> Evidence:
     measured: dict[str, float] = {}
     for g, (along, across) in static.items():
         measured |= {f"along.{g:g}": float(along), f"across.{g:g}": float(across)}
+    for balls in FEWER:
+        along, across = over_a_pitch(0.0, balls).mean(axis=0)
+        measured |= {f"along.{balls} balls": float(along), f"across.{balls} balls": float(across)}
     measured |= _falls(static)
     for g in RINGING:
-        expected, rung = ringing(g, options.in_process)
+        expected, rung = ringing(g)
         measured[f"ringing.{g:g}"] = float(100.0 * np.abs(rung / expected - 1.0).max())
-    runs = {g: passing(g, options.in_process) for g in RUNS}
+    runs = {g: passing(g) for g in RUNS}
     levels = {g: level(r) for g, r in runs.items()}
     measured |= {f"level.{g:g}": v for g, v in levels.items()}
     measured["level.ratio"] = levels[3.0] / levels[0.0]
@@ -65,28 +69,14 @@ def _falls(static: dict[float, np.ndarray]) -> dict[str, float]:
     }
 
 
-def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:
-    """Frequencies along and across the load over f_0 of two neighbouring balls that carry it, mean over the cage angle.
-
-    Closed form: their loads are sin(b)/sin(pitch) and sin(a)/sin(pitch) at angles a and b to both sides of the load.
-    """
-    pitch = 2.0 * math.pi / balls
-    a = pitch * (np.arange(angles) + 0.5) / angles
-    b = pitch - a
-    stiffness = [1.5 * np.cbrt(np.sin(other) / math.sin(pitch)) for other in (b, a)]
-    squares = (sum(k * f(at) ** 2 for k, at in zip(stiffness, (a, b), strict=True)) for f in (np.cos, np.sin))
-    along, across = (float(np.sqrt(s).mean()) for s in squares)
-    return along, across
-
-
-def ringing(clearance: float, in_process: bool = True) -> tuple[np.ndarray, np.ndarray]:
+def ringing(clearance: float) -> tuple[np.ndarray, np.ndarray]:
     """Both natural frequencies of the linearisation, and of the shaft that fell into the bearing at rest and still oscillates.
 
     (2,) each, over f_0. The motion is seen along the linearisation's own directions, in which each frequency is alone.
     """
     squares, directions = np.linalg.eigh(stiffness(clearance, OFF_LINE) / MASS)
     parameters = {"first_ball": OFF_LINE - 0.5 * math.pi}
-    result = motion(scene(RING_END, STEP, 0.0, clearance=clearance, damping=RING_DAMPING, parameters=parameters), in_process)
+    result = motion(scene(RING_END, STEP, 0.0, clearance=clearance, damping=RING_DAMPING, parameters=parameters))
     kept = result.time >= RING_START
     away = np.stack([result[f"rotor.displacement_{axis}"][kept][1:] for axis in "xy"])
     lines = []
@@ -96,9 +86,9 @@ def ringing(clearance: float, in_process: bool = True) -> tuple[np.ndarray, np.n
     return np.sqrt(squares) / (2.0 * math.pi * FREQUENCY), np.array(lines) / FREQUENCY
 
 
-def passing(clearance: float, in_process: bool = True) -> Result:
+def passing(clearance: float) -> Result:
     """The run at a speed at which balls pass `PASSES` times a second."""
-    return motion(scene(TRANSIENT + SEEN, STEP, PASSES / BALL_PASS, clearance=clearance), in_process)
+    return motion(scene(TRANSIENT + SEEN, STEP, PASSES / BALL_PASS, clearance=clearance))
 
 
 def level(result: Result) -> float:
@@ -127,3 +117,17 @@ def _levels(levels: dict[float, float]) -> Chart:
                  f"Balls pass {PASSES:g} times a second, far below the natural frequencies; no fault and no unbalance. With a "
                  "preload of half an x_s or more all balls carry and nothing is left to show. The level does not rise at every "
                  "step: where another ball joins, it dips.")
+
+
+def two_balls(balls: int, angles: int = 2000) -> tuple[float, float]:
+    """Frequencies along and across the load over f_0 of two neighbouring balls that carry it, mean over the cage angle.
+
+    Closed form: their loads are sin(b)/sin(pitch) and sin(a)/sin(pitch) at angles a and b to both sides of the load.
+    """
+    pitch = 2.0 * math.pi / balls
+    a = pitch * (np.arange(angles) + 0.5) / angles
+    b = pitch - a
+    stiffness = [1.5 * np.cbrt(np.sin(other) / math.sin(pitch)) for other in (b, a)]
+    squares = (sum(k * f(at) ** 2 for k, at in zip(stiffness, (a, b), strict=True)) for f in (np.cos, np.sin))
+    along, across = (float(np.sqrt(s).mean()) for s in squares)
+    return along, across

@@ -1,4 +1,4 @@
-"""Pits of both races: their lines in the envelope of the acceleration, harmonics, sidebands, and a bearing without pits beside."""
+"""Pits of both races: their lines in the envelope of the acceleration, harmonics, sidebands; and a bearing without pits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Spectrum = tuple[np.ndarray, np.ndarray]
 
 def study(options: Options) -> Evidence:
     """Three runs at 1800 rpm without clearance: no pit, one in each race."""
-    runs = {pit: passing(pit, options.in_process) for pit in ("", "outer", "inner")}
+    runs = {pit: passing(pit) for pit in ("", "outer", "inner")}
     spectra = {pit: envelope(r) for pit, r in runs.items()}
     expected = bearing(**GEOMETRY).geometry.defect_frequencies(TURNS)
     measured: dict[str, float] = {}
@@ -43,17 +43,17 @@ def study(options: Options) -> Evidence:
         measured |= {f"{pit}.first": 0.5 * (sides[1] + sides[2]), f"{pit}.first.least": min(sides[1:3]),
                      f"{pit}.second.least": min(sides[0], sides[3])}
         measured[f"{pit}.largest.db"] = 20.0 * math.log10(max(max(sides), 1e-300))
-    measured["harmonics.control"] = max(height(*spectra[""], k * expected["outer"]) / height(*spectra["outer"], k * expected["outer"])
-                                        for k in (2, 3))
+    harmonics = [k * expected["outer"] for k in (2, 3)]
+    measured["harmonics.control"] = max(height(*spectra[""], f) / height(*spectra["outer"], f) for f in harmonics)
     return Evidence(measured, (_chart(spectra, expected),), {f"pit: {pit}": runs[pit] for pit in POSITIONS})
 
 
-def passing(pit: str, in_process: bool = True) -> Result:
+def passing(pit: str) -> Result:
     """The run with a pit in the race of that name, or with none."""
     parameters = dict(GEOMETRY)
     if pit:
         parameters |= {f"{pit}_defect.{n}": v for n, v in {**PIT, "position": POSITIONS[pit]}.items()}
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, [f"{pit}_defect"] if pit else [], parameters=parameters), in_process)
+    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, [f"{pit}_defect"] if pit else [], parameters=parameters))
 
 
 def envelope(result: Result) -> Spectrum:

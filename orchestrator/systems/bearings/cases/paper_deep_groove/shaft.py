@@ -54,8 +54,8 @@ def stiffness(clearance: float, first_ball: float, balls: int = BALLS) -> np.nda
 
     clearance: radial, in x_s.  first_ball: angle of a ball from the line of the load, rad.
     """
-    model = bearing(["linearisation"], balls=balls, diametral_clearance=diametral(clearance), first_ball=first_ball - 0.5 * math.pi,
-                    **{"linearisation.idle_stiffness": 0.0})  # fmt: skip
+    given = {"diametral_clearance": diametral(clearance), "first_ball": first_ball - 0.5 * math.pi}
+    model = bearing(["linearisation"], balls=balls, **given, **{"linearisation.idle_stiffness": 0.0})
     rest = at_rest(model, np.array([0.0, -WEIGHT, 0.0, 0.0, 0.0]), ("z", "tilt_x", "tilt_y")).displacement
     for name, value in zip(DISPLACEMENT, rest, strict=True):
         model.set(name, value)
@@ -73,7 +73,10 @@ def over_a_pitch(clearance: float, balls: int = BALLS, angles: int = 24) -> np.n
 def scene(stop_time: float, step: float, turns: float, effects: Sequence[str] = (), *, clearance: float = 0.0,
           damping: float = DAMPING, gravity: float = GRAVITY, axial: float = 0.0, interval: float | None = None,
           parameters: Mapping[str, Any] | None = None) -> Scene:
-    """The shaft at `turns` per second in the bearing; clearance: radial, in x_s; axial: preload in N, by an axial displacement."""
+    """The shaft at `turns` per second in the bearing.
+
+    clearance: radial, in x_s.  axial: preload in N, by the axial displacement that it has without other loads.
+    """
     given = BEARING | {"diametral_clearance": diametral(clearance)} | dict(parameters or {})
     if axial:
         loads = at_rest(bearing(diametral_clearance=diametral(clearance)), np.array([0.0, 0.0, axial, 0.0, 0.0]))
@@ -94,7 +97,7 @@ def scene(stop_time: float, step: float, turns: float, effects: Sequence[str] = 
 
 
 def motion(of: Scene, in_process: bool = True) -> Result:
-    """The run of a scene; raises `StepFailed` where it does not reach its end."""
+    """The run of a scene, in process as of any study of many runs; raises `StepFailed` where it does not reach its end."""
     result = run(of, in_process=in_process)
     if result.outcome != "done":
         raise StepFailed(of.name, 0.0, result.message)

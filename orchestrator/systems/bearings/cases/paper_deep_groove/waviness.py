@@ -1,4 +1,4 @@
-"""Waviness of the rotating and of the fixed ring: the lines of each order, what the number of balls hides, what a preload removes."""
+"""Waviness of the rotating and of the fixed ring: the lines of each order, what the balls hide, and what a preload removes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .....harness.charts.chart import Chart, Panel, Picture, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
 from .....results import Result
-from .shaft import BALL_PASS, BALLS, LENGTH, acceleration, motion, scene
+from .shaft import BALL_PASS, BALLS, LENGTH, motion, scene
 
 TURNS = 2.4  # per second: ten times of them lie below a tenth of the lower natural frequency
 STEP, INTERVAL = 1e-4, 1e-3  # s
@@ -30,42 +30,42 @@ SHOWN = 30.0  # Hz
 
 def study(options: Options) -> Evidence:
     """One run an order and ring; amplitudes are of the motion's difference from that of perfect rings, over the waves'."""
-    perfect = {loaded: waves((), loaded, options) for loaded in (True, False)}
-    runs = {k: waves((k,), True, options) for k in ORDERS}
+    perfect = {loaded: waves((), loaded) for loaded in (True, False)}
+    runs = {k: waves((k,), True) for k in ORDERS}
     inner = {k: difference(r, perfect[True]) for k, r in runs.items()}
     measured: dict[str, float] = {}
     for k, away in inner.items():
         measured |= {f"line.{k}.{axis}": line(x, k * TURNS) for axis, x in away.items()}
-        f, a = spectrum(away["across"])
-        measured[f"off.{k}"] = abs(peak(f, a, k * TURNS, 3.0 * BIN)[0] - k * TURNS) / BIN
+    measured["off"] = max(abs(place(inner[k]["across"], k * TURNS) - k * TURNS) / BIN for k in range(2, BALLS - 1))
+    measured["nothing"] = max(measured[f"line.{k}.{axis}"] for k in (BALLS - 1, BALLS + 1) for axis in ALONG_ACROSS)
     beside = [abs(2.0 - q * BALL_PASS) * TURNS for q in (-1, 1)]
     measured["sidebands.2"] = line(inner[2]["across"], 2.0 * TURNS) / max(line(inner[2]["across"], f) for f in beside)
     for k in (BALLS - 2, BALLS - 1, BALLS, BALLS + 1):
-        place = abs(k - BALL_PASS) * TURNS
-        measured |= {f"alias.{k}.{axis}": line(x, place) for axis, x in inner[k].items()}
-    preloaded = difference(waves(tuple(range(2, BALLS - 1)), False, options), perfect[False])
+        alias = abs(k - BALL_PASS) * TURNS
+        measured |= {f"alias.{k}.{axis}": line(x, alias) for axis, x in inner[k].items()}
+    preloaded = difference(waves(tuple(range(2, BALLS - 1)), False), perfect[False])
     measured["preloaded"] = max(100.0 * line(preloaded[axis], k * TURNS) / measured[f"line.{k}.{axis}"]
                                 for k in range(2, BALLS - 1) for axis in preloaded)
-    outer = difference(waves(ALL, True, options, "outer"), perfect[True])
+    outer = difference(waves(ALL, True, "outer"), perfect[True])
     measured["outer.turn"] = max(line(x, k * TURNS) for k in ALL if _apart(k) for x in outer.values())
     measured["outer.pass"] = line(outer["across"], BALL_PASS * TURNS)
-    larger = [difference(waves((2,), True, options, times=n), perfect[True])["across"] for n in LARGER]
-    measured["harmonic.rate"] = math.log(line(larger[1], 4.0 * TURNS) / line(larger[0], 4.0 * TURNS)) / math.log(LARGER[1] / LARGER[0])
+    larger = [difference(waves((2,), True, times=n), perfect[True])["across"] for n in LARGER]
+    second = [line(x, 4.0 * TURNS) for x in larger]
+    measured["harmonic.rate"] = math.log(second[1] / second[0]) / math.log(LARGER[1] / LARGER[0])
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
     return Evidence(measured, (_map(inner), _transfer(inner)), {"inner ring with two waves": runs[2]}, (
         f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm.",
     ))  # fmt: skip
 
 
-def waves(orders: tuple[int, ...], loaded: bool, options: Options, ring: str = "inner", times: float = 1.0) -> Result:
+def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Result:
     """The run with waves of some orders on one ring, under the weight or with an axial preload alone; `times` the amplitude."""
     left_out = PLACES - len(orders)
     parameters = {f"{ring}_waviness.order": [*orders, *[1] * left_out],
                   f"{ring}_waviness.amplitude": [*[times * AMPLITUDE] * len(orders), *[0.0] * left_out]} if orders else {}
     effects = [f"{ring}_waviness"] if orders else []
     weight = {} if loaded else {"gravity": 0.0, "axial": PRELOAD}
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, interval=INTERVAL, parameters=parameters, **weight),
-                  options.in_process)
+    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, interval=INTERVAL, parameters=parameters, **weight))
 
 
 def _apart(order: int) -> bool:
@@ -85,6 +85,11 @@ def line(x: np.ndarray, frequency: float) -> float:
     return amplitude_at(x, 1.0 / INTERVAL, frequency)
 
 
+def place(x: np.ndarray, near: float) -> float:
+    """Frequency of the highest line within three bins of a frequency, Hz."""
+    return peak(*spectrum(x), near, 3.0 * BIN)[0]
+
+
 def spectrum(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(frequency in Hz, amplitude) up to the highest shown frequency."""
     f, a = amplitude_spectrum(x, 1.0 / INTERVAL)
@@ -99,16 +104,17 @@ def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
     alias = Series("order less balls times the cage", [abs(k - BALL_PASS) for k in spectra], tuple(spectra), "points")
     return Chart("Lines of each order of waviness", "frequency over the speed of the shaft",
                  (Panel("order of waviness", (direct, alias), picture=Picture(f, tuple(spectra), values, "dB over A/1000")),),
-                 f"Inner ring, radial load, {BALLS} balls, motion across the load. Low orders shake at order times speed; from half "
-                 f"the number of balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves move the shaft as a bent ring would, "
-                 "and leave nothing at their own order.")
+                 f"Inner ring, radial load, {BALLS} balls, motion across the load. Low orders shake at order times "
+                 f"speed; from half the number of balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring "
+                 "as a whole, and leave nothing at their own order.")
 
 
 def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
     series = []
     for axis, limit in ALONG_ACROSS.items():
         low = [k for k in inner if k <= BALLS // 2]
-        series += [Series(f"{axis}, at order times speed", tuple(inner), [line(x[axis], k * TURNS) for k, x in inner.items()], "points"),
+        heights = [line(x[axis], k * TURNS) for k, x in inner.items()]
+        series += [Series(f"{axis}, at order times speed", tuple(inner), heights, "points"),
                    Series(f"{axis}, many balls", low, [limit[k] for k in low], faint=True)]  # fmt: skip
     return Chart("What a wave leaves at order times speed", "order of waviness",
                  (Panel("amplitude of the shaft over that of the wave", tuple(series), logarithmic=True, y_range=(1e-5, 2.0)),),
