@@ -7,7 +7,7 @@ from . import clearance, defects, masters, waviness
 
 CASE = paper(
     "paper-deep-groove",
-    "Paper: deep groove bearing with six degrees of freedom",
+    "Deep groove ball bearing with six degrees of freedom (Sopanen and Mikkola 2003)",
     "Asks of a rigid shaft in the bearing what the abstract of Sopanen & Mikkola (2003) announces: natural frequencies and "
     "vibration over the clearance, waves of the rings, pits, and use as an element of other codes. Criteria are closed forms and "
     "independent solutions in the bearing's own scales; that paper's bearing and numbers were not at hand.",

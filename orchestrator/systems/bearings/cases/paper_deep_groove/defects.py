@@ -30,7 +30,7 @@ def study(options: Options) -> Evidence:
     """Three runs at 1800 rpm without clearance: no pit, one in each race."""
     runs = {pit: passing(pit) for pit in ("", "outer", "inner")}
     spectra = {pit: envelope(r) for pit, r in runs.items()}
-    expected = bearing(**GEOMETRY).geometry.defect_frequencies(TURNS)
+    expected = bearing((), **GEOMETRY).geometry.defect_frequencies(TURNS)
     measured: dict[str, float] = {}
     for pit in POSITIONS:
         f, a = spectra[pit]
