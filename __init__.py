@@ -8,7 +8,8 @@ What stands here is the public interface; whatever it needs is imported when it 
     result = cosimo.run(scene, in_process=True)
     print(result["pantograph.contact_force"].max(), "N")
 
-Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Result`, `read_result`, `write_report`, `sweep`.
+Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Result`, `read_result`, `summary`,
+`write_report`, `sweep`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component`, `OdeComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent`, `Effect`,
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from .orchestrator.run import run
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene
-    from .orchestrator.systems import load_scene, read_result, read_scene, validate, write_report
+    from .orchestrator.systems import load_scene, read_result, read_scene, summary, validate, write_report
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -63,7 +64,7 @@ _PLACES = {
     "orchestrator.run": ("run",),
     "orchestrator.scene.scene": ("Scene",),
     "orchestrator.scene.text": ("write_scene",),
-    "orchestrator.systems": ("load_scene", "read_result", "read_scene", "validate", "write_report"),
+    "orchestrator.systems": ("load_scene", "read_result", "read_scene", "summary", "validate", "write_report"),
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
@@ -71,7 +72,7 @@ __all__ = [
     "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
     "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class", "effects",
     "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_result",
-    "read_scene", "run", "stability", "sweep", "validate", "write_report", "write_scene",
+    "read_scene", "run", "stability", "summary", "sweep", "validate", "write_report", "write_scene",
 ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
@@ -33,6 +34,7 @@ from .common import (
 )
 
 if TYPE_CHECKING:
+    from ..harness.summary import Summary
     from ..results import Result
     from ..scene.scene import Scene
 
@@ -117,23 +119,52 @@ def run(
             result = replace(result, info={**result.info, "accuracy": reason})
         if choice is not None and within is not None:
             result = replace(result, info=choice.with_reasons(result.info, within))
+        numbers, remark = _summary(result)
         if output is not None:
             if result is not given:
                 result.save(output)
             print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
-                                                                       *_report(result, output))))
+                                                                       *_numbers(numbers, output), *_report(result, output))))
     print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
         (name, result.measures[name], *result.extremes(name)) for name in result.columns if result.rows
     ])
+    if numbers:
+        print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.value, r.text) for r in numbers])
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
     print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")
-    warn(result.info["warnings"])
+    warn([*result.info["warnings"], *remark])
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
     if verify and asked is not None and not _verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
+
+
+def _summary(result: Result) -> tuple[Summary, list[str]]:
+    """The run in numbers, and a remark where [analysis] asks for what a run that reached its end does not have."""
+    from ..systems import summary
+
+    if not result.held:
+        return (), [f"no summary of {result.rows} rows, which are more than memory should hold"]
+    try:
+        return summary(result), []
+    except BadInput as error:
+        return (), [f"no summary: {error}"] if result.outcome == "done" else []
+
+
+def _numbers(numbers: Summary, output: Path) -> list[str]:
+    """Write summary.json: its name, or none where there are no numbers or they cannot be written."""
+    from ..harness.summary import to_json
+
+    if not numbers:
+        return []
+    try:
+        (output / "summary.json").write_text(json.dumps(to_json(numbers), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        print(f"cosimo: no summary.json: {error.strerror or error}", file=sys.stderr)
+        return []
+    return ["summary.json"]
 
 
 def _report(result: Result, output: Path) -> list[str]:

@@ -13,7 +13,8 @@ from .common import FAILED_CHECK, AsJson, InProcess, app, print_table, warn
 @app.command()
 def validate(
     cases: Annotated[list[str] | None, typer.Argument(help=(
-        "names of cases, see cosimo list cases; papers: what each documented system's paper announces; all without it"))] = None,
+        "names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
+        "announces; all without it"))] = None,
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
     strict: Annotated[bool, typer.Option("--strict", help=(

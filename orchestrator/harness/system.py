@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ..settings import AnalysisKeys
 
 if TYPE_CHECKING:
+    from ..results import Result
     from .charts.blocks import Block
+    from .summary import Summary
     from .validation.case import Case
 
 
 @dataclass(frozen=True)
 class System:
-    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (functions and tables), figures/, fronts/*.csv.
+    """A system as the harness sees it. Its folder has scenes/*.toml, cases/ (functions and tables), figures/, fronts/*.csv,
+    summary.py.
 
     package: name of that folder as a package.  keys: what its scenes' [analysis] may say.
     Cases and figures are imported when they are asked for: they need plotting and all of the analysis.
@@ -36,6 +40,12 @@ class System:
     def figures(self) -> Callable[..., list[Block]]:
         """Blocks of a report: `figures(result, rows)`, for a run of the system and rows of a reference table, if any."""
         return import_module(".figures", self.package).blocks
+
+    @property
+    def summary(self) -> Callable[[Result], Summary]:
+        """Figures of a run in numbers: `summary(result)`, none where the folder has no module `summary`."""
+        name = f"{self.package}.summary"
+        return import_module(name).summary if find_spec(name) else lambda result: ()
 
 
 Systems = Mapping[str, System]  # by name

@@ -15,6 +15,7 @@ from ...components.core.errors import BadInput, nearest
 from ..scene import scene as scenes
 
 if TYPE_CHECKING:
+    from ..harness.summary import Summary
     from ..harness.system import Systems
     from ..harness.validation.case import Case, CaseResult
     from ..results import Result
@@ -48,6 +49,17 @@ def cases() -> dict[str, Case]:
     return {case.name: case for system in SYSTEMS.values() for case in system.cases}
 
 
+def _case(name: str) -> Case:
+    """A shipped case by its name, or the one of a user's file."""
+    if name.endswith(".toml"):
+        from ..harness.validation.own import read_case
+
+        return read_case(Path(name), load_scene, summary)
+    if name not in cases():
+        raise BadInput("case", repr(name), "a validation case or the .toml file of one", nearest(name, cases()))
+    return cases()[name]
+
+
 def papers() -> list[str]:
     """Names of the cases that go through what a paper announces."""
     from ..harness.validation.papers import PREFIX
@@ -58,17 +70,23 @@ def papers() -> list[str]:
 def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False) -> list[CaseResult]:
     """Run cases by name, write `report.html` and `validation.json` to `directory`.
 
-    No name: all cases; "papers": those that go through what the papers announce.
+    No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
 
     Raises `BadInput` for an unknown case before anything runs.
     """
     from ..harness.validation import run_cases
 
     names = [n for name in list(names) or cases() for n in (papers() if name == "papers" else [name])]
-    for name in names:
-        if name not in cases():
-            raise BadInput("case", repr(name), "a validation case", nearest(name, cases()))
-    return run_cases([cases()[name] for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)
+    return run_cases([_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)
+
+
+def summary(result: Result) -> Summary:
+    """Figures of a run in numbers, as its system has them: EN 50317 statistics, errors, energies ...; none of an unknown system.
+
+    Raises `BadInput` where [analysis] asks for what the run does not have.
+    """
+    system = result.scene.analysis.system
+    return SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
 
 
 def write_report(result: Result, directory: str | Path) -> Path:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ...results import Result
 
 
+FIRM = ("verbatim", "measured", "computed")  # provenance of ranges that decide
+
+
 @dataclass(frozen=True)
 class Row:
     """A row of a reference table beside what was measured, in the row's unit."""
@@ -67,7 +70,7 @@ def outcome(rows: tuple[Row, ...]) -> str:
     """
     if not rows or not all(r.inside for r in rows if r.reference.standing != "recalled"):
         return "failed"
-    return "passed" if all(r.reference.standing in ("verbatim", "computed") for r in rows) else "recalled"
+    return "passed" if all(r.reference.standing in FIRM for r in rows) else "recalled"
 
 
 @dataclass(frozen=True)
@@ -183,7 +186,7 @@ class CaseResult:
         if self.findings.claims:
             return _claims_in_words(self.findings.claims)
         parts = []
-        kinds = ((("verbatim", "computed"), "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
+        kinds = ((FIRM, "range"), (("recalled",), "recalled range"), (("inferred",), "inferred range"))
         for names, kind in kinds:
             some = [r for r in rows if r.reference.standing in names]
             if some:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from .claims import ROLES, Claim, read_claims
 
 STANDINGS = {
     "verbatim": "read in a public source",
+    "measured": "measured, and given by the user with the case",
     "computed": "computed with an independent solver or a closed form",
     "inferred": "inferred from public material",
     "recalled": "recalled from the literature, not re-read",
@@ -83,7 +85,7 @@ def parse_table(name: str, text: str) -> Table:
     for key in ("title", "text", "sources", "rows"):
         if not data.get(key):
             raise BadInput(f"table {name}", f"no {key!r}", "title, text, sources and rows")
-    rows = tuple(_row(name, i, row, data["sources"]) for i, row in enumerate(data["rows"], 1))
+    rows = table_rows(name, data["rows"], data["sources"])
     claims = read_claims(name, data.get("claims", ()))
     numbers = {claim.number for claim in claims}
     for i, row in enumerate(rows, 1):
@@ -93,6 +95,11 @@ def parse_table(name: str, text: str) -> Table:
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
     return Table(name, data["title"], data["text"], rows, claims)
+
+
+def table_rows(name: str, rows: Sequence[dict], sources: dict) -> tuple[TableRow, ...]:
+    """Rows of a table as data, with their sources in words; raises `BadInput` with the number of the row."""
+    return tuple(_row(name, i, row, sources) for i, row in enumerate(rows, 1))
 
 
 def _row(table: str, number: int, row: dict, sources: dict) -> TableRow:

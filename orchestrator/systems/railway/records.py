@@ -133,6 +133,7 @@ def measured(s: ContactStatistics) -> dict[str, float]:
         "std_0_5": s.std_0_5,
         "std_5_20": s.std_5_20,
         "loss_raw": s.loss_raw,
+        "loss_filtered": s.loss_filtered,
         "uplift_mm": 1e3 * s.max_uplift,
         "height_range_mm": 1e3 * s.height_range,
     }

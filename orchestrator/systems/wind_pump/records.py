@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....components.catalogue import component_class
 from ...harness.analysis.records import recorded
 from ...harness.analysis.signals import accumulated
 
@@ -170,3 +171,16 @@ def efficiencies(chain: Chain, start: int = 0) -> list[tuple[str, float, float |
             before = rows[-1][1] if rows else 0.0
             rows.append((stage, energy, energy / before if before > 0.0 else None))
     return rows
+
+
+def wind_energy(result: Result, chain: Chain, start: int = 0) -> float | None:
+    """Energy of the air that would have passed the rotor's area, J; None where density or radius are not known."""
+    given = result.scene.units[chain.turbine]
+    if chain.wind is None or not given.component:
+        return None
+    known = component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
+    density, radius = known.get("density"), known.get("radius")
+    if not (isinstance(density, float) and isinstance(radius, float)):
+        return None
+    power = 0.5 * density * np.pi * radius**2 * chain.wind**3
+    return float(accumulated(chain.time[start:], power[start:])[-1])

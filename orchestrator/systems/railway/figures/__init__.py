@@ -13,7 +13,8 @@ from ....harness.analysis.signals import Filter
 from ....harness.charts.blocks import Block, Cells, Figure, Text
 from ....harness.charts.style import number
 from ....harness.report.windows import fault_windows, shaded
-from ..records import Passage, passages, statistics
+from ..records import Passage, measured, passages, statistics
+from ..summary import TEXTS
 from .force import force_figure, spectrum_figure
 from .wire import uplift_figure, waves_figure, wire_figure
 
@@ -37,25 +38,10 @@ def statistics_table(result: Result) -> Cells:
     """Statistics of every pantograph of a run, with their settings."""
     names = [p.pantograph for p in passages(result)]
     columns = [statistics(result, pantograph=i) for i in range(len(names))]
-    rows = [(quantity, unit, *(number(value(s)) for s in columns)) for quantity, unit, value in QUANTITIES]
+    values = [measured(s) for s in columns]
+    rows = [(text, unit, *(number(v[name]) for v in values)) for name, (unit, text) in TEXTS.items()]
     right = frozenset(range(2, 2 + len(names)))
     return Cells("Statistics in the analysis window", ("quantity", "unit", *names), rows, columns[0].settings + ".", right)
-
-
-QUANTITIES = (
-    ("mean force", "N", lambda s: s.mean),
-    ("standard deviation", "N", lambda s: s.std),
-    ("standard deviation 0-5 Hz", "N", lambda s: s.std_0_5),
-    ("standard deviation 5-20 Hz", "N", lambda s: s.std_5_20),
-    ("statistical maximum, mean + 3 σ", "N", lambda s: s.statistical_max),
-    ("statistical minimum, mean - 3 σ", "N", lambda s: s.statistical_min),
-    ("actual maximum", "N", lambda s: s.max),
-    ("actual minimum", "N", lambda s: s.min),
-    ("contact loss, unfiltered force", "%", lambda s: s.loss_raw),
-    ("contact loss, filtered force", "%", lambda s: s.loss_filtered),
-    ("range of the contact point's height", "mm", lambda s: 1e3 * s.height_range),
-    ("maximum uplift at a support", "mm", lambda s: 1e3 * s.max_uplift),
-)
 
 
 def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = None) -> list[Figure]:

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .....components.catalogue import component_class
-from ....harness.analysis.signals import accumulated
 from ....harness.charts.blocks import Cells
 from ....harness.charts.style import number
-from ..records import Chain, efficiencies
+from ..records import efficiencies, wind_energy
 from .shown import Shown, scale
 
 if TYPE_CHECKING:
@@ -61,16 +59,3 @@ def efficiency_table(result: Result, shown: Sequence[Shown], start: int = 0) -> 
             "shafts: over a short run that is no loss.")  # fmt: skip
     return Cells("Energy along the chain", ("transmission", "interface", "energy, kJ", "of the one before, %"), rows, text,
                  frozenset({2, 3}))  # fmt: skip
-
-
-def wind_energy(result: Result, chain: Chain, start: int = 0) -> float | None:
-    """Energy of the air that would have passed the rotor's area, J; None where density or radius are not known."""
-    given = result.scene.units[chain.turbine]
-    if chain.wind is None or not given.component:
-        return None
-    known = component_class(given.component)(given.effects, given.parameters, preset=given.preset).parameters
-    density, radius = known.get("density"), known.get("radius")
-    if not (isinstance(density, float) and isinstance(radius, float)):
-        return None
-    power = 0.5 * density * np.pi * radius**2 * chain.wind**3
-    return float(accumulated(chain.time[start:], power[start:])[-1])

@@ -1,0 +1,140 @@
+"""Cases of users: a scene of theirs, against ranges and measured curves of theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+
+from ....components.core.errors import BadInput, nearest
+from ...run import run
+from ...scene.files import read_toml
+from ...settings.case import COMPARED, CaseSettings, CurveSettings
+from ...settings.messages import one_message
+from ...settings.study import wanted
+from ..charts.chart import Chart
+from ..studies.quantities import TimeHistory, quantities_of, recording
+from .case import Case, Findings, Options, Row, compare
+from .curves import Comparison, compare_curve, read_curve
+from .reference import TableRow, table_rows
+
+if TYPE_CHECKING:
+    from ...results import Result
+    from ...scene.scene import Scene
+    from ..summary import Summary
+
+Loader = Callable[[str | Path], "Scene"]
+Summarize = Callable[["Result"], "Summary"]
+
+
+def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
+    """The case of a TOML file, checked with its scene, changes and curves before anything runs; faults are one `BadInput`."""
+    if not path.is_file():
+        raise BadInput("case", repr(str(path)), "the file of a case, or the name of one that cosimo list cases shows")
+    name = path.stem
+    try:
+        settings = CaseSettings.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise one_message(error, CaseSettings, name) from None
+    if not (settings.rows or settings.curves):
+        raise BadInput(name, "neither rows nor curves", "[[rows]] or [[curves]] to compare with")
+    beside = path.parent / settings.scene
+    scene = load_scene(beside if beside.suffix else settings.scene)
+    scenes = {r.condition: scene.with_changes(r.changes) for r in settings.runs} or {"": scene}
+    rows = tuple(_in_run(r, scenes, f"{name}, row {i}")
+                 for i, r in enumerate(table_rows(name, settings.rows, settings.sources), 1))
+    for curve in settings.curves:
+        _check_curve(curve, settings, scenes, path.parent, name)
+    scenes = {condition: _recording(one, rows, settings, condition) for condition, one in scenes.items()}
+    function = partial(_findings, settings, rows, scenes, path.parent, summarize)
+    text = settings.text or f"The scene {settings.scene} against the ranges and curves of {path.name}."
+    return Case(name, settings.title, text, scene.analysis.system, function)
+
+
+def _in_run(row: TableRow, scenes: dict[str, Scene], where: str) -> TableRow:
+    """A row whose condition is one of the runs; no condition needs to be given where there is one run."""
+    if row.condition not in scenes:
+        raise BadInput(where, f"condition {row.condition!r}", "the condition of a run", nearest(row.condition, scenes))
+    return row
+
+
+def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str, Scene], folder: Path, name: str) -> None:
+    where = f"{name}, curve {curve.file}"
+    for what, value, known in (("condition", curve.condition, scenes), ("source", curve.source, settings.sources)):
+        if value not in known:
+            raise BadInput(where, f"{what} {value!r}", f"a {what} of the case", nearest(value, known))
+    for kind in curve.tolerances:
+        if kind not in COMPARED:
+            raise BadInput(where, f"tolerance of {kind!r}", "one of " + ", ".join(COMPARED), nearest(kind, COMPARED))
+    read_curve(curve, folder)
+
+
+def _recording(scene: Scene, rows: tuple[TableRow, ...], settings: CaseSettings, condition: str) -> Scene:
+    """The scene with what rows and curves of a condition need among its recorded signals; checks the signals."""
+    needed = [s for c in settings.curves if c.condition == condition for s in (c.signal, c.over) if s]
+    recorded = [".".join(end) for end in scene.coupling.signals]
+    if missing := [s for s in dict.fromkeys(needed) if s not in recorded]:
+        scene = scene.with_changes({"record.signals": [*recorded, *missing]})
+    kinds = [r.measure for r in rows if r.condition == condition and "," in r.measure]
+    return recording(scene.with_changes({"study.quantities": kinds})) if kinds else scene
+
+
+def _findings(settings: CaseSettings, rows: tuple[TableRow, ...], scenes: dict[str, Scene], folder: Path, summarize: Summarize,
+              options: Options) -> Findings:
+    """Every run, its rows beside the numbers of its summary, its curves beside the measured ones."""
+    rows_of_runs: list[Row] = []
+    runs: dict[str, Result] = {}
+    charts: list[Chart] = []
+    notes: list[str] = []
+    for condition, scene in scenes.items():
+        result = run(scene, in_process=options.in_process, progress=options.progress).unless_stopped()
+        runs[condition or scene.name] = result
+        if result.outcome != "done":
+            return Findings(tuple(rows_of_runs), runs, notes=(result.message,), complete=False)
+        notes += [f"{condition or scene.name}: {warning}" for warning in result.info["warnings"]]
+        mine = tuple(r for r in rows if r.condition == condition)
+        rows_of_runs += compare(mine, _measured(mine, result, summarize))
+        for curve in (c for c in settings.curves if c.condition == condition):
+            comparison = compare_curve(curve, folder, result)
+            rows_of_runs += _curve_rows(comparison, settings.sources[curve.source])
+            charts.append(comparison.chart())
+    return Findings(tuple(rows_of_runs), runs, tuple(charts), tuple(notes))
+
+
+def _measured(rows: tuple[TableRow, ...], result: Result, summarize: Summarize) -> dict[str, float]:
+    """Numbers of a run by the rows' measures: of its summary, or quantities such as "unit.output, maximum"."""
+    summary = {row.name: row for row in summarize(result)}
+    history = TimeHistory(result.time, result.columns)
+    quantities = {str(wanted(q.name)): q for q in quantities_of(result.scene)} if result.scene.study.quantities else {}
+    measured = {}
+    for row in rows:
+        name = str(wanted(row.measure)) if "," in row.measure else row.measure
+        if name in quantities:
+            measured[row.measure] = quantities[name].value(history)
+            unit = quantities[name].unit
+        elif name in summary:
+            measured[row.measure], unit = summary[name].value, summary[name].unit
+        else:
+            raise BadInput(f"row {row.quantity!r}", f"measure {row.measure!r}", 'a name of the summary, or "unit.output, kind"',
+                           nearest(row.measure, summary) or f"This run has {', '.join(summary) or 'no summary'}.")
+        if unit != row.unit:
+            raise BadInput(f"row {row.quantity!r}", f"unit {row.unit!r}", f"{unit!r}, which {row.measure} has")
+    return measured
+
+
+def _curve_rows(comparison: Comparison, source: str) -> list[Row]:
+    """A row for every tolerance of a curve: the simulated number in the range about the measured one."""
+    curve = comparison.curve
+    rows = []
+    for kind, tolerance in curve.tolerances.items():
+        measured, simulated, size = comparison.numbers[kind]
+        half = tolerance * size
+        low, high = (None, half) if kind == "difference" else (measured - half, measured + half)
+        quantity = f"{curve.signal}: {'root mean square difference' if kind == 'difference' else kind}"
+        row = TableRow(quantity, f"{curve.file} {kind}", curve.condition, comparison.unit or "1", low, high, "measured",
+                       f"{source} ({curve.file}, {100.0 * tolerance:g} %)")
+        rows.append(Row(row, simulated))
+    return rows

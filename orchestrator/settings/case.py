@@ -1,0 +1,79 @@
+"""A case of a user's own: a scene, under conditions, against ranges and measured curves; a TOML file.
+
+    title = "Line 7 at 200 km/h"
+    scene = "line-7.toml"                              # a file beside this one, or the name of a shipped scene
+    sources = { limits = "operator's limits, sheet 12 of 2025", train = "measuring train, run 4, 3 March 2026" }
+
+    [[runs]]
+    condition = "200 km/h"
+    changes = { "units.pantograph.parameters.speed" = 55.56 }
+
+    [[rows]]
+    quantity = "mean force"
+    measure = "pantograph.mean"                        # of the run's summary, or "pantograph.contact_force, maximum below 20 Hz"
+    unit = "N"
+    low = 70.0
+    high = 120.0
+    standing = "verbatim"
+    source = "limits"
+
+    [[curves]]
+    signal = "pantograph.contact_force"
+    over = "pantograph.contact_position"               # the measurement's abscissa; without it time
+    file = "force.csv"
+    abscissa = "x_m"
+    ordinate = "F_N"
+    cutoff = 20.0
+    tolerances = { mean = 0.05, "standard deviation" = 0.2 }
+    source = "train"
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from .model import Model, Number, Positive
+
+COMPARED = ("mean", "standard deviation", "maximum", "minimum", "difference")
+Share = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
+
+
+class RunSettings(Model):
+    """One run of the case's scene."""
+
+    condition: str = Field(description="what the run is called in rows, curves and the report")
+    changes: dict[str, Any] = Field(default={}, description="dotted place of a setting of the scene -> its value")
+
+
+class CurveSettings(Model):
+    """A measured curve that a signal of a run is compared with."""
+
+    signal: str = Field(description='"unit.output" of the scene')
+    condition: str = Field(default="", description="the run; without it the only one")
+    file: str = Field(description="CSV with one line of names, beside the case's file")
+    abscissa: str = Field(description="column of the time in s, or of the signal in `over`")
+    ordinate: str = Field(description="column of the measured signal")
+    over: str = Field(default="", description='"unit.output" that rises throughout the run, such as a position; without it time')
+    separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(default=",", description="of the columns")
+    scale: Number = Field(default=1.0, description="times the measured number gives the signal's unit")
+    offset: Number = Field(default=0.0, description="added after the scale")
+    shift: Number = Field(default=0.0, description="added to the abscissa")
+    cutoff: Positive | None = Field(default=None, description="Hz, low-pass filter of both; without it none")
+    tolerances: dict[str, Share] = Field(default={}, description=(
+        "mean, maximum, minimum: of the measured number's size; standard deviation: of the measured one; "
+        "difference: root mean square difference over the measured standard deviation"))
+    source: str = Field(description="a key of `sources`")
+
+
+class CaseSettings(Model):
+    """The whole file; rows are those of reference tables."""
+
+    title: str
+    text: str = Field(default="", description="what the case shows, and what it cannot show")
+    scene: str
+    sources: Annotated[dict[str, str], Field(min_length=1)]
+    runs: tuple[RunSettings, ...] = Field(default=(), description="without them the scene as it is")
+    rows: tuple[dict[str, Any], ...] = ()
+    curves: tuple[CurveSettings, ...] = ()

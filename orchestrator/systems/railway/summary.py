@@ -1,0 +1,36 @@
+"""Statistics of the contact force of every pantograph of a run, after EN 50317 and EN 50318."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...harness.summary import Summary, SummaryRow, rows
+from .records import measured, passages, statistics
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+TEXTS = {
+    "mean": ("N", "mean force"),
+    "std": ("N", "standard deviation"),
+    "std_0_5": ("N", "standard deviation 0-5 Hz"),
+    "std_5_20": ("N", "standard deviation 5-20 Hz"),
+    "statistical_max": ("N", "statistical maximum, mean + 3 σ"),
+    "statistical_min": ("N", "statistical minimum, mean - 3 σ"),
+    "max": ("N", "actual maximum"),
+    "min": ("N", "actual minimum"),
+    "loss_raw": ("%", "contact loss, unfiltered force"),
+    "loss_filtered": ("%", "contact loss, filtered force"),
+    "height_range_mm": ("mm", "range of the contact point's height"),
+    "uplift_mm": ("mm", "maximum uplift at a support"),
+}
+
+
+def summary(result: Result) -> Summary:
+    """In the window of analysis, of the force filtered as the settings of the statistics say."""
+    numbers: list[SummaryRow] = []
+    for i, passage in enumerate(passages(result)):
+        values = measured(statistics(result, pantograph=i))
+        shown = {name: values[name] for name in TEXTS if name != "uplift_mm" or passage.supports}
+        numbers += rows(passage.pantograph, shown, TEXTS)
+    return tuple(numbers)

@@ -1,0 +1,32 @@
+"""How far the joints of a run swing, how fast, and how what their equations keep drifts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...harness.summary import Summary, SummaryRow
+from .records import JointRecord, joints
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+
+def summary(result: Result) -> Summary:
+    """Of every joint whose angles and rates were recorded."""
+    return tuple(row for joint in joints(result) for row in _rows(joint))
+
+
+def _rows(joint: JointRecord) -> list[SummaryRow]:
+    numbers = []
+    for axis in joint.axes:
+        key = f"{joint.unit}.{axis.name.replace(' ', '_').replace('.', '_')}"
+        numbers += [SummaryRow(f"{key}_angle_max", float(np.abs(axis.angle).max()), "rad", f"largest angle of the {axis.name}"),
+                  SummaryRow(f"{key}_rate_max", float(np.abs(axis.rate).max()), "rad/s", f"largest rate of the {axis.name}")]
+    for name, values in joint.kept.items():
+        change = float(np.abs(values - values[0]).max()) / (float(np.abs(values).max()) or 1.0)
+        kept = "which the equations keep" if name in joint.constant else "which forces, losses or partners may change"
+        numbers.append(SummaryRow(f"{joint.unit}.{name}_change", change, "1",
+                                f"largest change of the {name} over its size, {kept}"))
+    return numbers

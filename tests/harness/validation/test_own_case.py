@@ -1,0 +1,149 @@
+"""A user's own case: ranges and measured curves of a file of theirs, and one message for what cannot be used."""
+
+import json
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.validation.curves import compare_curve
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.text import write_scene
+from cosimo.orchestrator.settings.case import CurveSettings
+from cosimo.orchestrator.systems import load_scene, read_scene, validate
+from cosimo.tests.support import two_masses
+
+CASE = """
+title = "Two masses"
+scene = "masses.toml"
+[sources]
+rig = "a test rig of this test"
+[[runs]]
+condition = "soft"
+[[rows]]
+quantity = "largest position"
+measure = "a.x_out, maximum"
+condition = "soft"
+unit = "m"
+high = 100.0
+standing = "verbatim"
+source = "rig"
+[[curves]]
+signal = "a.x_out"
+condition = "soft"
+file = "measured.csv"
+abscissa = "t"
+ordinate = "x_mm"
+separator = ";"
+scale = 1e-3
+tolerances = { mean = 0.01, "standard deviation" = 0.01, difference = 0.01 }
+source = "rig"
+"""
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(read_scene(two_masses()), in_process=True)
+
+
+@pytest.fixture
+def folder(tmp_path, result):
+    write_scene(read_scene(two_masses()), tmp_path / "masses.toml")
+    write(tmp_path, result.time, 1e3 * result["a.x_out"])
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    return tmp_path
+
+
+def write(folder, time, values):
+    lines = [f"{t:.9g};{x:.12g}" for t, x in zip(time, values, strict=True)]
+    (folder / "measured.csv").write_text("\n".join(["t;x_mm", *lines]) + "\n", encoding="utf-8")
+
+
+def test_a_case_that_measures_what_is_simulated_passes(folder):
+    (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
+    assert case.outcome == "passed"
+    assert [r.inside for r in case.findings.rows] == [True] * 4
+    assert {r.reference.standing for r in case.findings.rows} == {"verbatim", "measured"}
+    (document,) = json.loads((folder / "out" / "validation.json").read_text())["cases"]
+    assert document["outcome"] == "passed"
+    assert "a.x_out against the measurement, soft" in (folder / "out" / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_measurement_ten_percent_higher_fails_with_exit_code_1(folder, result, capsys):
+    write(folder, result.time, 1.1e3 * result["a.x_out"])
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", str(folder / "case.toml"), "--in-process", "-o", str(folder / "out")])
+    assert ended.value.code == 1
+    (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
+    by_kind = {r.reference.measure.split(" ", 1)[1]: r for r in case.findings.rows if r.reference.standing == "measured"}
+    assert not any(r.inside for r in by_kind.values())
+    spread = by_kind["standard deviation"]
+    assert 0.5 * (spread.reference.low + spread.reference.high) == pytest.approx(1.1 * spread.measured, rel=1e-3)
+
+
+def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
+    """A sine of 5 Hz in the simulated force, and the same with 60 Hz on top as measured: below 20 Hz they are the same."""
+    scene = load_scene("lumped-catenary").with_changes({"stop_time": 4.0, "analysis.transient": 0.0})
+    simulated = run(scene, in_process=True)
+    t, x, force = simulated.time, simulated["pantograph.contact_position"], simulated["pantograph.contact_force"]
+    measured = force + 30.0 * np.sin(2.0 * np.pi * 60.0 * t)
+    table = np.column_stack([x, measured])[500:3500]
+    np.savetxt(tmp_path / "force.csv", table, delimiter=",", header="x,F", comments="", fmt="%.9f")
+    curve = CurveSettings(signal="pantograph.contact_force", over="pantograph.contact_position", file="force.csv", abscissa="x",
+                          ordinate="F", cutoff=20.0, source="s")
+    comparison = compare_curve(curve, tmp_path, simulated)
+    assert comparison.time[0] == pytest.approx(0.5 + 2.0 / 20.0, abs=0.01)
+    difference, spread = comparison.numbers["difference"][1], comparison.numbers["standard deviation"][1]
+    assert difference < 0.05 * spread
+    raw = compare_curve(curve.model_copy(update={"cutoff": None}), tmp_path, simulated)
+    assert raw.numbers["difference"][1] == pytest.approx(30.0 / np.sqrt(2.0), rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('scene = "masses.toml"', 'scene = "masse.toml"', "masse.toml"),
+        ('condition = "soft"\n[[rows]]', 'condition = "hard"\n[[rows]]', "condition"),
+        ('"a.x_out, maximum"', '"a.x_aut, maximum"', "a.x_aut"),
+        ('unit = "m"', 'unit = "mm"', "'mm'"),
+        ('standing = "verbatim"', 'standing = "certain"', "one of verbatim"),
+        ("high = 100.0", "", "no low and no high"),
+        ('source = "rig"\n[[curves]]', 'source = "rug"\n[[curves]]', "rug"),
+        ('file = "measured.csv"', 'file = "measure.csv"', "measure.csv"),
+        ('ordinate = "x_mm"', 'ordinate = "x_m"', "x_mm"),
+        ('separator = ";"', "", "no column"),
+        ("mean = 0.01", "median = 0.01", "median"),
+        ("mean = 0.01", "mean = -0.01", "greater than 0"),
+        ("scale = 1e-3", "shift = 1e6", "a stretch that both have"),
+        ("[sources]", "[source]", "source"),
+        ("[[rows]]", "[[row]]", "row"),
+    ],
+)
+def test_what_cannot_be_used_is_one_message(old, new, named, folder):
+    assert CASE.count(old) >= 1
+    (folder / "case.toml").write_text(CASE.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(BadInput, match=named):
+        validate([str(folder / "case.toml")], folder / "out", in_process=True)
+
+
+@pytest.mark.parametrize(
+    ("lines", "named"),
+    [
+        (["t;x_mm", "0;1", "1;2"], "2 lines"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "4;1"], "measured.csv:11.*does not rise"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;1,5"], "measured.csv:11.*Decimals have a point"),
+        (["t;x_mm", *(f"{k};1" for k in range(9)), "9;nan"], "not finite"),
+        ([], "no column 't'"),
+    ],
+)
+def test_a_broken_file_is_named_with_its_line(lines, named, folder):
+    (folder / "measured.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(BadInput, match=named):
+        validate([str(folder / "case.toml")], folder / "out", in_process=True)
+
+
+def test_an_unknown_file_and_an_unknown_name_are_told_apart(tmp_path):
+    with pytest.raises(BadInput, match="the file of a case"):
+        validate([str(tmp_path / "nothing.toml")], tmp_path)
+    with pytest.raises(BadInput, match=r"or the \.toml file of one"):
+        validate(["nothing"], tmp_path)
