@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from . import balance, mean_speed, resonance
+from . import balance, mean_speed, paper_pipe_robots, resonance
 
 CASES = tuple(module.CASE for module in (
-    mean_speed, balance, resonance,
+    mean_speed, balance, resonance, paper_pipe_robots,
 ))

@@ -1,0 +1,146 @@
+"""The design chart: mean speed over friction ratio, frequency, slope and stiffness; closed form beside runs of the component."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ......components.pipe_robot.rolling import RING
+from .....harness.charts.chart import Chart, Panel, Picture, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....run import run
+from .... import read_scene
+from ...robots import TURN, last_speed, side_by_side
+from .balance import Design, balance, breakaway
+
+NAME = "paper-pipe-robots"
+STANDARD = Design()
+EXAMPLES = {
+    "standard": STANDARD, "resonance": STANDARD.at(frequency=77.46), "fast": STANDARD.at(frequency=100.0),
+    "slow": STANDARD.at(frequency=40.0), "half force": STANDARD.at(force=10.0), "quarter force": STANDARD.at(force=5.0),
+    "rough forwards": STANDARD.at(forward=4.0), "slope 0.2": STANDARD.at(sine=math.sin(0.2)),
+    "slope 0.4": STANDARD.at(sine=math.sin(0.4)), "damped": STANDARD.at(damping=20.0, frequency=77.46),
+}  # fmt: skip
+FREQUENCIES = (0.22, 0.3, 0.4, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0)  # over the resonance
+RATIOS = (1.0, 1.5, 2.0, 3.0, 4.5, 6.0)  # of friction, backwards over forwards
+SINES = (0.0, 0.05, 0.1, 0.15, 0.2039, 0.25, 0.3, 0.4)
+STIFFNESSES = (500.0, 1000.0, 1500.0, 2000.0, 3000.0, 4000.0)  # N/m
+SCALES = (1.0, 0.5, 0.25, 0.125)  # of the friction, for the order of the balance
+GOOD = 0.6  # largest epsilon for which the balance is meant
+SETTLED = 8.0  # s at least
+Key = tuple[float, float]
+
+
+def study(options: Options) -> Evidence:
+    """Two maps, ten designs, the order of the closed form, and the robot on rolling rings."""
+    first = {(r, q): STANDARD.at(ratio=r, backward=q * STANDARD.forward) for r in FREQUENCIES for q in RATIOS}
+    second = {(s, k): STANDARD.at(sine=s, stiffness=k) for s in SINES for k in STIFFNESSES}
+    speeds: dict[Key, float] = {}
+    for r in FREQUENCIES:
+        speeds |= _speeds({key: d for key, d in first.items() if key[0] == r}, options)
+    speeds_second = _speeds(second, options)
+    measured = _judged("map", first, speeds) | _judged("slopes", second, speeds_second)
+    for name, design in EXAMPLES.items():
+        measured[f"speed.{name}"] = _speeds({(0.0, 0.0): design}, options)[0.0, 0.0]
+        measured[f"chart.{name}"] = balance(design).speed
+        measured[f"share.{name}"] = abs(measured[f"speed.{name}"] - measured[f"chart.{name}"]) / balance(design).error
+    even = [abs(speeds[r, 1.0]) / b for r in FREQUENCIES for b in [balance(first[r, 1.0]).amplitude] if math.isfinite(b)]
+    measured |= {"even": max(even), "stands": max(abs(speeds[FREQUENCIES[0], q]) for q in RATIOS)}
+    measured |= _order(options) | _rolling(options)
+    bad = sum(not balance(d).epsilon < GOOD for d in (*first.values(), *second.values()))
+    note = (f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
+            "is no solution, and the body sticks for a part of the period.")
+    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,))
+
+
+def _speeds(designs: Mapping[Key, Design], options: Options, least: float = SETTLED) -> dict[Key, float]:
+    """Mean speeds over the last ten periods of robots side by side; all have one frequency."""
+    names = {f"r{k}": key for k, key in enumerate(designs)}
+    frequency = next(iter(designs.values())).frequency
+    periods = math.ceil(least * frequency / TURN) + 20
+    scene = side_by_side(NAME, f"Designs at {frequency:.4g} rad/s", {n: designs[key].parameters() for n, key in names.items()},
+                         TURN / frequency, periods)  # fmt: skip
+    result = run(scene, in_process=options.in_process)
+    if result.outcome != "done":
+        raise RuntimeError(result.message)
+    return {key: last_speed(result, n, 10) for n, key in names.items()}
+
+
+def _judged(name: str, designs: Mapping[Key, Design], speeds: Mapping[Key, float]) -> dict[str, float]:
+    """How many runs are within the error of the balance, and the largest difference over that error."""
+    shares = [abs(speeds[key] - answer.speed) / answer.error for key, design in designs.items()
+              for answer in [balance(design)] if answer.epsilon < GOOD]  # fmt: skip
+    inside = 100.0 * float(np.mean(np.array(shares) <= 1.0))
+    return {f"{name}.runs": len(shares), f"{name}.inside": inside, f"{name}.worst": max(shares)}
+
+
+def _order(options: Options) -> dict[str, float]:
+    """Slope of the relative difference over epsilon, as the friction gets weaker."""
+    designs = {(s, 0.0): STANDARD.at(forward=s * STANDARD.forward, backward=s * STANDARD.backward) for s in SCALES}
+    speeds = _speeds(designs, options, 60.0)
+    answers = [balance(d) for d in designs.values()]
+    errors = [abs(v / a.speed - 1.0) for v, a in zip(speeds.values(), answers, strict=True)]
+    return {"order": float(np.polyfit(np.log([a.epsilon for a in answers]), np.log(errors), 1)[0])}
+
+
+def _rolling(options: Options) -> dict[str, float]:
+    """The robot on rings whose rollers turn one way: nearly all of a period forwards, so nearly b."""
+    frequency = 60.0
+    result = run(read_scene({
+        "title": "Robot on elastic rings", "stop_time": 90 * TURN / frequency,
+        "units": {"robot": {"component": "RollingPipeRobot", "preset": "two steel rings",
+                            "parameters": {"roller_inertia": 1e-9}}},
+        "master": {"step": TURN / frequency},
+        "record": {"signals": ["robot.position", "robot.pressing_force"]}}, NAME),
+        in_process=options.in_process)  # fmt: skip
+    normal = 4.0 * float(result["robot.pressing_force"][-1])
+    design = STANDARD.at(forward=0.03 * normal, backward=0.4 * normal)
+    answer, speed = balance(design), last_speed(result, "robot", 10)
+    ring = float(result["robot.pressing_force"][-1]) * 0.102**3 / (0.2 * 0.004)  # force R³ / (EI times 4 mm pressed in)
+    return {"rolling.share": abs(speed - answer.speed) / answer.error, "rolling.speed": speed / answer.amplitude, "ring": ring,
+            "ring.closed": RING}
+
+
+def _dots(speeds: Mapping[Key, float]) -> Series:
+    labels = [f"{v:.4f} m/s" for v in speeds.values()]
+    return Series("runs", [k[0] for k in speeds], [k[1] for k in speeds], "points", labels=labels)
+
+
+def _field(xs: Sequence[float], ys: Sequence[float], rows: Sequence[Sequence[Design]], title: str) -> Picture:
+    values = np.array([[balance(d).speed for d in row] for row in rows])
+    return Picture(xs, ys, np.nan_to_num(values), title, "diverging")
+
+
+def _first_map(speeds: Mapping[Key, float]) -> Chart:
+    x, y = np.linspace(0.2, 3.0, 113), np.linspace(1.0, 6.0, 41)
+    rows = [[STANDARD.at(ratio=float(r), backward=float(q) * STANDARD.forward) for r in x] for q in y]
+    dots = _dots(speeds)
+    limit = next(r for r in np.linspace(0.1, 1.0, 4000).tolist() if breakaway(STANDARD.at(ratio=r)) < STANDARD.force)
+    panel = Panel("friction backwards over forwards, 1", (dots,), picture=_field(x, y, rows, "m/s"),
+                  x_marks=((limit, "breaks loose"),))
+    return Chart("Design chart: mean speed over frequency and friction ratio", "exciter over resonance, 1", (panel,),
+                 "Balance of the first harmonic as colour, runs as points. At a ratio of 1 the speed is zero; "
+                 "left of the line a force of 20 N does not move the body.")
+
+
+def _second_map(speeds: Mapping[Key, float]) -> Chart:
+    x, y = np.linspace(0.0, 0.4, 81), np.linspace(500.0, 4000.0, 71)
+    rows = [[STANDARD.at(sine=float(s), stiffness=float(k)) for s in x] for k in y]
+    dots = _dots(speeds)
+    turning = (STANDARD.backward - STANDARD.forward) / 2.0 / STANDARD.at(sine=1.0).load
+    panel = Panel("stiffness, N/m", (dots,), picture=_field(x, y, rows, "m/s"), x_marks=((turning, "turns back"),))
+    return Chart("Design chart: mean speed over slope and stiffness", "sine of the slope, 1", (panel,),
+                 "At 60 rad/s; resonance is at 1200 N/m. The slope at which a robot turns back stays.")
+
+
+def _lines(speeds: Mapping[Key, float]) -> Chart:
+    x = np.linspace(0.2, 3.0, 281)
+    panels = []
+    for q in (2.0, 4.5):
+        closed = [balance(STANDARD.at(ratio=float(r), backward=q * STANDARD.forward)).speed for r in x]
+        points = Series("runs", FREQUENCIES, [speeds[r, q] for r in FREQUENCIES], "points")
+        panels.append(Panel("mean speed, m/s", (Series("balance", x, closed), points), title=f"friction 1 : {q:g}"))
+    return Chart("Mean speed over the frequency", "exciter over resonance, 1", tuple(panels), "Two lines of it.", columns=2)
