@@ -114,14 +114,14 @@ def run(
         checkpoint = None if output is None or checkpoint_every is None else output / CHECKPOINT
         result = run_scene(loaded, in_process=in_process, native=native, progress=True, checkpoint_every=checkpoint_every,
                            checkpoint_to=checkpoint, resume=resume, output=output)
-        given = result
+        unchanged = result
         if reason is not None:
             result = replace(result, info={**result.info, "accuracy": reason})
         if choice is not None and within is not None:
             result = replace(result, info=choice.with_reasons(result.info, within))
         numbers, remark = _summary(result)
         if output is not None:
-            if result is not given:
+            if result is not unchanged:
                 result.save(output)
             print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
                                                                        *_numbers(numbers, output), *_report(result, output))))

@@ -66,7 +66,7 @@ def rainflow(values: Iterable[float]) -> Cycles:
     begins at the record's first point; what remains are half cycles. Recalled; its worked example is a test.
     """
     kept: list[float] = []
-    found: list[tuple[float, float, float]] = []
+    cycles: list[tuple[float, float, float]] = []
     for point in turning_points(values).tolist():
         kept.append(point)
         while len(kept) >= 3:
@@ -74,11 +74,11 @@ def rainflow(values: Iterable[float]) -> Cycles:
             if last < before:
                 break
             first = len(kept) == 3
-            found.append((before, 0.5 * (kept[-2] + kept[-3]), 0.5 if first else 1.0))
+            cycles.append((before, 0.5 * (kept[-2] + kept[-3]), 0.5 if first else 1.0))
             if first:
                 del kept[0]
             else:
                 del kept[-3:-1]
-    found += [(abs(b - a), 0.5 * (a + b), 0.5) for a, b in pairwise(kept)]
-    table = np.array(found, dtype=float).reshape(-1, 3)
+    cycles += [(abs(b - a), 0.5 * (a + b), 0.5) for a, b in pairwise(kept)]
+    table = np.array(cycles, dtype=float).reshape(-1, 3)
     return Cycles(*table.T)

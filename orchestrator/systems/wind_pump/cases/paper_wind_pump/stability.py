@@ -101,9 +101,9 @@ def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
     return points, standing
 
 
-def _nearest(found: list[Speeds], at: Speeds) -> Speeds | None:
+def _nearest(points: list[Speeds], at: Speeds) -> Speeds | None:
     """The equilibrium at a changed load that belongs to the one given; None where it is gone."""
-    close = [x for x in found if abs(x[0] / at[0] - 1.0) < 0.2]
+    close = [x for x in points if abs(x[0] / at[0] - 1.0) < 0.2]
     return min(close, key=lambda x: abs(x[0] - at[0])) if close else None
 
 

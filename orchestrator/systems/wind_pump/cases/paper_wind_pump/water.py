@@ -37,12 +37,12 @@ Share = Callable[[np.ndarray], np.ndarray]
 def study(options: Options) -> Evidence:
     """Power coefficients over the wind by runs of both transmissions, and the water of a year at several sites."""
     winds = np.concatenate((np.linspace(1.52, 3.0, 16), np.linspace(3.2, 10.0, 18)))
-    converter = _settled(winds, "AveragedConverter", {}, FREE)
+    converter = _equilibria(winds, "AveragedConverter", {}, FREE)
     over = np.geomspace(1.003, 5.5, 24)  # wind over the wind that balances the mean torque
     fixed = {}
     for ratio in RATIOS:
         balanced = math.sqrt(ratio * LOAD / (0.5 * DENSITY * AREA * RADIUS * 0.5))
-        fixed[ratio] = _settled(over * balanced, "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE)
+        fixed[ratio] = _equilibria(over * balanced, "FixedTransmission", {"gear_ratio": ratio}, 0.8 * FREE)
     u = over**-2.0
     measured = {"curve": max(float(np.abs(c / BEST - 4.0 * u * (1.0 - u)).max()) for c in fixed.values())}
     stop, start = (turning_point(run(scene("fixed", what), in_process=options.in_process), what) for what in ("stop", "start"))
@@ -77,7 +77,7 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
 
 
-def _settled(winds: np.ndarray, component: str, parameters: dict[str, float], speed: float) -> np.ndarray:
+def _equilibria(winds: np.ndarray, component: str, parameters: dict[str, float], speed: float) -> np.ndarray:
     """Power coefficients at the end of runs side by side, one a wind, under the mean torque. speed: start over wind, 1/m."""
     units: dict[str, Any] = {}
     connections = []
