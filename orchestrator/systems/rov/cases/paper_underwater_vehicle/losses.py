@@ -1,0 +1,58 @@
+"""Each thruster lost in turn while the vehicle keeps its place in current and waves; the controller learns of it at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....harness.charts.chart import Chart, Grid, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....results import Result
+from .....run import run
+from .....scene.scene import Scene
+from ...records import vehicles
+from .layouts import MATRICES
+from .tasks import figures, scene
+
+FAILURE, END = 20.0, 100.0  # s
+AFTER = 40.0  # s, from which on errors are counted
+KEPT = 0.25  # m, rms error up to which the place counts as kept; ours, ten times that of the whole vehicle
+
+
+def study(options: Options) -> Evidence:
+    """Fourteen runs with a loss, and two without."""
+    measured: dict[str, float] = {}
+    rows, tracks = [], []
+    for layout, matrix in MATRICES.items():
+        results = {k: run(failing(layout, k), in_process=True) for k in range(matrix.shape[1] + 1)}
+        numbers = {k: figures(result, AFTER) for k, result in results.items()}
+        lost = [n for k, n in numbers.items() if k]
+        measured |= {f"loss.position.{layout}": max(n["position"] for n in lost) / numbers[0]["position"],
+                     f"loss.kept.{layout}": float(sum(n["position"] <= KEPT for n in lost)),
+                     f"loss.scale.{layout}": min(n["scale"] for n in lost)}
+        rows += [(layout, str(k) if k else "none", round(n["position"], 3), round(float(np.degrees(n["attitude"])), 2),
+                  round(n["power"], 2), round(n["scale"], 3)) for k, n in numbers.items()]
+        tracks.append(_panel(layout, results))
+    header = ("thrusters", "lost", "rms position error, m", "rms attitude error, degrees", "mean ideal power, W", "least scale")
+    grid = Grid("Keeping a place in current and waves without one thruster", header, tuple(rows),
+                f"The loss is at {FAILURE:g} s, numbers are of {AFTER:g} to {END:g} s. Of six 1 to 3 are horizontal.")
+    chart = Chart("Distance from the set point", "time, s", tuple(tracks), "A line for each thruster that is lost. The six give "
+                  "up one direction; depth and heading have priority, so that a lost horizontal thruster costs the place.",
+                  height=220)
+    return Evidence(measured, (chart, grid))
+
+
+def failing(layout: str, number: int) -> Scene:
+    """Station keeping in current and waves that loses a thruster, counted from 1; 0: none."""
+    faults = [{"signal": f"thruster_{number}.{signal}", "kind": "override", "value": 0.0, "begin": FAILURE}
+              for signal in ("thrust", "status.available")] if number else []
+    return scene("waves", layout).with_changes({"stop_time": END, "faults": faults})
+
+
+def _panel(layout: str, results: dict[int, Result]) -> Panel:
+    series = []
+    for k, result in results.items():
+        vehicle = vehicles(result)[0]
+        distance = np.sqrt(sum(vehicle.errors[n] ** 2 for n in ("error_north", "error_east", "error_down")))
+        series.append(Series(f"without {k}" if k else "all", result.time[::10], np.maximum(distance[::10], 1e-4), faint=not k))
+    return Panel("distance, m", tuple(series), title=f"{layout} thrusters", logarithmic=True)
