@@ -102,6 +102,7 @@ print(*sys.modules[bundle].compiled_from_cache(*kernels))
     assert int(second[1]) == 0
 
 
+@pytest.mark.full
 def test_without_numba_the_answers_are_nearly_the_same(pantograph):
     lines = [run_script(block + RUN + "print(*answers(sys.argv[1]))", pantograph)[-1].split()
              for block in ("", "import sys; sys.modules['numba'] = None\n")]

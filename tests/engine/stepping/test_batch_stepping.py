@@ -89,14 +89,17 @@ def test_bonds_of_units_with_python_in_their_steps_are_accounted_alike(algorithm
     assert together.info["energy"]
 
 
+FMUS = {"lumped-catenary": {"stop_time": 0.15},
+        "en50318-2002": {"stop_time": 0.15, "units.catenary.parameters.spans": 3, "record.snapshot_interval": 0.05}}
+
+
 @pytest.mark.first(2)
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-def test_fmus_give_the_same_bits(algorithm, degree, monkeypatch):
-    """Narrow and wide ports, companion inputs, outputs that follow within the instant."""
-    scene = load_scene("en50318-2002").with_changes(
-        {"stop_time": 0.15, "master.algorithm": algorithm, "master.extrapolation": degree, "units.catenary.parameters.spans": 3,
-         "record.snapshot_interval": 0.05})
+@pytest.mark.parametrize("name", FMUS)
+def test_fmus_give_the_same_bits(name, algorithm, degree, monkeypatch):
+    """Companion inputs, outputs that follow within the instant; the distributed catenary has wide ports."""
+    scene = load_scene(name).with_changes({**FMUS[name], "master.algorithm": algorithm, "master.extrapolation": degree})
     together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert alone == 0

@@ -8,7 +8,7 @@ from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
 MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",), "PipeRobot": ("harmonic_force",)}  # what makes them move
 OTHERS = [("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
           ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ())]
-QUICK = ("PlanarLink", "FourBar")
+QUICK = ("PlanarLink",)
 ALL = [pytest.param(n, MOVING.get(n, ()), (), marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
 ALL += [pytest.param(*other, marks=pytest.mark.full) for other in OTHERS]
 

@@ -73,6 +73,7 @@ def test_variables_are_those_of_the_pythonfmu_fmu(tmp_path):
             assert variable[0].get("unit") == (scalar.unit if scalar.type == "Real" else None)
 
 
+@pytest.mark.full
 def test_a_constant_has_the_value_of_the_build_and_keeps_it(tmp_path):
     found = library(NAME, maker(NAME, (), {"gear_ratio": 12.5}), [own_target()])
     fmu, references = opened(found, tmp_path)
@@ -85,6 +86,7 @@ def test_a_constant_has_the_value_of_the_build_and_keeps_it(tmp_path):
     fmu.freeInstance()
 
 
+@pytest.mark.full
 def test_arrays_are_arrays_in_fmi_3(tmp_path):
     with zipfile.ZipFile(pack(compiled("LigamentBundle"), tmp_path, 3)) as file:
         root = ET.fromstring(file.read("modelDescription.xml"))
@@ -151,7 +153,7 @@ def test_a_state_of_another_fmu_is_refused(motor, tmp_path):
     fmu, _ = motor
     in_step_mode(fmu)
     bytes_ = fmu.serializeFMUstate(fmu.getFMUstate())
-    other, _ = opened(compiled("PlanarLink"), tmp_path)
+    other, _ = opened(compiled("CompliantJoint"), tmp_path)
     for content in (bytes_, bytes_[:-1], b""):
         with pytest.raises(FMICallException):
             other.deSerializeFMUstate(content)

@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="runs on Linux")
 SHIFT = 0.07  # relative, and of the nominal value
 QUICK = ("PlanarLink", "RovHull")  # with a start entry, and with start values that are written into the state
-SOME = full_but(QUICK, dict.fromkeys((*QUICK, *ONE_A_SYSTEM)))
+SOME = full_but(QUICK[:1], dict.fromkeys((*QUICK, *ONE_A_SYSTEM)))
 
 
 def other_values(found):

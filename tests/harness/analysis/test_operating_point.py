@@ -107,6 +107,7 @@ def test_units_of_a_scene_give_the_rates_of_the_equations(wind):
     assert outputs["turbine.power"] == pytest.approx(LOAD * point.state[1], rel=1e-10)
 
 
+@pytest.mark.interpreted
 def test_states_that_a_component_refuses_have_no_rates():
     """Beyond the largest turbine speed of the averaged converter; the rates elsewhere are the same afterwards."""
     rates = SceneRates(wind_pump_scene(3.0), {"turbine": [0], "converter": [0]})

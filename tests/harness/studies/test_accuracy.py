@@ -52,6 +52,7 @@ def test_linear_inputs_need_at_most_half_the_macro_steps_of_held_ones_at_two_per
     assert all(p.error_with_finer > 0.02 or p.work["macro_steps"] >= 2 * steps("gauss-seidel, linear") for p in held)
 
 
+@pytest.mark.full
 def test_what_became_unstable_stays_with_its_reason():
     """A mass of 1 kg that gets a held force from spring and damper is stable up to min(2 d/k, 2 m/d), in closed form."""
     given = SCENE.units["spring"].parameters

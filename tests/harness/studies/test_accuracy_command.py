@@ -26,6 +26,7 @@ def test_a_scene(tmp_path, capsys):
     assert len(list((tmp_path / "cache" / "fronts").glob("*.csv"))) == 1
 
 
+@pytest.mark.full
 def test_a_component_alone_as_json(tmp_path, capsys):
     given = ("--set", "stiffness=2e5", "--stop", 0.2, "--budget", 2, "-o", tmp_path, "--json")
     assert code_of("component:JeffcottRotor", *given) == 0

@@ -98,6 +98,7 @@ def test_a_shipped_front_has_the_times_that_are_expected_here(shipped_front, mon
     assert "scaled by 3 " in known(SCENE).origin
 
 
+@pytest.mark.full
 def test_a_shipped_front_of_other_components_is_stale_and_measured_anew(shipped_front, tmp_path, capsys):
     scene = tmp_path / "mass-on-spring.toml"
     text = scene_files()["mass-on-spring"].read_text(encoding="utf-8")

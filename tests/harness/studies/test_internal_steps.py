@@ -61,7 +61,7 @@ def test_a_free_body_has_no_limit():
     assert math.isnan(found.margin)
 
 
-@pytest.mark.parametrize("name", full_but(ONE_A_SYSTEM[:3], INTEGRATED))
+@pytest.mark.parametrize("name", full_but(ONE_A_SYSTEM[:1], INTEGRATED))
 def test_no_component_promises_more_than_was_measured(name):
     found = one(name, steps=120)
     assert math.isnan(found.margin) or found.margin >= 1.0 - WITHIN, found

@@ -16,6 +16,7 @@ from cosimo.orchestrator.settings import SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages
 from cosimo.tests.scene.ssp import systems
+from cosimo.tests.short_run import full_but
 from cosimo.tests.units.native import native_fmu
 from fmpy.ssp.ssd import find_components, find_connectors, get_connections, read_ssd
 from lxml import etree
@@ -51,7 +52,7 @@ def same(one, other):
     return all(one[name].tobytes() == other[name].tobytes() for name in one.columns)
 
 
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", full_but(("lumped-catenary",), SHORT))
 def test_shipped_scenes_give_the_same_bits_after_the_way_there_and_back(name, tmp_path):
     scene = load_scene(name).with_changes({"stop_time": SHORT[name]})
     back = load_scene(write(scene, tmp_path / "there.ssp"))
@@ -210,6 +211,7 @@ def test_the_command_writes_and_runs_systems(tmp_path, capsys):
     assert info["scene"]["units"]["p"]["fmu"].endswith("Pantograph.fmu")
 
 
+@pytest.mark.full
 def test_a_packed_railway_has_the_figures_of_its_scene(tmp_path):
     """A package names no parameter that keeps its default; the supports' positions need one of them."""
     scene = load_scene("en50318-2002").with_changes({"stop_time": 0.5})
@@ -219,6 +221,7 @@ def test_a_packed_railway_has_the_figures_of_its_scene(tmp_path):
     assert titles[0] == titles[1] > 3
 
 
+@pytest.mark.full
 def test_every_shipped_scene_without_contacts_can_be_packed_with_valid_files(tmp_path):
     scenes = [scene for scene in map(load_scene, scene_files()) if not scene.contacts]
     assert len(scenes) > 5

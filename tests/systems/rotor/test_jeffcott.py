@@ -43,6 +43,7 @@ def test_amplitude_and_phase_of_the_unbalance_response(ratio):
         assert abs(np.angle(found)) == pytest.approx(math.pi / 2.0, abs=1e-5)  # a quarter behind, whichever way
 
 
+@pytest.mark.full
 def test_phase_of_the_unbalance_turns_the_response():
     ahead = settled_response(80.0, **{"unbalance.phase": 0.7})
     assert ahead == pytest.approx(settled_response(80.0) * np.exp(0.7j), rel=1e-9)
@@ -77,6 +78,7 @@ def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_be
     assert rotor["displacement_x"] * rotor["velocity_y"] - rotor["displacement_y"] * rotor["velocity_x"] < 0.0
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("internal", [10.0, 40.0, 120.0])
 def test_onset_of_instability_by_internal_damping(internal):
     """Neutral at w = w_0 (1 + c_external / c_internal): the growth rate of the forward whirl changes sign there."""
@@ -106,6 +108,7 @@ def growth_rate(speed: float, internal: float) -> float:
     return 0.5 * (math.log(abs(complex(*rotor.x[:2]))) - before)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_energy_balance_at_random_states(seed):
     """dE/dt = F v - c v² - c_i (v + w S q) v, along an exact solution: central difference of a short step, order h²."""
@@ -186,6 +189,7 @@ def test_run_up_turns_by_the_integral_of_its_speed():
     assert (rows[:, 6] < 2.0 * math.pi).all()
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("acceleration", [2.0, 20.0, 100.0])
 def test_run_up_through_the_critical_speed_is_its_convolution_integral(acceleration):
     """z(t) = integral of the impulse response exp(-d s) sin(w_d s) / (m w_d) times -m e (exp(i phi))'', by quadrature."""
@@ -216,6 +220,7 @@ def run_up(acceleration: float) -> np.ndarray:
     return stepped(rotor, 150.0 / acceleration, 5e-3)
 
 
+@pytest.mark.full
 def test_a_quicker_run_up_has_a_lower_and_later_peak():
     steady = 1e-5 / (2.0 * 0.02 * math.sqrt(1.0 - 0.02**2))
     peaks = []

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipk, lambertw
 
+pytestmark = pytest.mark.interpreted
 LEVEL = {"centre_of_gravity_z": 0.0}
 WEIGHTLESS = {"restoring.weight": 0.0, "restoring.buoyancy": 0.0}
 PUSHED = ("added_mass", "linear_drag", "quadratic_drag", "external")  # few sets of effects: each is compiled for itself
@@ -123,6 +124,7 @@ def test_thrust_acts_in_its_place_and_direction():
 
 # -- weight and buoyancy -----------------------------------------------------------------------------------------------
 
+@pytest.mark.full
 @pytest.mark.parametrize(("axis", "printed"), [("roll", 1.711926), ("pitch", 1.898724)])
 def test_small_roll_and_pitch(axis, printed):
     """w² = (z_g W - z_b B) / (I + A); five and a quarter periods after the release the angle is 0."""
@@ -190,6 +192,7 @@ def kirchhoff(hull: RovHull) -> tuple[float, np.ndarray, np.ndarray]:
     return 0.5 * nu @ momentum, P, H + np.cross(position(hull), P)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), (0.03, -0.02, 0.04)])
 def test_energy_and_impulse_of_a_tumbling_body_stay(centre):
     """Neutral, without drag: Kirchhoff's invariants through 30 s of tumbling; every sign of both Coriolis terms is in them."""
