@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..charts.blocks import Block, Cells, Facts, Text
+from ..charts.chart import Chart
+from ..charts.charts import draw_chart
 from . import generic
 from .page import Section
 
@@ -33,6 +35,7 @@ def section(result: ClaimResult) -> Section:
         conditions = dict.fromkeys(r.reference.condition for r in result.rows)
         blocks += [generic.range_table(condition, [r for r in result.rows if r.reference.condition == condition])
                    for condition in conditions]
+    blocks += [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in result.charts]
     if claim.discussion:
         blocks.append(Text([claim.discussion], "note"))
     if claim.shown_by:

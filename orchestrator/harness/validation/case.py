@@ -75,10 +75,11 @@ def outcome(rows: tuple[Row, ...]) -> str:
 
 @dataclass(frozen=True)
 class ClaimResult:
-    """A claim beside the rows that were measured for it."""
+    """A claim beside the rows that were measured for it, and figures of the runs."""
 
     claim: Claim
     rows: tuple[Row, ...]
+    charts: tuple[Chart | Grid, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -115,10 +116,12 @@ class ClaimResult:
                 "reviewed": c.verdict, "discussion": c.discussion, "shown_by": list(c.shown_by)}
 
 
-def claim_results(claims: Iterable[Claim], rows: Iterable[Row]) -> tuple[ClaimResult, ...]:
-    """Every claim with its rows."""
+def claim_results(claims: Iterable[Claim], rows: Iterable[Row],
+                  charts: Mapping[str, tuple[Chart | Grid, ...]]) -> tuple[ClaimResult, ...]:
+    """Every claim with its rows and its figures, those by its number."""
     rows = tuple(rows)
-    return tuple(ClaimResult(claim, tuple(r for r in rows if r.reference.claim == claim.number)) for claim in claims)
+    return tuple(ClaimResult(claim, tuple(r for r in rows if r.reference.claim == claim.number), charts.get(claim.number, ()))
+                 for claim in claims)
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,16 @@ PREFIX = "paper-"  # of the names of these cases
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a study of one topic measured, by the rows' `measure`, with figures, runs worth showing, and sentences."""
+    """What a study of one topic measured, by the rows' `measure`, with figures, runs worth showing, and sentences.
+
+    claim: number of the claim below whose rows the figures stand; without it they come after all claims.
+    """
 
     measured: Mapping[str, float]
     charts: tuple[Chart | Grid, ...] = ()
     runs: Mapping[str, Result] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    claim: str = ""
 
 
 Study = Callable[[Options], Evidence]
@@ -42,7 +46,7 @@ def paper(name: str, title: str, text: str, system: str, studies: Sequence[Study
 def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings:
     """All studies one by one, and their numbers beside the rows of the table."""
     measured: dict[str, float] = {}
-    charts: list[Chart | Grid] = []
+    charts: dict[str, tuple[Chart | Grid, ...]] = {}
     runs: dict[str, Result] = {}
     notes: list[str] = []
     for study in tracked(studies, name, options.progress):
@@ -50,10 +54,13 @@ def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings
         if twice := measured.keys() & evidence.measured:
             raise ValueError(f"case {name}: {', '.join(sorted(twice))} measured by two studies")
         measured |= evidence.measured
-        charts += evidence.charts
+        charts[evidence.claim] = (*charts.get(evidence.claim, ()), *evidence.charts)
         runs |= evidence.runs
         notes += evidence.notes
     table = load_table(name)
     rows = compare(table.rows, measured)
+    if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
+        raise ValueError(f"case {name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
     complete = all(run.outcome == "done" for run in runs.values())
-    return Findings(rows, runs, tuple(charts), tuple(notes), complete=complete, claims=claim_results(table.claims, rows))
+    claims = claim_results(table.claims, rows, charts)
+    return Findings(rows, runs, charts.get("", ()), tuple(notes), complete=complete, claims=claims)

@@ -9,6 +9,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.charts.chart import Chart, Panel, Series
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, ClaimResult, Findings, Row, claim_results
 from cosimo.orchestrator.harness.validation.claims import Claim
 from cosimo.orchestrator.harness.validation.papers import Evidence, paper
@@ -61,7 +62,7 @@ def test_a_paper_fails_when_a_verdict_is_not_the_reviewed_one():
     case = Case("paper-x", "X", "text", "railway", lambda options: Findings(()))
 
     def outcome(reviewed, *rows, complete=True):
-        found = claim_results([claim(verdict=reviewed)], rows)
+        found = claim_results([claim(verdict=reviewed)], rows, {})
         return CaseResult(case, Findings(tuple(rows), complete=complete, claims=found)).outcome
 
     assert outcome("shown", row(True)) == "passed"
@@ -121,7 +122,9 @@ def test_a_broken_table_is_refused(old, new, named):
 
 def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE))
-    made = paper("paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 0.25}),))
+    drawn = Chart("Force over the way", "way, m", (Panel("force, N", (Series("run", [0.0, 1.0], [0.0, 0.25]),)),))
+    made = paper("paper-x", "A paper", "what it shows", "railway",
+                 (lambda options: Evidence({"force": 0.25}, (drawn,), claim="X1"),))
     monkeypatch.setitem(cases(), "paper-x", made)
     assert "paper-x" in papers()
     with pytest.raises(SystemExit) as ended:
@@ -132,7 +135,7 @@ def test_a_paper_goes_from_its_studies_to_report_and_json(tmp_path, monkeypatch,
     (case,) = json.loads((tmp_path / "validation.json").read_text())["cases"]
     assert [(c["number"], c["verdict"]) for c in case["claims"]] == [("X1", "shown"), ("X2", "shown")]
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "below 1 N, as one spring" in page
+    assert page.index("below 1 N, as one spring") < page.index("Force over the way") < page.index("X2: model", page.index("<main>"))
 
     made = paper("paper-x", "A paper", "what it shows", "railway", (lambda options: Evidence({"force": 7.0}),))
     monkeypatch.setitem(cases(), "paper-x", made)
@@ -145,6 +148,14 @@ def test_two_studies_may_not_measure_the_same(tmp_path, monkeypatch):
     made = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 1.0}),) * 2)
     monkeypatch.setitem(cases(), "paper-x", made)
     with pytest.raises(ValueError, match="force measured by two studies"):
+        validate(["paper-x"], tmp_path)
+
+
+def test_figures_belong_to_a_claim_of_the_table(tmp_path, monkeypatch):
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE))
+    made = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 0.5}, claim="X7"),))
+    monkeypatch.setitem(cases(), "paper-x", made)
+    with pytest.raises(ValueError, match="figures of X7"):
         validate(["paper-x"], tmp_path)
 
 
