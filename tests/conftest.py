@@ -28,8 +28,8 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(config, items):
     """Long files first, where xdist keeps this order (`--no-loadscope-reorder`); benchmarks only where `-m` names them.
 
-    Of all tests, those marked `interpreted` are left to the processes of `test_plain_python.py`, and to the complete run; those
-    marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
+    Of all tests, those marked `interpreted` are left to the process of `test_plain_python.py`, but for the `full` ones, which
+    the complete run compiles. Those marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
     """
     items.sort(key=lambda item: item.path.name not in LONG)
     kept = Counter()
@@ -39,11 +39,9 @@ def pytest_collection_modifyitems(config, items):
             kept[test] += 1
             if kept[test] > (first.args or (1,))[0]:
                 item.add_marker(pytest.mark.full)
-    if "benchmark" not in config.option.markexpr:
-        benchmarks = [item for item in items if item.get_closest_marker("benchmark")]
-        config.hook.pytest_deselected(items=benchmarks)
-        items[:] = [item for item in items if item not in benchmarks]
-    if COMPILED and [Path(argument).name for argument in config.args] == ["tests"]:
-        for item in items:
-            if item.get_closest_marker("interpreted"):
-                item.add_marker(pytest.mark.full)
+    whole = COMPILED and [Path(argument).name for argument in config.args] == ["tests"]
+    elsewhere = [item for item in items if ("benchmark" not in config.option.markexpr and item.get_closest_marker("benchmark"))
+                 or (whole and item.get_closest_marker("interpreted") and not item.get_closest_marker("full"))]
+    config.hook.pytest_deselected(items=elsewhere)
+    out = set(elsewhere)
+    items[:] = [item for item in items if item not in out]

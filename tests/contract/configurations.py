@@ -56,7 +56,7 @@ def _configurations() -> Iterator[Configuration]:
 def in_plain_python(cases: Iterable[Any]) -> list[Any]:
     """All cases where nothing is compiled, none elsewhere: the compiler would take minutes over kernels that run for a moment.
 
-    tests/test_plain_python.py runs the files that use this in a process without the compiler.
+    tests/contract/test_plain_python.py runs the files that use this in a process without the compiler.
     """
     return [] if COMPILED else list(cases)
 

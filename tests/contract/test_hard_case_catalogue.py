@@ -1,6 +1,6 @@
 """The declared hard cases of every component: each claim within its limit, each refusal in its words and sharp.
 
-The catalogue runs in plain Python; tests/test_plain_python.py starts the session for it.
+The catalogue runs in plain Python; tests/contract/test_plain_python.py starts the session for it.
 """
 
 from __future__ import annotations

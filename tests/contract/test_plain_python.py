@@ -1,27 +1,31 @@
-"""The contract without the compiler: every configuration of every component."""
+"""What runs without the compiler only: the contract, the study of effects, every component and scene as FMUs."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.plain_python import passes_without_the_compiler
+from cosimo.tests.plain_python import ROOT, passes_without_the_compiler
 
-SHORT = (  # what the complete run leaves to the short one, or makes again with all configurations
+SHORT = (
     "tests/contract/test_declaration.py",
     "tests/contract/test_effect_sizes.py",
     "tests/contract/test_steps.py",
     "tests/contract/test_hard_case_catalogue.py",
     "tests/contract/test_effects_absent.py",
-)
-REST = (
-    "tests/contract/test_steps.py",
-    "tests/contract/test_effect_strength.py",
-    "tests/contract/test_effects_free.py",
-    "tests/fmus/test_fmu_run.py",
-    "tests/run/test_run.py",
+    "tests/contract/test_ranges.py",
     "tests/harness/studies/test_effects.py",
     "tests/harness/studies/test_selection.py",
 )
+FMUS = "tests/fmus/test_fmu_run.py"
+REST = {  # files and tests -> the marks of those that run
+    "tests/contract/test_steps.py": "full",
+    "tests/contract/test_effect_strength.py tests/contract/test_effects_free.py": "full or not full",
+    f"{FMUS}::test_the_fmu_is_the_component_to_the_last_bit"
+    f" {FMUS}::test_what_is_off_reads_its_start_value_and_takes_writes": "full or not full",
+    "tests/run/test_run.py::test_shipped_scenes_run_alike_as_fmus_and_in_process": "full or not full",
+}
 pytestmark = pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
 
 
@@ -30,6 +34,14 @@ def test_without_the_compiler():
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("file", REST)
-def test_the_rest_without_the_compiler(file):
-    passes_without_the_compiler(file, "full" if file in SHORT else "full or not full")
+@pytest.mark.parametrize("files", REST)
+def test_the_rest_without_the_compiler(files):
+    passes_without_the_compiler(files, REST[files])
+
+
+def test_no_test_for_plain_python_is_left_out():
+    started = " ".join((*SHORT, *REST))
+    files = [path for path in (ROOT / "tests").rglob("test_*.py")
+             if path != Path(__file__) and "in_plain_python(" in path.read_text(encoding="utf-8")]
+    assert len(files) > 5
+    assert [path.name for path in files if path.relative_to(ROOT).as_posix() not in started] == []

@@ -13,7 +13,7 @@ from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.contract.configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
 
 # Machine code of all components takes the compiler minutes; plain Python with nothing and with everything on is in every run.
-pytestmark = pytest.mark.interpreted
+pytestmark = [pytest.mark.full] if COMPILED else []
 EPSILON = np.finfo(float).eps
 configurations = pytest.mark.parametrize("configuration", COMPILED_TOO if COMPILED else [
     pytest.param(c, id=c.label, marks=() if c.effects == () or c in COMPILED_TOO else pytest.mark.full) for c in CONFIGURATIONS],

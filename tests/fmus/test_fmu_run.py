@@ -60,8 +60,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     unit.free()
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("name", CATALOGUE)
+@pytest.mark.parametrize("name", in_plain_python(CATALOGUE))
 def test_what_is_off_reads_its_start_value_and_takes_writes(name):
     component = component_class(name)()
     off = {n: v for n, v in component_class(name).variables.items() if not component.is_active(n)}

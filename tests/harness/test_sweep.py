@@ -106,6 +106,7 @@ def test_a_point_without_a_section_keeps_its_measures():
     assert found.measures["w.height, maximum"].tolist() == pytest.approx([1.0, 1.0], abs=1e-3)  # samples 0.07 rad apart
 
 
+@pytest.mark.interpreted
 def test_a_point_that_cannot_start_keeps_its_reason():
     scene = {"stop_time": 0.01, "units": {"b": {"component": "BallBearing"}}, "master": {"step": 1e-3},
              "sweep": {"b.substep": [1e-5, 1.0]}}

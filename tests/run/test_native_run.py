@@ -61,6 +61,7 @@ def test_an_own_component_and_faults_from_the_start():
     assert_same_bits(scene)
 
 
+@pytest.mark.full
 def test_the_second_run_takes_the_fmus_of_the_first():
     first = native_fmus(pair())
     assert native_fmus(pair()) == first

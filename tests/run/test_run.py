@@ -162,6 +162,7 @@ def test_csv_keeps_every_bit(tmp_path):
     np.testing.assert_array_equal(table.T, [result.time, *result.columns.values()])
 
 
+@pytest.mark.interpreted
 def test_run_json_says_what_was_on_and_off_and_why(tmp_path):
     scene = {**PROBE, "units": {"q": {"component": "Pantograph", "preset": "EN 50318:2018", "effects": ["contact_loss"]}}}
     info = json.loads(json.dumps(run(read_scene(scene), in_process=True).info))

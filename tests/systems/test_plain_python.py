@@ -1,4 +1,4 @@
-"""Tests that the short run makes in plain Python (`interpreted`), beside the contract; the complete run compiles them."""
+"""Tests that the short run makes in plain Python (`interpreted`), beside the contract."""
 
 from __future__ import annotations
 

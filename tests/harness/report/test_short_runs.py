@@ -58,6 +58,7 @@ def test_a_run_that_ends_before_or_in_its_window_shows_what_there_is(stop, there
     assert "Contact force at 250 km/h" in html
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("rows", [0, 1, 2])
 def test_a_run_that_failed_at_its_start_has_a_report(rows, tmp_path):
     for scene in (read_scene(two_masses()), load_scene("lumped-catenary").with_changes({"stop_time": 0.01})):

@@ -12,7 +12,7 @@ from cosimo.orchestrator.harness.studies.quantities import TimeHistory, errors, 
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 
-pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/test_plain_python.py runs them")
+pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/contract/test_plain_python.py runs them")
 
 WHOLE = 1.0 + 0.5 + 0.02 + 0.008 + 0.007  # slope of the model with all that goes together
 

@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.orchestrator.harness.studies.selection import select
 
-pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/test_plain_python.py runs them")
+pytestmark = pytest.mark.skipif(COMPILED, reason="many combinations of effects: tests/contract/test_plain_python.py runs them")
 
 
 def alone(names):

@@ -100,6 +100,7 @@ def test_descriptions_that_would_fill_the_memory_are_refused(folder, monkeypatch
         load_scene(packed(folder, system("s", component("a"))))
 
 
+@pytest.mark.full
 def test_files_that_name_one_another_twice_over_and_over_are_refused(folder):
     """25 files of two elements each would be 2^25 systems."""
     twice = '<ssd:Component name="{}" type="application/x-ssp-definition" source="{}.ssd"/>'
