@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
+import shutil
+import tempfile
 import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache, lru_cache
 from importlib.metadata import distribution
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class
@@ -58,8 +63,51 @@ def built(name: str) -> Path:
     Raises `BadInput` for a name that is not in the catalogue.
     """
     digest, members = _members(name)
-    path = Path(loader.cache_root()) / "fmus" / digest[:16] / f"{name}.fmu"
-    return path if path.is_file() else write(members, path)
+    return kept(Path(loader.cache_root()) / "fmus" / digest[:16] / f"{name}.fmu", lambda path: _holds(path, members),
+                lambda path: write(members, path))
+
+
+def kept(path: Path, intact: Callable[[Path], bool], make: Callable[[Path], Path]) -> Path:
+    """A file of the cache: as it is where it is intact, made anew where it is missing or damaged.
+
+    Where the cache cannot be written, it is made in a folder for temporary files that goes with this process.
+    """
+    with suppress(OSError):
+        if path.is_file() and intact(path):
+            return path
+    try:
+        return make(path)
+    except OSError:
+        aside = _aside() / path.parent.name / path.name
+        return aside if aside.is_file() else make(aside)
+
+
+@cache
+def _aside() -> Path:
+    folder = tempfile.mkdtemp(prefix="cosimo-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+@lru_cache(maxsize=256)
+def _contents(path: Path, _changed: int, _size: int) -> dict[str, bytes]:
+    """Path in the archive -> content; nothing of one that is damaged."""
+    try:
+        with zipfile.ZipFile(path) as file:
+            return {name: file.read(name) for name in file.namelist()}
+    except Exception:  # whatever zipfile and zlib raise
+        return {}
+
+
+def is_sound(path: Path) -> bool:
+    """Whether every member of an FMU file can be unpacked and has the sum that its directory gives."""
+    status = path.stat()
+    return bool(_contents(path, status.st_mtime_ns, status.st_size))
+
+
+def _holds(path: Path, members: dict[str, bytes]) -> bool:
+    status = path.stat()
+    return _contents(path, status.st_mtime_ns, status.st_size) == members
 
 
 def sources(module: str) -> dict[str, bytes]:
@@ -121,11 +169,17 @@ def _digest(members: dict[str, bytes]) -> str:
 def write(members: dict[str, bytes], path: Path) -> Path:
     """A zip file with sorted members and fixed dates; in place only when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as part, zipfile.ZipFile(part, "w") as file:
-        for member in sorted(members):
-            info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
-            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
-            file.writestr(info, members[member])
-    os.chmod(part.name, 0o644)
-    os.replace(part.name, path)
+    handle, part = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as whole, zipfile.ZipFile(whole, "w") as file:
+            for member in sorted(members):
+                info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
+                info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+                file.writestr(info, members[member])
+        os.chmod(part, 0o644)
+        os.replace(part, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(part)
+        raise
     return path

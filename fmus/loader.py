@@ -39,12 +39,22 @@ def stable_copy(source):
             os.makedirs(os.path.dirname(target), exist_ok=True)
             with tempfile.TemporaryDirectory(dir=os.path.dirname(target), ignore_cleanup_errors=True) as fresh:
                 shutil.copytree(source, os.path.join(fresh, "new"), ignore=shutil.ignore_patterns("__pycache__"))
+                os.chmod(os.path.join(fresh, "new"), 0o700)
                 if os.path.exists(target):
                     os.replace(target, os.path.join(fresh, "damaged"))
                 os.replace(os.path.join(fresh, "new"), target)
     except OSError:  # not writable, or another process was quicker
         pass
-    return target if same_sources(source, target) else source
+    return target if private(target) and same_sources(source, target) else source
+
+
+def private(folder):
+    """Whether nobody else may write there: what lies in the folder, byte code too, is executed."""
+    try:
+        status = os.stat(folder)
+    except OSError:
+        return False
+    return not hasattr(os, "getuid") or (status.st_uid in (0, os.getuid()) and not status.st_mode & 0o022)
 
 
 def load_package(folder):
@@ -61,7 +71,14 @@ def load_package(folder):
 def import_part(module, fmu):
     """A module of an FMU's package; the message of the `ImportError` says what the host's Python lacks, for the host's log."""
     try:
-        return importlib.import_module(module)
+        try:
+            return importlib.import_module(module)
+        except (EOFError, ValueError, TypeError):  # byte code that is damaged; the sources are known to be whole
+            copy = os.path.dirname(sys.modules[module.partition(".")[0]].__file__)
+            for folder, _, _ in os.walk(copy):
+                if os.path.basename(folder) == "__pycache__":
+                    shutil.rmtree(folder, ignore_errors=True)
+            return importlib.import_module(module)
     except ModuleNotFoundError as error:
         missing = (error.name or str(error)).partition(".")[0]
         version = ".".join(map(str, sys.version_info[:2]))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import json
 import os
 import platform
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -55,6 +56,28 @@ def write_json(path: str | Path, content: Any) -> None:
         file.write("\n")
 
 
+def seal(path: Path, content: str) -> None:
+    """Put a text and its digest, in a file beside it, into the cache; where nothing can be written there, nowhere."""
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for file, text in ((path, content), (_seal_of(path), hashlib.sha256(content.encode()).hexdigest())):
+            with replaced(file) as whole:
+                whole.write(text)
+
+
+def unsealed(path: Path) -> str | None:
+    """The text that was put there; None where there is none, or it is damaged."""
+    try:
+        content, digest = path.read_bytes(), _seal_of(path).read_text(encoding="ascii")
+        return content.decode() if hashlib.sha256(content).hexdigest() == digest else None
+    except (OSError, UnicodeError):
+        return None
+
+
+def _seal_of(path: Path) -> Path:
+    return path.with_name(path.name + ".sha256")
+
+
 def write_table(directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str]]) -> Path:
     """A file of comma-separated values in the directory, which is created; numbers keep every bit, texts stand in quotes."""
     path = ensure_directory(directory) / name
@@ -86,7 +109,7 @@ def locked(directory: str | Path) -> Iterator[Path]:
         yield path
         return
     try:
-        release = _lock(path)
+        release = lock_folder(path)
     except BlockingIOError:
         raise BadInput("output directory", f"{str(directory)!r}, into which {_holder(path)} writes",
                        "one of its own for each run", "Wait for it, or give another directory.") from None
@@ -113,7 +136,7 @@ def is_locked(directory: Path) -> bool:
     if str(directory.resolve()) in _held:
         return True
     try:
-        _lock(directory)()
+        lock_folder(directory)()
     except BlockingIOError:
         return True
     except OSError:
@@ -130,7 +153,7 @@ def _holder(path: Path) -> str:
 
 
 if sys.platform == "win32":
-    def _lock(path: Path) -> Any:
+    def lock_folder(path: Path) -> Callable[[], None]:
         try:  # a file that the system removes with its last user
             handle = os.open(path / ".lock", os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_TEMPORARY)
         except (FileExistsError, PermissionError):
@@ -142,7 +165,8 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-    def _lock(path: Path) -> Any:
+    def lock_folder(path: Path) -> Callable[[], None]:
+        """Lock a folder for this process; returns what gives it up. Raises `BlockingIOError` where another one holds it."""
         handle = os.open(path, os.O_RDONLY)  # the directory itself: there is no file to be left behind
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

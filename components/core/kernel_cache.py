@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pickle
 import sys
 import sysconfig
 import tempfile
@@ -23,6 +24,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _Ca
 from .closure import closure
 from .folders import cache_root
 
+DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 _PROCESS = uuid4().hex[:8]
 _PACKAGE = __name__.partition(".")[0]
 _LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
@@ -55,17 +57,25 @@ def _root() -> Path | None:
     NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. What lies there is executed:
     one that another user owns or may write is not taken.
     """
-    temporary = Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
     asked = config.CACHE_DIR  # type: ignore[attr-defined]
-    for folder in (Path(asked or Path(cache_root()) / "kernels"), temporary):
+    for folder in (lambda: Path(asked or Path(cache_root()) / "kernels"), _temporary):
         with suppress(OSError):
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            status = folder.stat()
-            if hasattr(os, "getuid") and (status.st_uid != os.getuid() or (folder == temporary and status.st_mode & 0o022)):
-                continue
-            tempfile.TemporaryFile(dir=folder).close()
-            return folder
+            root = folder()
+            if _private(root):
+                tempfile.TemporaryFile(dir=root).close()
+                return root
     return None
+
+
+def _temporary() -> Path:
+    return Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
+
+
+def _private(folder: Path) -> bool:
+    """Create the folder if it is missing; whether it is this user's, and no other may write there. Raises `OSError`."""
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    status = folder.stat()
+    return not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & 0o022)
 
 
 class _Locator(_CacheLocator):
@@ -85,7 +95,9 @@ class _Locator(_CacheLocator):
 
 
 class _Files(IndexDataCacheFile):
-    """Index and machine code of a kernel; what is damaged counts as missing, and is written anew.
+    """Index and machine code of a kernel, each behind its digest; what is damaged counts as missing, and is written anew.
+
+    Both are pickles, and one of them is machine code: nothing is looked at before the digest fits.
 
     Numba counts the files of a kernel. Processes that compile it for different arguments at once arrive at the same number, and
     the index of one then leads to the code of the other: here each process gives its files names of its own.
@@ -97,9 +109,30 @@ class _Files(IndexDataCacheFile):
 
     def _load_index(self):
         try:
-            return super()._load_index()
-        except Exception:  # a pickle that is cut off or garbled raises anything
+            version, stamp, overloads = self._read(self._index_path)
+        except Exception:  # missing, damaged, or of another version of this class
             return {}
+        return overloads if (version, stamp) == (self._version, self._source_stamp) else {}
+
+    def _save_index(self, overloads):
+        self._write(self._index_path, (self._version, self._source_stamp, overloads))
+
+    def _load_data(self, name):
+        return self._read(self._data_path(name))
+
+    def _save_data(self, name, data):
+        self._write(self._data_path(name), data)
+
+    def _read(self, path):
+        content = Path(path).read_bytes()
+        if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
+            raise ValueError(path)
+        return pickle.loads(content[DIGEST:])
+
+    def _write(self, path, data):
+        content = self._dump(data)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(content).digest() + content)
 
     def load(self, key):
         try:
@@ -154,7 +187,10 @@ class _OpenCache(FunctionCache):
     def __init__(self, function, root: Path, digest: str):
         self._py_func, self._name = function, repr(function)
         module = f"{function.__module__}"
-        folder = root / module.partition(".")[0] / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
+        package = root / module.partition(".")[0]
+        folder = package / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
+        if not (_private(package) and _private(folder)):
+            raise PermissionError(f"others may write {folder}")
         self._impl = object.__new__(self._impl_class)
         self._impl._lineno = function.__code__.co_firstlineno
         self._impl._locator = _Locator(folder, digest)

@@ -19,7 +19,7 @@ from typing import Any
 
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
-from ..build import write
+from ..build import is_sound, kept, write
 from ..description import documentation
 from .description import HOST, description2, description3
 from .image import compiled_with_image
@@ -99,8 +99,8 @@ def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
     Raises `BadInput` as `build_native`.
     """
     targets, component = list(targets), make()
-    path = Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu"
-    return path if path.is_file() else pack(library(name, make, targets), path.parent, 2)
+    return kept(Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu", is_sound,
+                lambda path: pack(library(name, make, targets), path.parent, 2))
 
 
 def _contents(component: Any, targets: list[str]) -> str:

@@ -42,6 +42,7 @@ from .channel import (
     packer,
     unpacker,
 )
+from .folders import process_folder
 from .interface import PortValues
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class WorkerUnit:
         self._limit = settings.time_limit  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
-        self._folder = Path(tempfile.mkdtemp(prefix="cosimo-"))  # of the worker's log and of all its temporary files
+        self._folder = Path(tempfile.mkdtemp(dir=process_folder()))  # of the worker's log and of all its temporary files
         paths = os.pathsep.join(os.path.abspath(p) for p in sys.path)
         folder = str(self._folder)
         environment = os.environ | {"PYTHONPATH": paths, "PYTHONUNBUFFERED": "1", "TMPDIR": folder, "TEMP": folder, "TMP": folder}

@@ -68,7 +68,10 @@ def test_damaged_files_count_as_missing_and_are_written_anew(package, tmp_path, 
     cache = tmp_path / "cache"
     whole = run(package, cache)
     for file in cache.rglob(f"outer*.{kind}"):
-        file.write_bytes(file.read_bytes()[:-20])
+        content = file.read_bytes()
+        middle = len(content) // 2
+        flipped = content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+        file.write_bytes(content[:-20] if kind == "nbi" else flipped)
     assert run(package, cache) == [*whole[:2], COMPILED_ANEW, FOUND]
     assert run(package, cache) == [*whole[:2], FOUND, FOUND]
 

@@ -10,8 +10,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ....components.core.errors import BadInput
 from ....fmus.loader import cache_root
+from ...output import seal, unsealed
 from ...scene.scene import Scene
 from .effects import Effects, Finding, effects
 from .fronts import components_digest
@@ -51,13 +51,10 @@ class Choice:
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
     path = _place(scene, tolerance)
-    if path.is_file():
-        try:
-            data = json.loads(path.read_text(encoding="utf-8"))
-            return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise BadInput(str(path), f"no set of effects ({type(error).__name__}: {error})", "one that was kept",
-                           "Remove it, so that it is found anew.") from None
+    content = unsealed(path)
+    if content is not None:
+        data = json.loads(content)
+        return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
     return keep(effects(scene, tolerance, on_message=on_message))
 
 
@@ -65,8 +62,7 @@ def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
     on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
     path = _place(study.scene, study.tolerance)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"on": on, "why": why, "error": study.least.error}, indent=1) + "\n", encoding="utf-8")
+    seal(path, json.dumps({"on": on, "why": why, "error": study.least.error}, indent=1) + "\n")
     return Choice(on, why, study.least.error, path, True)
 
 

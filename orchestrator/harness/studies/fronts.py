@@ -11,6 +11,7 @@ import ast
 import hashlib
 import inspect
 import json
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ from ....components.catalogue import CATALOGUE
 from ....components.core.errors import BadInput
 from ....fmus.build import sources
 from ....fmus.loader import cache_root
+from ...output import seal, unsealed
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
@@ -102,13 +104,15 @@ def marked(scene: Scene, measured: Accuracy) -> Accuracy:
 def keep(scene: Scene, measured: Accuracy) -> Path:
     """Put a measured front into the user's cache."""
     path = _path(scene)
-    return write_points(measured, path.parent, path.name)
+    with suppress(BadInput):  # nothing can be written there: the next time it is measured again
+        seal(path, write_points(measured, path.parent, path.name).read_text(encoding="utf-8"))
+    return path
 
 
 def known(scene: Scene) -> Known | None:
     """The front of the scene: measured here, or else shipped, with its times as they are expected here; None without either."""
     path = _path(scene)
-    if path.is_file():
+    if unsealed(path) is not None:
         return Known(read_points(path), f"measured on this machine, {path}")
     tables = shipped("fronts", ".csv")
     if scene.name not in tables:

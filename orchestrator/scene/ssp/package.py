@@ -10,16 +10,18 @@ import hashlib
 import os
 import re
 import zipfile
+from contextlib import suppress
 from io import BytesIO
 from math import isfinite, nan
 from pathlib import Path, PurePosixPath
 from posixpath import normpath
-from tempfile import NamedTemporaryFile
+from tempfile import mkstemp
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
 from ....components.core.errors import BadInput, nearest
+from ....fmus.build import kept
 from ....fmus.loader import cache_root
 
 NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
@@ -104,12 +106,22 @@ class Package:
         content = self.read(uri, where)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
         file = Path(cache_root()) / "ssp" / hashlib.sha256(content).hexdigest()[:16] / f"{stem}.fmu"
-        if not file.is_file():
-            file.parent.mkdir(parents=True, exist_ok=True)
-            with NamedTemporaryFile(dir=file.parent, suffix=".part", delete=False) as part:
-                part.write(content)
-            os.replace(part.name, file)
-        return file
+        return kept(file, lambda path: path.read_bytes() == content, lambda path: _written(path, content))
+
+
+def _written(path: Path, content: bytes) -> Path:
+    """A file that appears as a whole."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, part = mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(part, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(part)
+        raise
+    return path
 
 
 def opened(path: Path) -> tuple[Package, str]:

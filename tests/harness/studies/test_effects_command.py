@@ -87,12 +87,15 @@ def test_another_scene_or_tolerance_is_measured_anew(scene, capsys):
         assert "measured now" in capsys.readouterr().err
 
 
-def test_what_was_kept_and_cannot_be_read_is_said(scene, tmp_path, capsys):
+def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
     assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
     (kept,) = (tmp_path / "cache" / "effects").glob("*.json")
+    whole = kept.read_text(encoding="utf-8")
     kept.write_text("[]", encoding="utf-8")
-    assert code_of("run", scene, "--in-process", "--effects", "auto") == 2
-    assert "Remove it" in capsys.readouterr().err
+    capsys.readouterr()
+    assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
+    assert "measured now" in capsys.readouterr().err
+    assert json.loads(kept.read_text(encoding="utf-8"))["on"] == json.loads(whole)["on"]
 
 
 @pytest.mark.parametrize(("arguments", "word"), [

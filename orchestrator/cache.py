@@ -1,0 +1,95 @@
+"""What the program keeps in the user's cache: how much there is, and what can go. All of it is made again when it is needed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import time
+
+from ..components.core.errors import BadInput, nearest
+from ..components.core.folders import cache_root
+
+# of the folders in the cache: nothing else there is looked at, which the user may have pointed anywhere
+KINDS = {
+    "kernels": "machine code of components", "fmus": "FMUs of components", "bundles": "sources of FMUs, unpacked",
+    "native": "native FMUs of components", "ssp": "FMUs out of .ssp files", "fronts": "measured accuracy of scenes",
+    "effects": "sets of effects of scenes",
+}
+LEFT_BEHIND = 3600.0  # s: a file that is being written is younger
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One kind of what is kept: its folder, the number of files, their size in bytes."""
+
+    kind: str
+    meaning: str
+    files: int
+    size: int
+
+
+def root() -> Path:
+    """The cache's folder."""
+    return Path(cache_root())
+
+
+def entries() -> list[Entry]:
+    """What there is, kind by kind."""
+    return [Entry(kind, meaning, len(sizes), sum(sizes)) for kind, meaning in KINDS.items()
+            for sizes in [[status.st_size for _, status in _files(root() / kind)]]]
+
+
+def clear(kinds: Iterable[str] = ()) -> int:
+    """Remove all of some kinds, or of all kinds; returns the bytes that went. Raises `BadInput` for an unknown kind."""
+    kinds = list(kinds)
+    for kind in kinds:
+        if kind not in KINDS:
+            raise BadInput("cache", repr(kind), "a kind of what is kept", nearest(kind, KINDS))
+    before = _size()
+    for kind in kinds or KINDS:
+        shutil.rmtree(root() / kind, ignore_errors=True)
+    return before - _size()
+
+
+def prune(days: float) -> int:
+    """Remove what was neither used nor written for so many days, and what processes that were killed have left behind.
+
+    Returns the bytes that went.
+    """
+    before, now = _size(), time()
+    for kind in KINDS:
+        for unit in _units(root() / kind):
+            files = [*_files(unit)] if unit.is_dir() else [(unit, unit.stat())]
+            if all(now - max(s.st_mtime, s.st_atime) > 86400.0 * days for _, s in files):
+                shutil.rmtree(unit, ignore_errors=True) if unit.is_dir() else unit.unlink(missing_ok=True)
+    for kind in KINDS:
+        for path, status in _files(root() / kind):
+            if now - status.st_mtime > LEFT_BEHIND and (path.suffix == ".part" or ".tmp." in path.name):
+                with suppress(OSError):
+                    path.unlink()
+    return before - _size()
+
+
+def _units(folder: Path) -> Iterator[Path]:
+    """What goes or stays as a whole: the folder of a digest, or a file; machine code is one level deeper."""
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            if folder.name == "kernels" and path.is_dir():
+                yield from _units(path)
+            else:
+                yield path
+
+
+def _files(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
+    for path in sorted(folder.rglob("*")):
+        with suppress(OSError):
+            if path.is_file() and not path.is_symlink():
+                yield path, path.stat()
+
+
+def _size() -> int:
+    return sum(entry.size for entry in entries())

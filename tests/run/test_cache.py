@@ -1,0 +1,175 @@
+"""What is kept heals, moves and can be cleared; where nothing can be written, runs work all the same."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernel_cache import _private
+from cosimo.fmus import build, loader
+from cosimo.orchestrator import cache
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.output import lock_folder, seal, unsealed
+from cosimo.orchestrator.units import folders
+
+posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
+
+
+@pytest.fixture
+def own_cache(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.mark.parametrize("damage", [
+    lambda whole: whole[: len(whole) // 2], lambda whole: b"", lambda whole: b"no archive", lambda whole: whole[:-30],
+    lambda whole: whole[:5000] + bytes(255 - b for b in whole[5000:5010]) + whole[5010:],
+], ids=["half", "empty", "another", "end", "inside"])
+def test_a_damaged_fmu_is_built_anew(own_cache, damage):
+    path = build.built("Pantograph")
+    whole, changed = path.read_bytes(), path.stat().st_mtime_ns
+    assert build.built("Pantograph").stat().st_mtime_ns == changed
+    path.write_bytes(damage(whole))
+    assert build.built("Pantograph") == path
+    assert path.read_bytes() == whole
+    assert [p.name for p in path.parent.iterdir()] == ["Pantograph.fmu"]
+
+
+def test_an_fmu_with_other_content_is_built_anew(own_cache):
+    """A sound archive, but not this component: as one that somebody has put there."""
+    path = build.built("Pantograph")
+    whole = path.read_bytes()
+    path.write_bytes(build.built("Catenary").read_bytes())
+    assert build.built("Pantograph").read_bytes() == whole
+
+
+def test_without_a_cache_fmus_are_built_for_the_process(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "file" / "cache"))
+    path = build.built("Pantograph")
+    assert path.is_file()
+    assert path == build.built("Pantograph")
+    assert sorted(os.listdir(tmp_path)) == ["file"]
+
+
+def test_bundles_are_executed_only_where_nobody_else_may_write(own_cache, tmp_path):
+    source = tmp_path / "bundle_x"
+    source.mkdir()
+    (source / "__init__.py").write_text("number = 1\n")
+    copy = Path(loader.stable_copy(str(source)))
+    assert copy == own_cache / "bundles" / "bundle_x"
+    (copy / "__init__.py").write_text("number = 2\n")
+    assert Path(loader.stable_copy(str(source))) == copy
+    assert (copy / "__init__.py").read_text() == "number = 1\n"
+    if os.name != "nt":
+        copy.chmod(0o777)
+        assert Path(loader.stable_copy(str(source))) == source
+
+
+@posix
+def test_kernels_are_read_only_where_nobody_else_may_write(tmp_path):
+    folder = tmp_path / "kernels"
+    assert _private(folder)
+    assert folder.stat().st_mode & 0o777 == 0o700
+    for mode in (0o720, 0o702, 0o777):
+        folder.chmod(mode)
+        assert not _private(folder)
+
+
+def test_a_text_and_its_seal(tmp_path):
+    path = tmp_path / "kept" / "a.json"
+    assert unsealed(path) is None
+    seal(path, '{"é": 1}\n')
+    assert unsealed(path) == '{"é": 1}\n'
+    for damage in (b"", b"{}", b"\xff"):
+        path.write_bytes(damage)
+        assert unsealed(path) is None
+    seal(path, "again")
+    (tmp_path / "kept" / "a.json.sha256").unlink()
+    assert unsealed(path) is None
+    (tmp_path / "file").touch()
+    seal(tmp_path / "file" / "b", "nowhere")  # no error
+
+
+def test_show_clear_and_prune(own_cache, capsys):
+    build.built("Pantograph")
+    build.built("Catenary")
+    sizes = [p.stat().st_size for p in own_cache.rglob("*.fmu")]
+    main_json(["cache", "--json"])
+    shown = {e["kind"]: e for e in json.loads(capsys.readouterr().out)["entries"]}
+    assert (shown["fmus"]["files"], shown["fmus"]["size"]) == (2, sum(sizes))
+    old = next(own_cache.rglob("Catenary.fmu"))
+    os.utime(old, (1e9, 1e9))
+    part = own_cache / "fmus" / "x.part"
+    part.touch()
+    os.utime(part, (time.time() - 7200.0,) * 2)
+    mine = own_cache / "mine.txt"
+    mine.write_text("kept")
+    assert cache.prune(30.0) >= min(sizes)
+    assert not old.exists()
+    assert not part.exists()
+    with pytest.raises(BadInput, match="did you mean 'fmus'"):
+        cache.clear(["fmu"])
+    assert cache.clear(["kernels"]) == 0
+    main_json(["cache", "clear", "fmus"])
+    assert [p for p in own_cache.rglob("*") if p.is_file()] == [mine]
+    for wrong in ("shw", "clear --days 3", "prune fmus", "prune --days -1"):
+        with pytest.raises(SystemExit) as end:
+            main(["cache", *wrong.split()])
+        assert end.value.code == 2
+
+
+def main_json(arguments):
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert not end.value.code
+
+
+@posix
+def test_folders_of_killed_processes_go_and_those_of_living_ones_stay(tmp_path, monkeypatch):
+    dead, young, living, other = (tmp_path / f"{folders.PREFIX}{n}" for n in ("dead", "young", "living", "no"))
+    for folder in (dead, young, living):
+        (folder / "fmu").mkdir(parents=True)
+    other = tmp_path / "something"
+    other.mkdir()
+    for folder in (dead, living, other):
+        os.utime(folder, (1e9, 1e9))
+    release = lock_folder(living)
+    # another process: locks of one process would not meet
+    done = subprocess.run([sys.executable, "-c", "from cosimo.orchestrator.units.folders import process_folder\n"
+                           "import os; p = process_folder(); print(p); assert os.path.isdir(p)"],
+                          env=os.environ | {"TMPDIR": str(tmp_path)}, capture_output=True, text=True, check=True)
+    release()
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in (young, living, other))
+    assert not Path(done.stdout.strip()).exists()  # its own went with it
+
+
+@posix
+@pytest.mark.parametrize("letters", ["höme", "имя пользователя", "名前"])
+def test_temporary_folders_with_any_letters(letters, tmp_path):
+    """pythonfmu's library crashes the process there."""
+    place = tmp_path / letters
+    place.mkdir()
+    program = ("from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+               "r = run(load_scene('en50318-2002').with_changes({'stop_time': 0.1})); print(r.outcome, r.rows, r.message)")
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True,
+                          env=os.environ | {"TMPDIR": str(place), "NUMBA_DISABLE_JIT": "1"})
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("done 101"), done.stdout
+
+
+def test_where_no_folder_has_plain_letters_it_is_said(tmp_path, monkeypatch):
+    place = tmp_path / "höme"
+    place.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(place))
+    monkeypatch.setattr(folders, "_bases", lambda: iter(()))
+    monkeypatch.setattr(folders, "_own", None)
+    with pytest.raises(OSError, match=r"with letters beyond ASCII\. Set TMPDIR"):
+        folders.take(str(build.built("Pantograph")))
