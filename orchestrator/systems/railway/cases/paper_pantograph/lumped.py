@@ -1,0 +1,69 @@
+"""Runs of the pantograph under a lumped catenary, and the closed form of a wire without mass.
+
+Under k(x) = k0 (1 + a cos(2 pi x / L)) at the speed v, to first order in a, the contact force P = F_m + P' exp(i w t) has
+
+    P' + Z(w) y' = 0,    P' = k0 y' + a F_m,    w = 2 pi v / L
+    Z = -m1 w² + Z_h Z_f / (Z_h + Z_f),    Z_h = k1 + i w c1,    Z_f = k2 - m2 w² + i w c2
+
+so that its standard deviation is (a / sqrt 2) F_m |Z / (k0 + Z)|. m1, m2: head and frame of EN 50318:2002. A spring k_c between
+head and wire makes Z / (1 + Z / k_c) of Z; mass and damping of the wire add to k0. Derived for this project.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from .....results import Result
+from .....run import run
+from .... import load_scene
+from ...runs import KMH, at_speed
+
+SPAN = 60.0  # m
+STIFFNESS, SWING = 2870.0, 0.38  # N/m, 1: static truth of the reference wires, computed with another string model
+HARMONICS = 10
+MASSLESS = (0.1, 2.0)  # kg, N.s/m: 0.2 and 0.5 % of k0 at the passing frequency; what is left so that the wire has a state
+STEP = 2.5e-4  # s
+CONTACT = 50e3  # N/m
+SETTLED_SPANS = 6  # whole spans at the end of a long run
+HEAD, FRAME, HEAD_SPRING, FRAME_SPRING, HEAD_DAMPER, FRAME_DAMPER = 7.2, 15.0, 4200.0, 50.0, 10.0, 90.0  # kg, N/m, N.s/m
+
+
+def impedance(speed: float) -> complex:
+    """Z of the pantograph at the span-passing frequency of a speed in km/h, N/m: minus force per height."""
+    w = 2.0 * math.pi * speed * KMH / SPAN
+    head, frame = complex(HEAD_SPRING, w * HEAD_DAMPER), complex(FRAME_SPRING - FRAME * w * w, w * FRAME_DAMPER)
+    return -HEAD * w * w + head * frame / (head + frame)
+
+
+def relative_deviation(speed: float, whole: bool = False) -> float:
+    """Standard deviation of the force over swing times mean, first order; `whole`: with the contact spring and the rest of a "
+      "wire."""
+    z, wire, w = impedance(speed), complex(STIFFNESS), 2.0 * math.pi * speed * KMH / SPAN
+    if whole:
+        z /= 1.0 + z / CONTACT
+        wire += complex(-MASSLESS[0] * w * w, MASSLESS[1] * w)
+    return abs(z / (wire + z)) / math.sqrt(2.0)
+
+
+@cache
+def lumped_run(speed: float, stiffness: float = STIFFNESS, swings: Sequence[float] = (SWING,), wire: tuple[float, float] =
+               MASSLESS,
+               stop: float | None = None) -> Result:
+    """A run at a speed in km/h. swings: harmonics of k(x) over its mean, the first one a span long; wire: kg, N.s/m."""
+    scene = at_speed(load_scene("lumped-catenary"), speed, {
+        "units.catenary.parameters.mean_stiffness": stiffness,
+        "units.catenary.parameters.harmonic": [*swings, *[0.0] * (HARMONICS - len(swings))],
+        "units.catenary.parameters.mass": wire[0], "units.catenary.parameters.damping": wire[1], "master.step": STEP})
+    return run(scene if stop is None else scene.with_changes({"stop_time": stop}), in_process=True)
+
+
+def settled_force(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Position in the span, m, and contact force, N, over the last whole spans of a run."""
+    x, force = result["pantograph.contact_position"], result["pantograph.contact_force"]
+    end = x[-1] - x[-1] % SPAN
+    kept = (x >= end - SETTLED_SPANS * SPAN) & (x < end)
+    return x[kept] % SPAN, force[kept]

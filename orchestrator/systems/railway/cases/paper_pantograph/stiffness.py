@@ -1,0 +1,36 @@
+"""The stiffness that statics gives along a span, and what a single harmonic keeps of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ......components.railway.statics import elasticity, stiffness_series
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from ..catenary_statics import RIGID, resting_catenary
+from .lumped import SPAN, STIFFNESS, SWING
+
+FORCES = (1.0, 200.0)  # N: as good as nothing, and enough to slacken droppers
+DROPPER = 9  # harmonic of the droppers' distance of 6.25 to 7 m
+HARMONICS = 10
+
+
+def study(options: Options) -> Evidence:
+    """Nothing is simulated: elasticity of the reference wires as strings, under a small and a large force."""
+    catenary = resting_catenary("en50318-2002", RIGID, bending=False)
+    x = np.arange(0.0, SPAN, 0.25)
+    p = catenary.arguments[0]
+    k = {f: 1.0 / elasticity(catenary.mesh, SPAN * (p.spans // 2) + x, f) for f in FORCES}
+    series = {f: stiffness_series(x, k[f], SPAN, HARMONICS) for f in FORCES}
+    small, large = series[FORCES[0]], series[FORCES[1]]
+    measured = {"mean": small[0], "first": float(small[1][0]), "second": float(small[1][1]),
+                "dropper": float(small[1][DROPPER - 1]), "mean.large": large[0], "first.large": float(large[1][0])}
+    measured = {f"static.{name}": value for name, value in measured.items()}
+    one = STIFFNESS * (1.0 + SWING * np.cos(2.0 * np.pi * x / SPAN))
+    panel = Panel("stiffness, N/m", (
+        *(Series(f"statics, {f:g} N", x, k[f]) for f in FORCES), Series("one harmonic", x, one)))
+    chart = Chart("Stiffness of the reference catenary along a span", "position in the span, m", (panel,),
+                  "A support at either end. The lumped model has the first harmonic; the second is a third of it, that of the "
+                  "droppers a thirteenth.")
+    return Evidence(measured, (chart,))

@@ -1,0 +1,84 @@
+"""The lumped catenary through the table of EN 50318:2002, with the stiffness of statics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....harness.analysis.signals import Filter, uniform, window
+from .....harness.charts.chart import Band, Chart, Grid, Panel, Series
+from .....harness.validation.case import Options, compare
+from .....harness.validation.papers import Evidence
+from .....harness.validation.reference import load_table
+from .....results import Result
+from ...records import analysis_window, passages
+from ...runs import numbers, reference_run
+from .lumped import FRAME_SPRING, SPAN, lumped_run
+
+SPEEDS = (250.0, 300.0)  # km/h
+STATIC_FORCE = 120.0  # N
+ROWS = ("mean", "std", "statistical_max", "statistical_min", "max", "min", "uplift_mm", "loss_raw")
+
+
+def study(options: Options) -> Evidence:
+    """Both speeds, beside the distributed catenary."""
+    runs = {v: lumped_run(v) for v in SPEEDS}
+    of_speed = {v: cells(runs[v]) for v in SPEEDS}
+    measured = {f"{name}.{v:g}": of_speed[v][name] for v in SPEEDS for name in ROWS}
+    for v, n in of_speed.items():
+        frame = float(np.mean(runs[v]["pantograph.frame_height"][in_window(runs[v])]))
+        measured |= {f"crest.{v:g}": (n["max"] - n["mean"]) / n["std"], f"fast.{v:g}": n["std_5_20"],
+                     f"lift.{v:g}": n["mean"] + FRAME_SPRING * frame, f"peak.{v:g}": peak(runs[v]), f"lumped.uplift.{v:g}":
+                         n["uplift_mm"]}
+    measured["growth"] = of_speed[300.0]["std"] / of_speed[250.0]["std"]
+    reference = {v: reference_run(v, Options(in_process=True)) for v in SPEEDS[:1]}
+    measured["peak.distributed"] = peak(reference[250.0])
+    return Evidence(measured, (_force_chart(runs[250.0], reference[250.0]), _grid(of_speed)))
+
+
+def cells(result: Result) -> dict[str, float]:
+    """The run's statistics by the table's names; as uplift that at the supports of the window, where the wire has a height."""
+    start, end = analysis_window(result)
+    x, height = result["pantograph.contact_position"], result["catenary.wire_height"]
+    supports = np.arange(start, end + 1e-6, SPAN)
+    return numbers(result) | {"uplift_mm": 1e3 * float(np.interp(supports, x, height).max())}
+
+
+def in_window(result: Result) -> slice:
+    """Samples in the window of analysis."""
+    return window(result["pantograph.contact_position"], *analysis_window(result))
+
+
+def peak(result: Result) -> float:
+    """Position in the span of the mean force's maximum, m, filtered, folded over the window."""
+    x, force = filtered(result)
+    bins = np.floor(x % SPAN).astype(int)
+    return float(np.argmax([force[bins == k].mean() for k in range(int(SPAN))])) + 0.5
+
+
+def filtered(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Position in m and force below 20 Hz in N, in the window of analysis."""
+    record = passages(result)[0].record
+    rate, _, (x, force) = uniform(record.time, record.position, record.force)
+    cut = window(x, *analysis_window(result))
+    return x[cut], Filter().apply(force, rate)[cut]
+
+
+def _force_chart(lumped: Result, distributed: Result) -> Chart:
+    series = tuple(Series(name, *filtered(r)) for name, r in (("lumped", lumped), ("distributed", distributed)))
+    rows = {r.measure: r for r in load_table("en50318-2002").under("250 km/h")}
+    bands = tuple(Band(f"actual {name}", rows[name].low, rows[name].high, rows[name].standing) for name in ("max", "min"))
+    return Chart("Contact force at 250 km/h", "position of the contact point, m", (Panel("force below 20 Hz, N", series, bands),),
+                 "One harmonic of stiffness gives one harmonic of force: as much scatter as the wires, and neither their peaks "
+                 "nor their droppers.")
+
+
+def _grid(of_speed: dict[float, dict[str, float]]) -> Grid:
+    rows: list[tuple[str | float, ...]] = []
+    for v, values in of_speed.items():
+        for row in compare(load_table("en50318-2002").under(f"{v:g} km/h"), values):
+            r = row.reference
+            ends = " to ".join(f"{e:g}" for e in (r.low, r.high) if e is not None)
+            rows.append((f"{v:g}", r.quantity, r.unit, round(row.measured, 1), ends, "holds" if row.inside else "fails"))
+    return Grid("The table of EN 50318:2002, row by row", ("km/h", "quantity", "unit", "lumped", "range", ""), tuple(rows),
+                "The statistical limits are mean ± 3 σ and no rows of their own. The mean follows from the static force and the "
+                "spring of the frame alone.")
