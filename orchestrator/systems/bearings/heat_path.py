@@ -110,11 +110,23 @@ def solve_bearing(
     for i, load in enumerate(loads):
         if load == 0.0 and around is None:
             continue
-        inner, outer = (_ring_part(bearing, race, load, edge) for race, edge in (("inner", bore), ("outer", outside)))
-        path = solve_path(inner, outer, 0.5 * p["ball_diameter"], p["ball_conductivity"], around, fineness=fineness)
-        walls = sum(part.thickness / (part.conductivity * part.area) for part in (inner, outer))
+        path = ball_path(bearing, load, bore, outside, around, fineness)
+        parts = _ring_parts(bearing, load, bore, outside)
+        walls = sum(part.thickness / (part.conductivity * part.area) for part in parts)
         balls[i] = path.conductance / (1.0 - path.conductance * walls)  # without the walls, which the rings add again
     return solve_rings(balls[ball], (bore, *bearing.raceways, outside), p["width"], p["ring_conductivity"])
+
+
+def ball_path(bearing: AngularContactConductance, load: float, bore: float, outside: float, around: Surroundings | None = None,
+              fineness: int = 3) -> HeatPath:
+    """The path through one ball under a load in N with its parts of the rings; diameters in m as for `solve_bearing`."""
+    p: Any = bearing.parameters
+    inner, outer = _ring_parts(bearing, load, bore, outside)
+    return solve_path(inner, outer, 0.5 * p["ball_diameter"], p["ball_conductivity"], around, fineness=fineness)
+
+
+def _ring_parts(bearing: AngularContactConductance, load: float, bore: float, outside: float) -> tuple[RingPart, RingPart]:
+    return _ring_part(bearing, "inner", load, bore), _ring_part(bearing, "outer", load, outside)
 
 
 def solve_rings(balls: np.ndarray, diameters: tuple[float, float, float, float], width: float, conductivity: float) -> float:

@@ -9,6 +9,7 @@ from . import (
     iso16281,
     lyapunov_sum,
     paper_deep_groove,
+    paper_thermal_resistance,
     recurrence,
     stribeck,
     thermal_scaling,
@@ -17,5 +18,5 @@ from . import (
 
 CASES = tuple(module.CASE for module in (
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
-    recurrence, thermal_scaling, paper_deep_groove,
+    recurrence, thermal_scaling, paper_deep_groove, paper_thermal_resistance,
 ))

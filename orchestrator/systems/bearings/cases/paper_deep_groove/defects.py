@@ -45,7 +45,7 @@ def study(options: Options) -> Evidence:
         measured[f"{pit}.largest.db"] = 20.0 * math.log10(max(max(sides), 1e-300))
     harmonics = [k * expected["outer"] for k in (2, 3)]
     measured["harmonics.control"] = max(height(*spectra[""], f) / height(*spectra["outer"], f) for f in harmonics)
-    return Evidence(measured, (_chart(spectra, expected),), {f"pit: {pit}": runs[pit] for pit in POSITIONS})
+    return Evidence(measured, (_chart(spectra, expected),), {"pit in the inner race": runs["inner"]})
 
 
 def passing(pit: str) -> Result:
@@ -53,7 +53,8 @@ def passing(pit: str) -> Result:
     parameters = dict(GEOMETRY)
     if pit:
         parameters |= {f"{pit}_defect.{n}": v for n, v in {**PIT, "position": POSITIONS[pit]}.items()}
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, [f"{pit}_defect"] if pit else [], parameters=parameters))
+    effects = [f"{pit}_defect"] if pit else []
+    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, parameters=parameters, transient=TRANSIENT))
 
 
 def envelope(result: Result) -> Spectrum:

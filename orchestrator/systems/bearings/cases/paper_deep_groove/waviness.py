@@ -53,7 +53,7 @@ def study(options: Options) -> Evidence:
     second = [line(x, 4.0 * TURNS) for x in larger]
     measured["harmonic.rate"] = math.log(second[1] / second[0]) / math.log(LARGER[1] / LARGER[0])
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
-    return Evidence(measured, (_map(inner), _transfer(inner)), {"inner ring with two waves": runs[2]}, (
+    return Evidence(measured, (_map(inner), _transfer(inner)), notes=(
         f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm.",
     ))  # fmt: skip
 
