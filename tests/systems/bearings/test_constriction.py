@@ -67,6 +67,7 @@ def ball_by_series(ratio: float, terms: int = 40000) -> float:
     return float(np.sum(2.0 * (2 * n + 1) / n * mean**2) / (2.0 * math.pi))
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("ratio", [0.02, 0.05, 0.1])
 def test_a_ball_against_legendre_series(ratio):
     """The series has uniform flux instead of uniform temperature: 8/(3 pi²) instead of 1/4 for a disc, and ln(distance) has the

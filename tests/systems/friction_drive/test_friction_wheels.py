@@ -12,6 +12,7 @@ from cosimo.components.friction_drive.sleeve import DEFLECTIONS, FEED_RATE, MODE
 from cosimo.components.friction_drive.wheels import FrictionWheels, wheels_derivatives
 from scipy.linalg import expm
 
+pytestmark = pytest.mark.interpreted
 MOST = 2.0 * 0.4 * 15.0  # N, friction of both contacts
 LAWS = [("smoothed_slip",), ("lugre_slip",), ("exact_slip",)]
 FULL = ("exact_slip", "trocar_friction", "gravity", "preload_loss")  # one compilation for all tests of single effects
@@ -60,6 +61,7 @@ def test_even_wheels_lose_what_they_slip(effects):
     assert free["margin"] == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("effects", LAWS)
 @pytest.mark.parametrize(("share", "direction"), [(0.99, 1.0), (1.01, -1.0)])
 def test_the_sleeve_stalls_where_the_load_is_the_cosine(effects, share, direction):
@@ -82,6 +84,7 @@ def test_loads_beyond_the_contacts_are_refused_by_the_closed_form_and_accelerate
     assert wheels["feed_rate"] - early == pytest.approx(-0.25 * MOST / 0.15, rel=1e-4)
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_the_speed_holds_at_any_angle_and_friction(share):
     for angle, friction in ((0.1, 0.4), (1.0, 0.2), (1.4, 0.7)):
@@ -91,6 +94,7 @@ def test_the_speed_holds_at_any_angle_and_friction(share):
 
 
 # -- what the contacts bear ---------------------------------------------------------------------------------------------------
+@pytest.mark.first(3)
 @pytest.mark.parametrize("layout", ["skewed", "skewed_free_rollers", "orthogonal"])
 @pytest.mark.parametrize("angle", np.linspace(0.1, 6.2, 9))
 def test_the_sleeve_stands_within_the_limits_of_force_and_torque_and_moves_beyond(layout, angle):

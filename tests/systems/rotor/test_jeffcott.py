@@ -78,7 +78,7 @@ def test_orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_be
     assert rotor["displacement_x"] * rotor["velocity_y"] - rotor["displacement_y"] * rotor["velocity_x"] < 0.0
 
 
-@pytest.mark.first
+@pytest.mark.full
 @pytest.mark.parametrize("internal", [10.0, 40.0, 120.0])
 def test_onset_of_instability_by_internal_damping(internal):
     """Neutral at w = w_0 (1 + c_external / c_internal): the growth rate of the forward whirl changes sign there."""
@@ -108,6 +108,7 @@ def growth_rate(speed: float, internal: float) -> float:
     return 0.5 * (math.log(abs(complex(*rotor.x[:2]))) - before)
 
 
+@pytest.mark.interpreted
 @pytest.mark.first(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_energy_balance_at_random_states(seed):
@@ -130,6 +131,7 @@ def test_energy_balance_at_random_states(seed):
     assert change == pytest.approx(power, abs=3e-6)
 
 
+@pytest.mark.interpreted
 def test_energy_is_kept_without_damping():
     rotor = JeffcottRotor(["gravity"], {"damping": 0.0})
     rotor.initialize(0.0)
@@ -142,6 +144,7 @@ def test_energy_is_kept_without_damping():
     assert rows[:, 2].mean() == pytest.approx(-9.81 * MASS / STIFFNESS, rel=0.01)  # it swings about the sag
 
 
+@pytest.mark.interpreted
 def test_order_in_time_is_four():
     errors, steps = [], np.array([4e-3, 2e-3, 1e-3, 5e-4])
     for h in steps:
@@ -173,6 +176,7 @@ def started_from_rest() -> complex:
     return complex(z(0.48))
 
 
+@pytest.mark.interpreted
 def test_run_up_turns_by_the_integral_of_its_speed():
     """From 20 to 220 rad/s at 100 rad/s² from 0.5 s on: 10 rad, then 240 rad in two seconds, then 220 rad/s."""
     rotor = JeffcottRotor(["run_up"], {"start_speed": 20.0, "run_up.acceleration": 100.0, "run_up.end_speed": 220.0,
@@ -189,7 +193,7 @@ def test_run_up_turns_by_the_integral_of_its_speed():
     assert (rows[:, 6] < 2.0 * math.pi).all()
 
 
-@pytest.mark.first
+@pytest.mark.full
 @pytest.mark.parametrize("acceleration", [2.0, 20.0, 100.0])
 def test_run_up_through_the_critical_speed_is_its_convolution_integral(acceleration):
     """z(t) = integral of the impulse response exp(-d s) sin(w_d s) / (m w_d) times -m e (exp(i phi))'', by quadrature."""
