@@ -38,6 +38,7 @@ class InstabilityMonitor(BatchObserver):
         self._calls = self._looks = 0
         self._nodes = [node for node in master.nodes if len(node.held) < len(node.links)]
         self._links = [link for node in self._nodes for link in node.links]
+        self._columns = np.array([n in self._nodes for n in master.nodes for _ in n.links], dtype=bool)  # among all inputs
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
         self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))])
         self._values, self._missed = [0.0] * len(self._links), [0.0] * len(self._links)  # largest in the present block
@@ -82,8 +83,19 @@ class InstabilityMonitor(BatchObserver):
                              f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it")
 
     def steps_not_needed(self, tick: int, length: int) -> int:
+        """As in `BatchObserver`; up to the end of a block, where they are judged."""
+        return LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
+
+    def observe_inputs(self, inputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
-        return self._every - 1 - self._calls % self._every
+        looks = inputs[self._every - 1 - self._calls % self._every :: self._every][:, :, self._columns]
+        if not len(looks):
+            return
+        self._looks += len(looks)
+        extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
+        missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
+        self._values = np.fmax.reduce((self._values, *np.abs(looks[:, 0]))).tolist()  # fmax: numbers, where there are some
+        self._missed = np.fmax.reduce((self._missed, *missed)).tolist()
 
     def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
