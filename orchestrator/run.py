@@ -126,7 +126,8 @@ class Run:
         watched = bool(self._watched)
         self._ends = tuple(master.positions) if watched else coupling.signals
         sample = master.sample if watched else reading(self.units, self._ends)
-        signals = Recorder(sample, len(self._ends), every, end, of_master=watched)
+        of_batches = None if watched else self.stepping.watch(self._ends)
+        signals = Recorder(sample, len(self._ends), every, end, of_master=watched, columns=of_batches)
         texts: TextRecorder | None = None
         if ends := coupling.recorded_texts:
             texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
@@ -135,8 +136,9 @@ class Run:
         self.signals = Spool(signals, self._table(), columns, texts)
         self.arrays = {}
         for (unit, array), names in coupling.snapshots.items():
-            recorder, name = Recorder(self.units[unit].reader(names), len(names), snapshot_every, end), f"{unit}.{array}"
-            elements = [f"{unit}.{n}" for n in names]
+            recorder = Recorder(self.units[unit].reader(names), len(names), snapshot_every, end,
+                                columns=self.stepping.watch([(unit, n) for n in names]))
+            name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
             self.arrays[name] = Spool(recorder, self.files.snapshots(name, elements) if self.files else MemoryTable(elements))
         self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))

@@ -95,7 +95,7 @@ class StepResolution(BatchObserver):
     def __call__(self, tick: int, t: float) -> None:
         self.observe_batch((tick,), (t,), np.array([self._sample()], dtype=float))
 
-    def observe_batch(self, ticks: Sequence[int], times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_batch(self, ticks: Sequence[int], times: Any, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._rows.append(rows)
         self._ticks.append(ticks)

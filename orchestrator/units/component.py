@@ -75,6 +75,10 @@ def _stretch(positions: np.ndarray) -> Any:
     return slice(first, first + positions.size) if (np.diff(positions) == 1).all() else positions
 
 
+def _addresses(row: np.ndarray, positions: np.ndarray) -> tuple[int, ...]:
+    return tuple(row.ctypes.data + row.itemsize * int(k) for k in positions)
+
+
 def _write_items(row: Any, columns: list[int], values: list[float]) -> None:
     for i, value in zip(columns, values):  # noqa: B905 - strict would take more time than the loop
         row[i] = value
@@ -130,8 +134,11 @@ class ComponentUnit:
         places = _stretch(self.component.output_positions(outputs))
         self.get = (lambda: y[places]) if len(outputs) > ARRAY_THRESHOLD else self.reader(outputs)
         self.step = self.component.step
-        ends = ((u[0], self.component.input_positions(inputs)), (y, self.component.output_positions(outputs)))
-        self._at = [tuple(row.ctypes.data + row.itemsize * int(k) for k in at) for row, at in ends]
+        self._at = _addresses(u[0], self.component.input_positions(inputs)), self.outputs_at(outputs)
+
+    def outputs_at(self, names: Sequence[str]) -> tuple[int, ...]:
+        """Addresses of outputs."""
+        return _addresses(self.component.y, self.component.output_positions(names))
 
     def call_table(self, h: float) -> CallTable:
         """For compiled steps of length h, s, of the initialized component."""

@@ -205,7 +205,7 @@ class _Reader:
                 fits = node.attr in OF_ARRAYS
             else:
                 part = _evaluated(node, scope)
-                fits = isinstance(part, np.ndarray) and np.shares_memory(part, base)
+                fits = isinstance(part, np.ndarray) and (part.size == 0 or np.shares_memory(part, base))
         elif isinstance(node, ast.BinOp | ast.UnaryOp | ast.BoolOp | ast.IfExp | ast.Compare):
             operands = [n for n in ast.iter_child_nodes(node) if isinstance(n, ast.expr)]
             identity = isinstance(node, ast.Compare) and all(isinstance(op, ast.Is | ast.IsNot) for op in node.ops)

@@ -52,12 +52,12 @@ def measured(scene, steps: int) -> tuple[float, float]:
         units = open_units(scene, stack, in_process=True)
         master = master_of(scene, units, scene.coupling)
         master.initialize(0.0)
-        loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), (h * np.arange(steps)).tolist()
+        loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), h * np.arange(steps)
         coupled = best(lambda: loop.run(times[:1000], h))
         entries = [Entry(step_calls(unit.component, h)) for unit in units.values()]
         functions, arguments = (np.array([getattr(e, n) for e in entries]) for n in ("function", "argument"))
-        physics(functions, arguments, np.array(times[:1]), h)
-        alone = best(lambda: physics(functions, arguments, np.array(times), h))
+        physics(functions, arguments, times[:1], h)
+        alone = best(lambda: physics(functions, arguments, times, h))
     return coupled / 1000, alone / steps
 
 

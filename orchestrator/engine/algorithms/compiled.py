@@ -45,6 +45,7 @@ class LoopLayout(NamedTuple):
     change: np.ndarray  # (D,) relative change of an input that is none
     inverse: np.ndarray  # (S,) 1 / nominal of every signal
     bonded: np.ndarray  # (B,) links whose polynomials are noted for the energy account
+    watched: np.ndarray  # (W,) addresses of outputs of components that observers want of every step
     degree: int
     sequential: bool
 
@@ -289,9 +290,9 @@ def _push(plan, now, h):
 
 
 @kernel
-def run_steps(plan, now, times, h, limit, halt, rows, given, inputs):
+def run_steps(plan, now, times, h, limit, halt, rows, given, inputs, outputs):
     """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S), `bonded` to given (n, B, 4),
-    all inputs and where they were led to to inputs (n, 2, L).
+    all inputs and where they were led to to inputs (n, 2, L), `watched` to outputs (n, W).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
@@ -327,6 +328,8 @@ def run_steps(plan, now, times, h, limit, halt, rows, given, inputs):
         for k in range(plan.bonded.size):
             for d in range(4):
                 given[step, k, d] = now.given[plan.bonded[k], d]
+        for k in range(plan.watched.size):
+            outputs[step, k] = load(plan.watched[k])
         total = 0.0
         for k in range(now.signals.size):
             rows[step, k] = now.signals[k]

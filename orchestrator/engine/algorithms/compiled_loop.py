@@ -10,6 +10,7 @@ import numpy as np
 from ....components.core.errors import StepFailed
 from ...units.component import ComponentUnit
 from ...units.fmi2 import Fmi2CoSimulation
+from ..coupling import Endpoint
 from .compiled import FAILED, WAY, LoopLayout, LoopState, run_steps
 from .energy import EnergyAccount
 from .gauss_seidel import GaussSeidel
@@ -25,7 +26,7 @@ class CompiledLoop:
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
     changes a master there need not know of this. `inputs`: of the last stretch, (n, 2, L), the inputs behind each step in the
-    order of the nodes' links, and where extrapolation has taken them.
+    order of the nodes' links, and where extrapolation has taken them; `outputs`: of the same, (n, W), what `watch` has asked for.
     """
 
     def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None):
@@ -50,6 +51,7 @@ class CompiledLoop:
             direct=np.array([d[:2] for d in direct], dtype=np.int64).reshape(-1, 2),
             change=np.array([d[2] for d in direct], dtype=float),
             inverse=np.array(master.weights), bonded=np.array(self._bonded(ends), dtype=np.int64),
+            watched=np.zeros(0, dtype=np.int64),
             degree=int(master.degree), sequential=isinstance(master, GaussSeidel),
         )
         link, unit = np.zeros(n), np.zeros(u)
@@ -68,15 +70,15 @@ class CompiledLoop:
         ended = any(unit.ended for unit in self._units if isinstance(unit, Fmi2CoSimulation))
         return not ended and all(node.alter is None for node in self._master.nodes)
 
-    def run(self, times: list[float], h: float) -> tuple[np.ndarray, BaseException | None]:
+    def run(self, times: np.ndarray, h: float) -> tuple[np.ndarray, BaseException | None]:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not."""
         self.prepare(h)
         self._load()
-        rows, given, self.inputs = self._empty(len(times))
-        done, unit, status = run_steps(self._plan, self._now, np.array(times), h, RUNAWAY, self._halt, rows, given, self.inputs)
+        rows, given, self.inputs, self.outputs = space = self._empty(len(times))
+        done, unit, status = run_steps(self._plan, self._now, times, h, RUNAWAY, self._halt, *space)
         self._store(done)
         failure: BaseException | None = None
-        t = times[min(done, len(times) - 1)]
+        t = float(times[min(done, len(times) - 1)])
         for k, (taken, reached) in enumerate(zip(self._now.taken.tolist(), self._now.time.tolist(), strict=True)):
             one = self._units[k]
             one.stepped(taken, reached if isinstance(one, ComponentUnit) else t)
@@ -92,16 +94,29 @@ class CompiledLoop:
             except (Exception, SystemExit) as error:  # those of Python in a component, too: the steps before it stand
                 failure = error
         if unit == -2:
-            failure = self._beyond(times[done - 1] + h)
+            failure = self._beyond(float(times[done - 1]) + h)
             done -= failure is not None
         if self._account is not None and done:
             self._account.enter(h, rows[:done], given[:done])
         return rows[:done], failure
 
-    def _empty(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """For n steps: signals, what bonded inputs are given, and all inputs with where they were led to."""
+    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
+        """Columns of `outputs` in which these outputs will stand; None where not all are those of components."""
+        units = {unit.name: unit for unit in self._units}
+        first, at = self._plan.watched.size, list[int]()
+        for name, output in ends:
+            unit = units.get(name)
+            if not isinstance(unit, ComponentUnit):
+                return None
+            at += unit.outputs_at([output])
+        self._plan = self._plan._replace(watched=np.array([*self._plan.watched, *at], dtype=np.int64))
+        return slice(first, first + len(at))
+
+    def _empty(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """For n steps: signals, what bonded inputs are given, all inputs with where they were led to, and watched outputs."""
         plan = self._plan
-        return np.empty((n, plan.inverse.size)), np.empty((n, plan.bonded.size, 4)), np.empty((n, 2, plan.source.size))
+        return (np.empty((n, plan.inverse.size)), np.empty((n, plan.bonded.size, 4)), np.empty((n, 2, plan.source.size)),
+                np.empty((n, plan.watched.size)))
 
     def _bonded(self, first: np.ndarray) -> list[int]:
         """Links of the account's inputs; `first`: of each node."""

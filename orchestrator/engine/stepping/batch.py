@@ -18,6 +18,7 @@ from ..algorithms.jacobi import Jacobi
 from ..algorithms.multirate import MultirateUnit
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
+from ..coupling import Endpoint
 from .clock import Clock
 from .loop import Observer, Steppable, Stepping, Stops, lengths
 
@@ -40,6 +41,10 @@ class BatchStepping(Stepping):
         """As in `Stepping`."""
         self._halt[0] = 1
 
+    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
+        """As in `Stepping`."""
+        return self._stretch.watch(ends)
+
     def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
         for length, count in lengths(self.tick, stop, self.stride, stop == self.end):
             last = self.tick + length * count
@@ -53,16 +58,15 @@ class BatchStepping(Stepping):
 
     def _advance(self, length: int, last: int, observers: Sequence[Any]) -> None:
         """Steps of one length up to the next that has to be looked at, at most to the tick `last`."""
-        seconds, tick = self.clock.seconds, self.tick
-        h = seconds(length)
+        tick, h = self.tick, self.clock.seconds(length)
         if not self._stretch.possible:
-            self.master.step(seconds(tick), h)
+            self.master.step(self.clock.seconds(tick), h)
             self.tick = tick + length
             return
         unwatched = [1 + o.steps_not_needed(tick, length) for o in observers]
         n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unwatched)
         ticks = range(tick, tick + (n + 1) * length, length)
-        times = [seconds(k) for k in ticks]
+        times = self.clock.times(ticks)
         self._stretch.prepare(h)
         begun = perf_counter()
         rows, failure = self._stretch.run(times[:-1], h)
@@ -72,7 +76,7 @@ class BatchStepping(Stepping):
         unseen = done if failure is not None else done - 1
         if unseen > 0:
             for observe in observers:
-                observe.observe_inputs(self._stretch.inputs[:unseen])
+                observe.observe_ends(self._stretch.inputs[:unseen], self._stretch.outputs[:unseen])
                 observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]
         if failure is not None:

@@ -7,6 +7,8 @@ from fractions import Fraction
 from functools import reduce
 from math import gcd
 
+import numpy as np
+
 
 def _written(seconds: float) -> Fraction:
     """The decimal number a user wrote: 0.1 is 1/10, not the binary number beside it."""
@@ -43,3 +45,9 @@ class Clock:
     def seconds(self, ticks: int) -> float:
         """Time of a tick, correctly rounded: Python divides integers exactly before it rounds."""
         return ticks * self.numerator / self.denominator
+
+    def times(self, ticks: range) -> np.ndarray:
+        """`seconds` of several ticks, (n,)."""
+        exact = max(ticks[-1] * self.numerator, self.denominator) < 2**53  # in floating point, too, so that one rounding is left
+        whole = np.arange(ticks.start, ticks.stop, ticks.step)
+        return whole * self.numerator / self.denominator if exact else np.array([self.seconds(k) for k in ticks])

@@ -86,7 +86,7 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`; up to the end of a block, where they are judged."""
         return LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
 
-    def observe_inputs(self, inputs: np.ndarray) -> None:
+    def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         looks = inputs[self._every - 1 - self._calls % self._every :: self._every][:, :, self._columns]
         if not len(looks):
@@ -97,7 +97,7 @@ class InstabilityMonitor(BatchObserver):
         self._values = np.fmax.reduce((self._values, *np.abs(looks[:, 0]))).tolist()  # fmax: numbers, where there are some
         self._missed = np.fmax.reduce((self._missed, *missed)).tolist()
 
-    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._calls += len(ticks)
 

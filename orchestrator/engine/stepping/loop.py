@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
+from ..coupling import Endpoint
 from .clock import Clock
 
 Action = Callable[[], None]
@@ -54,6 +55,10 @@ class Stepping:
 
     def halt(self) -> None:
         """Let the observers see the next instant that is reached, even where they need not."""
+
+    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
+        """Where in the outputs that batches of steps leave to observers these will stand; None where observers have to ask."""
+        return None
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""

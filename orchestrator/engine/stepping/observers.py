@@ -35,20 +35,23 @@ class BatchObserver:
         """How many of the coming steps of `length` ticks it need not see."""
         return FOREVER
 
-    def observe_inputs(self, inputs: np.ndarray) -> None:
-        """Inputs behind steps it was not called at, and where they were led to, (n, 2, links); called before `observe_batch`."""
+    def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """Inputs behind steps it was not called at, and where they were led to, (n, 2, links), and what `Stepping.watch` was
+        asked for, (n, columns); called before `observe_batch`."""
 
-    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """Steps it was not called at: the ticks and times (s) they have reached, and the master's sample there, (n, signals)."""
 
 
 class Recorder(BatchObserver):
     """Rows of samples at the first macro step not before each multiple of `interval` ticks, and at the end."""
 
-    def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False):
-        """`of_master`: the sample is the master's own."""
+    def __init__(self, sample: Sample, width: int, interval: int, end: int, *, of_master: bool = False,
+                 columns: slice | None = None):
+        """`of_master`: the sample is the master's own. `columns`: where in the outputs of batches it stands, if it does."""
         self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
         self._due, self._last = 0, -math.inf
+        self._columns = columns
         self._times, self._values = array("d"), array("d")
 
     def __call__(self, tick: int, t: float) -> None:
@@ -59,20 +62,25 @@ class Recorder(BatchObserver):
 
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`."""
-        return FOREVER if self._of_master else max(-(-(self._due - tick) // length) - 1, 0)
+        anywhere = self._of_master or self._columns is not None
+        return FOREVER if anywhere else max(-(-(self._due - tick) // length) - 1, 0)
 
-    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
-        if self._of_master and self._interval <= ticks.step:  # every step is due
-            self._due = ticks[-1] - ticks[-1] % self._interval + self._interval
-            self._times.extend(times)
-            self._values.frombytes(rows.tobytes())
-        elif self._of_master:
-            for tick, t, row in zip(ticks, times, rows, strict=True):
-                if tick >= self._due:
-                    self._due = tick - tick % self._interval + self._interval
-                    self._times.append(t)
-                    self._values.fromlist(row.tolist())
+        self._outputs = outputs
+
+    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
+        """As in `BatchObserver`."""
+        if self._columns is not None:
+            rows = self._outputs[:, self._columns]
+        elif not self._of_master:
+            return
+        while (k := max(-(-(self._due - ticks.start) // ticks.step), 0)) < len(ticks):
+            due = slice(k, None if self._interval <= ticks.step else k + 1)  # every step, or one
+            self._times.frombytes(times[due].tobytes())
+            self._values.frombytes(rows[due].tobytes())
+            last = ticks[due][-1]
+            self._due = last - last % self._interval + self._interval
 
     def close(self, t: float, sample: Sample | None = None) -> None:
         """A last row where a unit has ended the run at t, s, between two steps; by `sample` where the own one is out of date."""
@@ -184,7 +192,7 @@ class ExtrapolationError(BatchObserver):
             if node.reached is not None:
                 _add(sums, np.array(node.history.present), node.reached)
 
-    def observe_inputs(self, inputs: np.ndarray) -> None:
+    def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         for present, reached in inputs[self.EVERY - 1 - self._calls % self.EVERY :: self.EVERY]:
             self._samples += 1
@@ -194,7 +202,7 @@ class ExtrapolationError(BatchObserver):
                 if node.reached is not None:
                     _add(sums, present[mine], reached[mine])
 
-    def observe_batch(self, ticks: range, times: Sequence[float], rows: np.ndarray) -> None:
+    def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._calls += len(ticks)
 

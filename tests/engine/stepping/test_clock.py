@@ -53,3 +53,10 @@ def test_the_tick_not_before_a_time(tick):
     assert clock.not_before(t) == tick
     assert clock.not_before(np.nextafter(t, np.inf)) == tick + 1
     assert clock.not_before(t + 0.4e-3 / 7.0) == tick + 1
+
+
+@pytest.mark.parametrize("durations", [(1e-4, 100.0), (7e-4, 1.0), (1.0 / 3.0, 1.0), (0.1, 1e9), (1e-9, 86400.0)])
+def test_times_of_many_ticks_are_those_of_each(durations):
+    clock = Clock.dividing(*durations)
+    ticks = range(clock.ticks(durations[1]) // 2, clock.ticks(durations[1]), max(clock.ticks(durations[1]) // 1000, 1))
+    assert clock.times(ticks).tolist() == [clock.seconds(k) for k in ticks]
