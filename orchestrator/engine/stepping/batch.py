@@ -18,7 +18,6 @@ from ..algorithms.jacobi import Jacobi
 from ..algorithms.multirate import MultirateUnit
 from ..algorithms.node import Node
 from ..algorithms.polynomial import History
-from ..coupling import Endpoint
 from .clock import Clock
 from .loop import Observer, Steppable, Stepping, Stops, lengths
 
@@ -36,14 +35,11 @@ class BatchStepping(Stepping):
         """`halt`: what ends a stretch early, see `batch_loop_for`."""
         super().__init__(master, clock, stride, end, stops)
         self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
+        self.watch = stretch.watch
 
     def halt(self) -> None:
         """As in `Stepping`."""
         self._halt[0] = 1
-
-    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
-        """As in `Stepping`."""
-        return self._stretch.watch(ends)
 
     def _approach(self, stop: int, observers: Sequence[Observer]) -> None:
         for length, count in lengths(self.tick, stop, self.stride, stop == self.end):
@@ -102,14 +98,10 @@ def inner(node: Node) -> Any:
 
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
     """What of a scene keeps its steps out of the compiled loop, in the scene's own words."""
-    if not COMPILED:
-        yield "Numba, which is missing or switched off"
-    if type(master) not in (Jacobi, GaussSeidel):
-        yield "master.algorithm"
-    if master.texts is not None:
-        yield "connections of texts"
-    if account is not None and account.correction:
-        yield "master.energy_correction"
+    present = {"Numba, which is missing or switched off": not COMPILED, "connections of texts": master.texts is not None,
+               "master.algorithm": type(master) not in (Jacobi, GaussSeidel),
+               "master.energy_correction": account is not None and account.correction}
+    yield from (words for words, there in present.items() if there)
     for solver in master.loops:
         yield f"the algebraic loop {solver.loop.text}"
     for node in master.nodes:

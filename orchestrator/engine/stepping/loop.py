@@ -38,6 +38,8 @@ class Stepping:
     their history (`Node.restart`), so that the steps behind it extrapolate nothing of what was before.
     """
 
+    # Where in the outputs that batches of steps leave to observers those of units will stand; None where observers have to ask
+    watch: Callable[[Sequence[Endpoint]], slice | None] = staticmethod(lambda ends: None)
     rewinds = False  # whether all units stand at the tick again behind a step that was not completed
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None = None):
@@ -55,10 +57,6 @@ class Stepping:
 
     def halt(self) -> None:
         """Let the observers see the next instant that is reached, even where they need not."""
-
-    def watch(self, ends: Sequence[Endpoint]) -> slice | None:
-        """Where in the outputs that batches of steps leave to observers these will stand; None where observers have to ask."""
-        return None
 
     def warnings(self) -> list[str]:
         """What a user should know of the steps made so far."""
