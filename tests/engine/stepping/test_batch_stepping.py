@@ -5,6 +5,7 @@ import pytest
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
+from cosimo.orchestrator.engine.stepping.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.component import _Callback
@@ -134,6 +135,18 @@ def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, fore
 def test_records_at_intervals_are_the_same(interval, monkeypatch):
     data = two_masses("jacobi", 1e-2, 1) | {"record": {"signals": ["b.x_out"], "interval": interval}}
     assert_alike(*both_ways(data, monkeypatch, CompiledLoop)[:2])
+
+
+@pytest.mark.parametrize("interval", [0.007, 0.05])
+def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
+    """Recorders and the monitor of instability look at steps within a batch: of 20 000 steps a few dozen ends are left."""
+    batches = []
+    data = two_masses("gauss-seidel", 1e-3, 1) | {"stop_time": 20.0, "record": {"signals": ["b.x_out"], "interval": interval}}
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e3)
+    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)
+    monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, batches))
+    assert run(read_scene(data), in_process=True).outcome == "done"
+    assert len(batches) <= 2 + 20_000 // (LOOKS * InstabilityMonitor.EVERY * InstabilityMonitor.RARELY)
 
 
 def test_faults_cut_a_stretch(monkeypatch):
