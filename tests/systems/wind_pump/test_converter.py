@@ -10,6 +10,7 @@ from cosimo.components.core.errors import StepFailed
 from cosimo.components.wind_pump.converter import FREE, MODE, RATE, SPEED, VELOCITY, InertialConverter, converter_derivatives
 from cosimo.components.wind_pump.driven_shaft import STANDING, TURNING
 
+pytestmark = pytest.mark.interpreted
 # the example of the cycle averages: m = 4 kg, m_y = 0.05 kg, a = 2, b = 1, r = 30 mm, rho = 50 mm
 EXAMPLE = {"gear_ratio": 1.0, "lever_mass": 4.0, "slider_mass": 0.05, "crank_radius": 0.03, "lever_ratio": 1.0,
            "clutch_arm": 0.05}
@@ -129,6 +130,7 @@ def test_energy_changes_by_the_power_at_the_ports_and_the_losses(effects):
         assert (energies[0] - energies[1]) / (2.0 * step) == pytest.approx(power, abs=tolerance)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("effects", "substep"), [((), 1e-3), (("compliant_clutches",), 1e-5)])
 def test_energy_over_whole_periods(effects, substep):
     """What goes in at the turbine comes out at the load, as motion or as loss; powers by trapezoids at 1/1000 of a period."""
