@@ -12,7 +12,7 @@ Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Res
 `write_report`, `sweep`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
-A component of one's own: `Component`, `OdeComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent`, `Effect`,
+A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent`, `Effect`,
 `Preset`; `parameter`, `integer`, `choice`, `input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
 Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
 """
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .components.core.component import Component, Effect, Preset
     from .components.core.errors import BadInput, StepFailed
     from .components.core.events import EventComponent
+    from .components.core.high_order import SmoothComponent
     from .components.core.integrators import OdeComponent
     from .components.core.kernels import bind, hold_inputs, kernel, kernel_tuple
     from .components.core.sampled import SampledComponent
@@ -49,6 +50,7 @@ _PLACES = {
     "components.core.component": ("Component", "Effect", "Preset"),
     "components.core.errors": ("BadInput", "StepFailed"),
     "components.core.events": ("EventComponent",),
+    "components.core.high_order": ("SmoothComponent",),
     "components.core.integrators": ("OdeComponent",),
     "components.core.kernels": ("bind", "hold_inputs", "kernel", "kernel_tuple"),
     "components.core.sampled": ("SampledComponent",),
@@ -70,7 +72,7 @@ _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
     "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
-    "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class", "effects",
+    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class", "effects",
     "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_result",
     "read_scene", "run", "stability", "summary", "sweep", "validate", "write_report", "write_scene",
 ]

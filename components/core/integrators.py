@@ -91,6 +91,7 @@ class OdeComponent(Component):
     `substep` in s, which is refused above the stable step.
     """
 
+    method: str = "RK4"  # what messages call it
     advance: Callable[..., int]
     output_kernel: Callable[..., None]
 
@@ -110,7 +111,7 @@ class OdeComponent(Component):
         self._substep = self.internal_step()
         if self._substep > (limit := self.stable_step()):
             # with a unilateral contact the run would stay finite, and be wrong silently
-            raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of RK4",
+            raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of {self.method}",
                            "Reduce substep.")
         self.arguments = self.kernel_arguments()
         self.x = np.ascontiguousarray(self.initial_state(), dtype=float)

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
+from ..core.high_order import SmoothComponent, rk8
+from ..core.integrators import rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
 from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
@@ -40,7 +41,7 @@ class Orthotropy(Effect):
     ratio = parameter(1.2, "1", "stiffness along y over that along x", low=0.0)
 
 
-class JeffcottRotor(OdeComponent):
+class JeffcottRotor(SmoothComponent):
     """A disk of mass m in the middle of a massless elastic shaft, in its plane; x horizontal, y upwards.
 
         m x'' + c x' + k x = m e (w² cos phi + w' sin phi) + F_x
@@ -108,7 +109,7 @@ class JeffcottRotor(OdeComponent):
         K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
+        return self.stability_radius / largest if largest > 0.0 else math.inf
 
 
 @kernel
@@ -158,3 +159,4 @@ def jeffcott_advance(t, h, n, x, u, y, work, counts, p, e):
 
 JeffcottRotor.advance = jeffcott_advance
 JeffcottRotor.output_kernel = jeffcott_outputs
+JeffcottRotor.advance_high_order = bind(rk8, __name__, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs)

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from ..core import high_order
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode
-from ..core.integrators import RK4_STABILITY_RADIUS, rk4
+from ..core.integrators import rk4
 from ..core.kernels import bind
 from ..core.variables import input_, output, parameter
 from .chain_equations import (
@@ -98,7 +99,13 @@ class Reactions(Effect):
     second_moment = output("N.m", "torque of the first link on the second, motor and losses together", feedthrough=TORQUES)
 
 
-class TwoLinkChain(EventComponent):
+class HighOrder(high_order.HighOrder):
+    """Internal steps of order eight: what has kinks or events is excluded."""
+
+    excludes = ("lugre_friction", "stick_friction", "stops")
+
+
+class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     """Two rigid links in a plane with rotary joints; angles from the downward vertical (from -y), positive from x to y.
 
         M a + h + D w + G = (T1 - T2, T2),   a, w: accelerations and rates of the absolute angles th1, th2
@@ -125,6 +132,7 @@ class TwoLinkChain(EventComponent):
     stick_friction = StickFriction
     stops = Stops
     reactions = Reactions
+    high_order = HighOrder
 
     first_mass = parameter(1.0, "kg", "mass of the first link", low=0.0)
     first_length = parameter(1.0, "m", "distance of the second joint from the first", low=1e-9)
@@ -216,7 +224,7 @@ class TwoLinkChain(EventComponent):
         return float(chain_energy(self.x, p, e.gravity, e.lugre_friction, e.stops))
 
     def _step(self, t: float, h: float) -> int:
-        if "stick_friction" in self.on or "stops" in self.on:
+        if "high_order" in self.on or "stick_friction" in self.on or "stops" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
         return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
@@ -248,7 +256,7 @@ class TwoLinkChain(EventComponent):
         inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse * c]])
         largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
+        return self.stability_radius / largest if largest > 0.0 else math.inf
 
 
 TwoLinkChain.advance = bind(
@@ -256,3 +264,4 @@ TwoLinkChain.advance = bind(
 )
 TwoLinkChain.output_kernel = chain_outputs
 chain_smooth = bind(rk4, __name__, derivatives=chain_derivatives, outputs=chain_outputs)  # where nothing has events
+TwoLinkChain.advance_high_order = bind(high_order.rk8, __name__, derivatives=chain_derivatives, outputs=chain_outputs)

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from ..core import high_order
 from ..core.component import Effect, Preset
 from ..core.errors import BadInput, StepFailed
 from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS, rk4
+from ..core.integrators import rk4
 from ..core.kernels import NOT_FINITE, bind, kernel
 from ..core.variables import choice, input_, output, parameter
 from .gimbal_equations import (
@@ -147,7 +148,13 @@ class Reactions(Effect):
     moment_z = output("N.m", "moment of the base on the joint about z", feedthrough=_TORQUES)
 
 
-class GimbalBody(EventComponent):
+class HighOrder(high_order.HighOrder):
+    """Internal steps of order eight: what has kinks or events is excluded."""
+
+    excludes = ("lugre_friction", "stick_friction", "stops")
+
+
+class GimbalBody(high_order.SmoothComponent, EventComponent):
     """A rigid body on two crossed axes: the outer one, angle alpha, lies in the base, the inner one, angle beta, in a frame.
 
         outer axis vertical:    J alpha'' + (I_x - I_z) sin 2beta alpha' beta' = T_outer
@@ -178,6 +185,7 @@ class GimbalBody(EventComponent):
     base_motion = BaseMotion
     payload = Payload
     reactions = Reactions
+    high_order = HighOrder
 
     axis_orientation = choice("vertical", ("vertical", "horizontal"), "direction of the outer axis")
     frame_inertia = parameter(0.02, "kg.m2", "moment of inertia of the frame about the outer axis", low=0.0)
@@ -266,10 +274,10 @@ class GimbalBody(EventComponent):
         inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
         A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
         largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
-        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
+        return self.stability_radius / largest if largest > 0.0 else math.inf
 
     def _step(self, t: float, h: float) -> int:
-        if "stick_friction" in self.on:
+        if "high_order" in self.on or "stick_friction" in self.on:
             return super()._step(t, h)
         n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
         return gimbal_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
@@ -331,3 +339,4 @@ GimbalBody.advance = bind(rk4_events, __name__, derivatives=gimbal_derivatives, 
                           outputs=gimbal_outputs)
 GimbalBody.output_kernel = gimbal_outputs
 gimbal_smooth = bind(rk4, __name__, derivatives=gimbal_derivatives, outputs=gimbal_outputs)
+GimbalBody.advance_high_order = bind(high_order.rk8, __name__, derivatives=gimbal_derivatives, outputs=gimbal_outputs)

@@ -19,7 +19,7 @@ FACTS: dict[str, Facts] = {
             "gravity.acceleration": ({}, 1e-3),
             "run_up.acceleration": ({}, 1e-3),
         },
-        structural=frozenset({"orthotropy"}),
+        structural=frozenset({"high_order", "orthotropy"}),
         form=frozenset({"unbalance.phase", "run_up.end_speed", "run_up.start_time"}),
     ),
     "BeamRotor": Facts(

@@ -10,6 +10,7 @@ KNOWN: dict[str, dict[str, str]] = {
               internal_damping="onset_of_instability_by_internal_damping",
               orthotropy="orthotropic_supports_split_the_critical_speed_and_whirl_backwards_in_between",
               run_up="run_up_through_the_critical_speed_is_its_convolution_integral"),
+        "high_order": "tests/core/test_high_order.py::test_a_rotor_in_free_motion_is_the_matrix_exponential",
         **here(gravity="a_rotor_sags_by_its_weight_over_its_stiffness"),
     },
     "BeamRotor": {

@@ -9,6 +9,7 @@ AT_THE_STOP = {"stops.upper": 0.0}
 
 FACTS: dict[str, Facts] = {
     "GimbalBody": Facts(
+        structural=frozenset({"high_order"}),
         plain=(("gravity", "rotor", "viscous", "stick_friction", "stops", "base_motion", "payload", "reactions"), {}, 20),
         disturbance={"outer_torque": 0.3, "inner_torque": 0.2},
         strengths={
@@ -59,7 +60,7 @@ FACTS: dict[str, Facts] = {
             "lugre_friction.stiffness": ({"lugre_friction.damping": 0.0}, 1e-2),
             "lugre_friction.damping": ({"lugre_friction.stiffness": 0.0}, 1e-4),
         },
-        structural=frozenset({"reactions"}),
+        structural=frozenset({"high_order", "reactions"}),
         form=frozenset({"smoothed_friction.width", "stick_friction.static_ratio",
                         *(f"stops.{n}" for n in ("lower", "upper", "dissipation")),
                         *(f"lugre_friction.{n}" for n in ("first_level", "second_level", "static_ratio", "stribeck_rate"))}),
