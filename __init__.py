@@ -12,8 +12,9 @@ Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Res
 `write_report`, `sweep`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
-A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent`, `Effect`,
-`Preset`; `parameter`, `integer`, `choice`, `input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
+A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`,
+`StatelessComponent`, `Effect`, `Preset`; `parameter`, `integer`, `choice`, `input_`, `output`; `kernel`, `kernel_tuple`,
+`bind`, `hold_inputs`.
 Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
 """
 
@@ -72,8 +73,8 @@ _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
     "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
-    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class", "effects",
-    "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_result",
+    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class",
+    "effects", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_result",
     "read_scene", "run", "stability", "summary", "sweep", "validate", "write_report", "write_scene",
 ]
 
