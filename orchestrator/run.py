@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
+import traceback
 import warnings
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -13,7 +15,7 @@ from signal import SIGINT
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
-from ..components.core.errors import StepFailed
+from ..components.core.errors import BadInput, StepFailed
 from .advice.limits import beyond_limit, remedy
 from .advice.local_error import RepeatedSteps, repeatable
 from .advice.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
@@ -85,7 +87,7 @@ class Run:
         stack.callback(self._return)
         self.compiling = stack.enter_context(CompileTime(announce=progress))
         self.coupling: Coupling = scene.coupling
-        self.outcome, self.message = "failed", ""
+        self.outcome, self.message, self.log = "failed", "", ""
         self.checkpoints: Checkpoints | None = None
         self.resolution: StepResolution | None = None
         self.repeated: RepeatedSteps | None = None
@@ -205,6 +207,14 @@ class Run:
             self.message = str(error)
         except MemoryError:
             self.message = f"out of memory at t = {self._now:.9g} s"
+        except BadInput:
+            raise
+        except Exception as error:
+            if not (unit := self._raiser(error)):
+                raise
+            self.message = f"{unit} failed at t = {self._now:.9g} s: its component has raised {type(error).__name__}: {error}"
+            self.log = traceback.format_exc()
+            logging.getLogger("cosimo").error("%s", self.message, exc_info=True)
         except SystemExit as error:
             self.message = f"a unit has called sys.exit({error.code!r})"
         except KeyboardInterrupt:
@@ -215,6 +225,12 @@ class Run:
                 self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
         self._until = perf_counter(), process_time()
         self._return()
+
+    def _raiser(self, error: BaseException) -> str:
+        """The unit in whose own code an exception was raised: a component that is none of the catalogue; "" for ours."""
+        own = {id(unit.component): unit.name for unit in self._own}
+        frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+        return next((own[id(it)] for frame in reversed(frames) if id(it := frame.f_locals.get("self")) in own), "")
 
     def _rescue(self, message: str) -> None:
         """This process is ending inside of a unit's call: save what there is."""
@@ -258,6 +274,7 @@ class Run:
         errors = self.extrapolation.relative
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
+        info |= {"traceback": self.log} if self.log else {}
         info |= {"signal": (self._interrupt.taken or SIGINT).name} if self.outcome == "stopped" else {}
         info |= {"energy": self.account.report()} if self.account else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}

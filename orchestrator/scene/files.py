@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
+from ..loading import MOST_TOML, check_depth, loading
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
 SYSTEMS = (".ssd", ".ssp")
@@ -37,18 +38,21 @@ def scene_path(name_or_path: str | Path, where: str = "scene", folder: Path | No
 
 def read_file(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The data of a scene's file, and remarks about what of it could not be used; faults are one `BadInput`."""
-    if path.suffix in SYSTEMS:
-        from .ssp.read import read as read_system  # loads what only systems need
+    with loading(str(path)):
+        if path.suffix in SYSTEMS:
+            from .ssp.read import read as read_system  # loads what only systems need
 
-        system = read_system(path)
-        return system.data, system.remarks
-    return read_toml(path), ()
+            system = read_system(path)
+            return system.data, system.remarks
+        return read_toml(path), ()
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The file's tables; a missing file or a syntax error is one `BadInput` with file and line."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        if (size := path.stat().st_size) > MOST_TOML:
+            raise BadInput(str(path), f"a file of {size} bytes", f"at most {MOST_TOML} bytes")
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise BadInput("scene", repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
     except UnicodeDecodeError:
@@ -56,3 +60,5 @@ def read_toml(path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         text, line = str(error), re.search(r"line (\d+)", str(error))
         raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {text}", "TOML") from None
+    check_depth(data, str(path))
+    return data

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from ...components.core.errors import BadInput, nearest
+from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
 from .files import read_file, scene_path
@@ -17,22 +19,23 @@ PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem
 
 
 def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
-             above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], tuple[str, ...]]:
+             above: tuple[Path, ...] = (), files: Iterator[int] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
     """A scene's data with units, connections and contacts of its subsystems in the place of their entries, and remarks.
 
-    Paths are relative to `folder`. `above`: the files that include this one. What a unit of a subsystem is called in its
-    own file stands behind the entry's name: "subsystem.unit". Stop time, master, records, faults, sweep, analysis and study of
-    the included scene belong to its own runs and are not taken over.
+    Paths are relative to `folder`. `above`: the files that include this one; `files`: counts all files.
+    What a unit of a subsystem is called in its own file stands behind the entry's name: "subsystem.unit". Stop time, master,
+    records, faults, sweep, analysis and study of the included scene belong to its own runs and are not taken over.
     """
     if not isinstance(data.get("units"), Mapping):
         return dict(data), ()
+    files = files or count(1)
     units: dict[str, Any] = {}
     added: dict[str, list[Any]] = {"connections": [], "contacts": []}
     remarks: list[str] = []
     for entry, unit in data["units"].items():
         entries = {entry: _located(unit, folder)}
         if isinstance(unit, Mapping) and "scene" in unit:
-            part, messages = _part(entry, unit, name, folder, above)
+            part, messages = _part(entry, unit, name, folder, above, files)
             entries = {f"{entry}.{n}": u for n, u in part["units"].items()}
             added["connections"] += (_prefixed(c, entry) for c in part.get("connections", ()))
             added["contacts"] += (_touching(c, entry) for c in part.get("contacts", ()))
@@ -45,7 +48,7 @@ def expanded(data: Mapping[str, Any], name: str, folder: Path | None = None,
 
 
 def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
-          above: tuple[Path, ...]) -> tuple[dict[str, Any], tuple[str, ...]]:
+          above: tuple[Path, ...], files: Iterator[int]) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Checked settings of an included scene, with the values that the entry gives, and remarks about its file."""
     try:
         settings = SubsystemSettings.model_validate(unit)
@@ -55,8 +58,11 @@ def _part(entry: str, unit: Mapping[str, Any], name: str, folder: Path | None,
     path = scene_path(settings.scene, f"{where}.scene", folder).resolve()
     if path in above:
         raise BadInput(f"{where}.scene", f"{path.name!r}, which includes this scene", "scenes that do not contain themselves")
+    if next(files) > MOST_FILES:
+        raise BadInput(f"{where}.scene", f"a scene of more than {MOST_FILES} files", "fewer",
+                       "Do they name one another many times?")
     data, remarks = read_file(path)
-    data, more = expanded(data, path.stem, path.parent, (*above, path))
+    data, more = expanded(data, path.stem, path.parent, (*above, path), files)
     data.pop("analysis", None)  # of its own runs
     stop = data.setdefault("stop_time", PLACEHOLDER)
     data.setdefault("master", {"step": stop})

@@ -13,6 +13,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from ...components.core.errors import BadInput, nearest
 from ..engine.coupling import Coupling, resolve_coupling
+from ..loading import loading
 from ..settings import AnalysisKeys, SceneSettings
 from ..settings.messages import one_message
 from ..settings.study import wanted
@@ -84,7 +85,8 @@ def load_scene(name_or_path: str | Path, analysis: Models | None = None) -> Scen
     """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. `analysis`: see `read_scene`."""
     path = scene_path(name_or_path)
     data, remarks = read_file(path)
-    return read_scene(data, path.stem, path.parent, remarks, analysis)
+    with loading(str(path), "a scene"):
+        return read_scene(data, path.stem, path.parent, remarks, analysis)
 
 
 def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None = None, remarks: Sequence[str] = (),

@@ -20,12 +20,14 @@ from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange
 from lxml import etree
 
 from ...components.core.errors import BadInput, nearest
+from ..loading import MOST_ELEMENTS, MOST_REFERENCE, MOST_VARIABLES, MOST_XML, check_archive
 from .interface import Kind
 from .solvers import METHODS
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
 
+DESCRIPTION = "modelDescription.xml"
 KINDS: dict[str, Kind] = {"Real": "real", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
 NEITHER = ("Binary", "Clock")  # types that are neither numbers nor texts
 
@@ -130,11 +132,13 @@ def read(path: str, where: str) -> Description:
 @lru_cache(maxsize=64)
 def _read(path: str, _changed: int, where: str) -> Description:
     try:
-        model = read_model_description(path, validate=False)
         with zipfile.ZipFile(path) as file:
-            root = etree.fromstring(file.read("modelDescription.xml"))
+            root = etree.fromstring(_checked(file, path))
+        model = read_model_description(path, validate=False)
+    except BadInput:
+        raise
     except Exception as error:  # FMPy raises bare exceptions and those of zipfile and lxml
-        raise BadInput(where, repr(path), "an FMU", f"{error}.") from None
+        raise BadInput(where, repr(path), "an FMU", f"{error or type(error).__name__}.") from None
     if not model.fmiVersion.startswith(("2.0", "3.0")):
         raise BadInput(where, f"{path} (FMI {model.fmiVersion})", "an FMU of FMI 2.0 or 3.0")
     if model.coSimulation is None and model.modelExchange is None:
@@ -151,8 +155,31 @@ def _read(path: str, _changed: int, where: str) -> Description:
                        _requested(model, root))
 
 
+def _checked(file: zipfile.ZipFile, path: str) -> bytes:
+    """The text of the model description, of a size that can be read; `BadInput` with the limit for another one."""
+    check_archive(file, path)
+    size = file.getinfo(DESCRIPTION).file_size
+    if size > MOST_XML:
+        raise BadInput(path, f"a model description of {size} bytes", f"at most {MOST_XML} bytes")
+    content = file.read(DESCRIPTION)
+    if (variables := content.count(b"valueReference")) > MOST_VARIABLES:
+        raise BadInput(path, f"an FMU of about {variables} variables", f"at most {MOST_VARIABLES}")
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise BadInput(path, "a model description with a document type and entities of its own", "plain XML")
+    return content
+
+
+def _check_sizes(scalars: int, where: str) -> None:
+    if scalars > MOST_ELEMENTS:
+        raise BadInput(where, f"arrays of {scalars} elements", f"at most {MOST_ELEMENTS} in an FMU")
+
+
 def _check_numbers(model: ModelDescription, where: str) -> None:
     """FMPy leaves the attributes of variables as texts; `BadInput` for those that are not what their type says."""
+    for v in model.modelVariables:
+        if not 0 <= int(v.valueReference) <= MOST_REFERENCE:
+            raise BadInput(where, f"valueReference {v.valueReference} of {v.name!r}",
+                           f"a whole number from 0 to {MOST_REFERENCE}", "The FMU's model description is faulty.")
     for owner in (*model.modelVariables, *model.typeDefinitions):
         read_one = READERS.get(owner.type, int)
         for attribute in ("start", "nominal", "min", "max") if owner.type not in ("String", *NEITHER) else ():
@@ -177,11 +204,13 @@ def _requested(model: ModelDescription, root: Any) -> frozenset[str]:
 def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[str | None, Sequence[str]]) -> dict[str, Scalar]:
     """Scalars by name; `sizes`: changed structural parameters; `texts`: start values of arrays of texts."""
     scalars: dict[str, Scalar] = {}
+    total = 0
     for v in model.modelVariables:
         if v.type in NEITHER:
             continue
         shape = tuple(d.start if d.variable is None else sizes.get(d.variable.name, int(d.variable.start)) for d in v.dimensions)
         size = prod(shape)
+        _check_sizes(total := total + size, f"variable {v.name!r}")
         starts = _starts(v, size, texts.get(v.name) or [])
         names = [f"{v.name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in shape))] if shape else [v.name]
         scalars.update((n, Scalar(n, v, k, size, starts[k])) for k, n in enumerate(names))

@@ -24,6 +24,7 @@ from time import time
 from fmpy import extract
 
 from ...components.core.folders import cache_root
+from ..loading import check_archive
 from ..output import lock_folder
 
 MOST = 32  # folders that nobody uses; where there are more, the one used longest ago goes
@@ -99,7 +100,7 @@ def _extracted(path: str) -> str:
             if not folder.isascii() and "resources/slavemodule.txt" in file.namelist():
                 raise OSError(errno.EINVAL, f"its library cannot read from {folder!r}, with letters beyond ASCII. "
                                             "Set TMPDIR to a folder without")
-            size, free = sum(info.file_size for info in file.infolist()), shutil.disk_usage(folder).free
+            size, free = check_archive(file, path), shutil.disk_usage(folder).free
         if size > free:
             raise OSError(errno.ENOSPC, f"it unpacks to {size} bytes, and {folder} has {free} left")
         extract(path, unzipdir=folder)

@@ -10,6 +10,7 @@ import hashlib
 import os
 import re
 import zipfile
+import zlib
 from contextlib import suppress
 from io import BytesIO
 from math import isfinite, nan
@@ -23,6 +24,7 @@ from lxml import etree
 from ....components.core.errors import BadInput, nearest
 from ....fmus.build import kept
 from ....fmus.loader import cache_root
+from ...loading import MOST_INSIDE, check_archive
 
 NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
     ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))}
@@ -41,7 +43,9 @@ class Package:
     def zipped(cls, name: str, content: Path | bytes) -> Package:
         """An archive by its path or its bytes; `BadInput` where it is none."""
         try:
-            return cls(name, archive=zipfile.ZipFile(BytesIO(content) if isinstance(content, bytes) else content))
+            archive = zipfile.ZipFile(BytesIO(content) if isinstance(content, bytes) else content)
+            check_archive(archive, name)
+            return cls(name, archive=archive)
         except OSError as error:
             raise BadInput("scene", repr(name), "a file that can be read", f"{error.strerror}.") from None
         except zipfile.BadZipFile as error:
@@ -75,7 +79,7 @@ class Package:
             raise BadInput(where, f"file {path!r}", f"a file of {self.name}", nearest(path, self._archive.namelist())) from None
         except OSError as error:
             raise BadInput(where, f"file {path!r}", f"a file beside {self.name}", f"{error.strerror or error}.") from None
-        except (zipfile.BadZipFile, RuntimeError, EOFError, ValueError) as error:  # a sum that differs, encryption, a short file
+        except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, ValueError) as error:  # a wrong sum, encryption ...
             if isinstance(error, BadInput):
                 raise
             raise BadInput(where, f"file {path!r} that cannot be unpacked", "a sound archive", f"{error}.") from None
@@ -103,7 +107,7 @@ class Package:
             except OSError:  # a name that no file can have
                 pass
             raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
-        content = self.read(uri, where)
+        content = self.read(uri, where, MOST_INSIDE)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
         file = Path(cache_root()) / "ssp" / hashlib.sha256(content).hexdigest()[:16] / f"{stem}.fmu"
         return kept(file, lambda path: path.read_bytes() == content, lambda path: _written(path, content))
