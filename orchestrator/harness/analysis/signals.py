@@ -101,11 +101,11 @@ def fraction_below(x: np.ndarray, level: float = 0.0) -> float:
     return 100.0 * float(np.count_nonzero(x <= level)) / x.size
 
 
-def fraction_in_gaps(x: np.ndarray, rate: float, longer_than: float, level: float = 0.0) -> float:
-    """Share of the samples with x <= level in uninterrupted stretches longer than `longer_than` seconds, in percent."""
+def gaps(x: np.ndarray, rate: float, longer_than: float = 0.0, level: float = 0.0) -> np.ndarray:
+    """Lengths in s, (k,), of the uninterrupted stretches with x <= level that are longer than `longer_than` seconds."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], x <= level, [0]))))
     lengths = edges[1::2] - edges[::2]
-    return 100.0 * float(lengths[lengths > longer_than * rate * (1.0 + 1e-9)].sum()) / x.size
+    return lengths[lengths > longer_than * rate * (1.0 + 1e-9)] / rate
 
 
 def band(x: np.ndarray, rate: float, low: float, high: float, like: Filter) -> np.ndarray:

@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...harness.analysis.signals import Filter, band, fraction_below, uniform, window
+from ...harness.analysis.signals import Filter, band, fraction_below, gaps, uniform, window
+
+ARC = 5e-3  # s, shorter losses of contact are not counted as arcs (EN 50317, recalled)
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,7 @@ class ContactStatistics:
     std_0_5: float
     std_5_20: float
     loss_raw: float
+    arcs: tuple[float, ...]  # s, losses of contact longer than `ARC`, of the unfiltered force
     loss_filtered: float
     height_range: float  # max - min of the contact point's height
     uplift: tuple[float, ...]  # greatest uplift at each support
@@ -38,6 +41,11 @@ class ContactStatistics:
     def max_uplift(self) -> float:
         """Greatest uplift at any of the supports, m; NaN when none was watched."""
         return max(self.uplift, default=float("nan"))
+
+    @property
+    def arcing(self) -> float:
+        """Share of the time in losses of contact that count as arcs, percent (EN 50317's NQ for a steady speed)."""
+        return 100.0 * sum(self.arcs) * self.rate / self.samples
 
     @property
     def settings(self) -> str:
@@ -76,6 +84,7 @@ class ContactRecord:
             std_0_5=float(band(force, rate, 0.0, 5.0, low_pass)[cut].std()),
             std_5_20=float(band(force, rate, 5.0, 20.0, low_pass)[cut].std()),
             loss_raw=fraction_below(force[cut]),
+            arcs=tuple(gaps(force[cut], rate, ARC).tolist()),
             loss_filtered=fraction_below(filtered),
             height_range=float(np.ptp(height[cut])),
             uplift=tuple(float(u.max()) for u in self.uplifts),

@@ -134,6 +134,9 @@ def measured(s: ContactStatistics) -> dict[str, float]:
         "std_5_20": s.std_5_20,
         "loss_raw": s.loss_raw,
         "loss_filtered": s.loss_filtered,
+        "arcs": float(len(s.arcs)),
+        "arcing": s.arcing,
+        "longest_arc_ms": 1e3 * max(s.arcs, default=0.0),
         "uplift_mm": 1e3 * s.max_uplift,
         "height_range_mm": 1e3 * s.height_range,
     }

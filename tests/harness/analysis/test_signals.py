@@ -8,7 +8,7 @@ from cosimo.orchestrator.harness.analysis.signals import (
     amplitude_spectrum,
     band,
     fraction_below,
-    fraction_in_gaps,
+    gaps,
     uniform,
     window,
 )
@@ -87,8 +87,9 @@ def test_fraction_below_of_a_known_duty():
 def test_short_gaps_are_not_counted():
     x = np.full(1000, 50.0)
     x[:5], x[100:106], x[500:503], x[980:] = 0.0, 0.0, -1.0, 0.0
-    assert fraction_in_gaps(x, RATE, 0.005) == pytest.approx(2.6, abs=1e-12)  # 6 and 20 ms; 5 ms is not longer than 5 ms
-    assert fraction_in_gaps(np.full(10, 50.0), RATE, 0.005) == 0.0
+    assert gaps(x, RATE, 0.005) == pytest.approx([0.006, 0.020])  # 5 ms is not longer than 5 ms
+    assert gaps(x, RATE) == pytest.approx([0.005, 0.006, 0.003, 0.020])
+    assert gaps(np.full(10, 50.0), RATE, 0.005).size == 0
 
 
 def test_window_is_half_open_and_must_lie_in_the_run():
@@ -133,8 +134,20 @@ def test_contact_statistics_of_a_known_signal():
     assert s.std_5_20 < 0.01 * s.std
     assert s.loss_raw > 30.0  # the 100 Hz part is below zero for much of its period
     assert s.loss_filtered == 0.0
+    assert s.arcs == ()  # no half-period of 100 Hz is longer than 5 ms
     assert s.height_range == pytest.approx(0.04, rel=1e-3)
     assert s.max_uplift == pytest.approx(0.05)
     assert s.samples == 8000
     assert "300 to 700 m" in s.settings
     assert "zero phase" in s.settings
+
+
+def test_arcs_are_counted_with_their_durations():
+    """Three losses of 3, 6 and 20 ms within the window of 8 s: two arcs, 0.325 % of the time; one outside does not count."""
+    force = np.full(TIME.size, 100.0)
+    for begin, lasts in ((7.0, 0.003), (8.0, 0.006), (9.0, 0.020), (1.0, 0.1)):
+        force[(begin - 1e-9 <= TIME) & (begin + lasts - 1e-9 > TIME)] = 0.0
+    s = ContactRecord(TIME, 50.0 * TIME, force, np.zeros(TIME.size)).statistics((300.0, 700.0))
+    assert s.arcs == pytest.approx((0.006, 0.020))
+    assert s.arcing == pytest.approx(100.0 * 0.026 / 8.0)
+    assert s.loss_raw == pytest.approx(100.0 * 0.029 / 8.0)

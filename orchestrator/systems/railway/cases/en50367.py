@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ....harness.analysis.signals import fraction_in_gaps, uniform, window
 from ....harness.charts.chart import Grid
 from ....harness.validation.case import Case, Findings, Options, Row, compare
 from ....harness.validation.reference import TableRow, load_table
 from ....results import Result
-from ..records import analysis_window, passages, statistics
+from ..records import passages, statistics
 from ..runs import KMH, ac_simple_run, numbers, reference_run, target_mean
-
-ARC = 0.005  # s, shorter gaps are not counted
 
 
 def findings(options: Options) -> Findings:
@@ -57,13 +54,11 @@ def _measured(result: Result, speed: float) -> dict[str, float]:
     s = statistics(result)
     passage = passages(result)[0]
     wire = result.info["units"][passage.catenary]["parameters"]
-    rate, _, (position, force) = uniform(passage.record.time, passage.record.position, passage.record.force)
-    cut = window(position, *analysis_window(result))
     return numbers(result) | {
         "mean_less_target": s.mean - target_mean(speed),
         "mean_less_lower": s.mean - (0.00047 * speed**2 + 60.0),
         "std_over_mean": s.std / s.mean,
-        "loss_gaps": fraction_in_gaps(force[cut], rate, ARC),
+        "loss_gaps": s.arcing,
         "speed_ratio": speed * KMH / math.sqrt(wire["contact_wire_tension"] / wire["contact_wire_mass"]),
     }
 
