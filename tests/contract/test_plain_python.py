@@ -8,6 +8,8 @@ import pytest
 from cosimo.components.core.kernels import COMPILED
 from cosimo.tests.plain_python import ROOT, passes_without_the_compiler
 
+FMUS = "tests/fmus/test_fmu_run.py"
+SCENES = "tests/run/test_run.py::test_shipped_scenes_run_alike_as_fmus_and_in_process"
 SHORT = (
     "tests/contract/test_declaration.py",
     "tests/contract/test_effect_sizes.py",
@@ -17,14 +19,14 @@ SHORT = (
     "tests/contract/test_ranges.py",
     "tests/harness/studies/test_effects.py",
     "tests/harness/studies/test_selection.py",
+    SCENES,
 )
-FMUS = "tests/fmus/test_fmu_run.py"
 REST = {  # files and tests -> the marks of those that run
     "tests/contract/test_steps.py": "full",
     "tests/contract/test_effect_strength.py tests/contract/test_effects_free.py": "full or not full",
     f"{FMUS}::test_the_fmu_is_the_component_to_the_last_bit"
     f" {FMUS}::test_what_is_off_reads_its_start_value_and_takes_writes": "full or not full",
-    "tests/run/test_run.py::test_shipped_scenes_run_alike_as_fmus_and_in_process": "full or not full",
+    SCENES: "full",
 }
 pytestmark = pytest.mark.skipif(not COMPILED, reason="this is the session without the compiler")
 

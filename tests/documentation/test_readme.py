@@ -17,6 +17,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.short_run import full_but
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
@@ -72,9 +73,8 @@ def test_the_readme_shows_commands_python_and_a_scene():
     assert commands(README)[1] in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
-@pytest.mark.full
 @pytest.mark.parametrize(("page", "command"), [
-    *((name_of(README), c) for c in commands(README) if c not in BY_CI),
+    *full_but(((name_of(README), "cosimo list"),), [(name_of(README), c) for c in commands(README) if c not in BY_CI]),
     *(pytest.param(name_of(page), c, marks=pytest.mark.full) for page in PAGES for c in commands(page)),
 ])
 def test_commands(page, command, folders):
