@@ -38,6 +38,20 @@ class Viscous(Effect):
     second = parameter(0.05, "N.m.s/rad", "damping of the second joint", low=0.0)
 
 
+class Springs(Effect):
+    """Torsion springs in the joints, stiffness * (angle - rest); the second one's angle is that of the links against each other.
+
+    A rest beyond the stops is a preload: such a spring swings a satellite's panel out and holds it against its stop.
+    """
+
+    explicit_only = True
+
+    first_stiffness = parameter(0.0, "N.m/rad", "stiffness of the first joint's spring", low=0.0)
+    second_stiffness = parameter(0.25, "N.m/rad", "stiffness of the second joint's spring", low=0.0)
+    first_rest = parameter(0.0, "rad", "angle of the first link at which its spring is relaxed")
+    second_rest = parameter(0.0, "rad", "angle of the second link against the first at which its spring is relaxed")
+
+
 class SmoothedFriction(Effect):
     """Dry friction as level * tanh(rate / width): quick, but a joint under load creeps instead of standing."""
 
@@ -127,6 +141,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
 
     gravity = Gravity
     viscous = Viscous
+    springs = Springs
     smoothed_friction = SmoothedFriction
     lugre_friction = LuGreFriction
     stick_friction = StickFriction
@@ -163,7 +178,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     tip_velocity_y = output("m/s", "velocity of the tip along y", nominal=3.0)
     angular_momentum = output("N.m.s", "angular momentum about the first joint", nominal=3.0)
     mechanical_energy = output(
-        "J", "kinetic energy, height above the hanging chain, bending of bristles and stops", nominal=10.0)
+        "J", "kinetic energy, height above the hanging chain, bending of springs, bristles and stops", nominal=10.0)
 
     presets = {
         "equal point masses": Preset(
@@ -179,6 +194,21 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
              "second_centre": 1.0, "first_inertia": 0.0, "second_inertia": 0.0, "viscous.first": 0.05, "viscous.second": 0.05},
             "equal point masses with equal joint dampers: D = d (2 K / g - M), whose small motion has an exact solution",
             "computed", ("gravity", "viscous")),
+        "laboratory arm": Preset(
+            {"first_mass": 23.9, "first_length": 0.45, "first_centre": 0.091, "first_inertia": 1.27, "second_mass": 3.88,
+             "second_length": 0.45, "second_centre": 0.048, "second_inertia": 0.093, "viscous.first": 2.29,
+             "viscous.second": 0.175, "stick_friction.first_level": 7.2, "stick_friction.second_level": 1.7},
+            "a two-link arm that many papers on control take, its parameters recalled; length of the second link chosen",
+            "recalled", ("gravity", "viscous", "stick_friction")),
+        "satellite panel": Preset(
+            {"first_mass": 0.0, "first_inertia": 10.0, "first_centre": 0.0, "first_length": 0.5,
+             "second_mass": 500.0 / 105.0, "second_length": 0.8, "second_centre": 0.4, "second_inertia": 5.0 * 0.64 / 12.0,
+             "springs.second_stiffness": 0.25, "springs.second_rest": 0.0, "viscous.second": 1.2, "viscous.first": 0.0,
+             "stick_friction.second_level": 0.08, "stick_friction.first_level": 0.0, "start_second_angle": math.pi,
+             "stops.lower": math.pi / 2.0, "stops.upper": math.pi + 0.01},
+            "numbers of ours: a free hub of 100 kg and 10 kg.m2, panel of 5 kg and 0.8 m, hinged 0.5 m from the hub's centre; "
+            "the second mass is that of both bodies in series, with which free bodies move as these links do", "inferred",
+            ("springs", "viscous", "stick_friction", "stops")),
     }  # fmt: skip
 
     def initial_state(self) -> np.ndarray:
@@ -221,7 +251,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
         p, e = self.arguments
-        return float(chain_energy(self.x, p, e.gravity, e.lugre_friction, e.stops))
+        return float(chain_energy(self.x, p, e.gravity, e.springs, e.lugre_friction, e.stops))
 
     def _step(self, t: float, h: float) -> int:
         if "high_order" in self.on or "stick_friction" in self.on or "stops" in self.on:
@@ -244,6 +274,8 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
         c = np.zeros(2)
         if e.viscous is not None:
             c += e.viscous.first, e.viscous.second
+        if e.springs is not None:
+            k += np.diag([e.springs.first_stiffness, e.springs.second_stiffness])
         if e.smoothed_friction is not None:
             c += np.array([e.smoothed_friction.first_level, e.smoothed_friction.second_level]) / e.smoothed_friction.width
         if e.lugre_friction is not None:

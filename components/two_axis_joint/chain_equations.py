@@ -40,7 +40,7 @@ def stop_torque(q2, rate, contact, stops):
 
 
 @kernel
-def loads(x, u, p, gravity, viscous, smoothed, stops):
+def loads(x, u, p, gravity, viscous, springs, smoothed, stops):
     """Torques that move the two joints, N.m: motors, inertia, weight, and every loss that is a function of the state."""
     first = x[2]
     second = x[2] + x[3]
@@ -54,6 +54,9 @@ def loads(x, u, p, gravity, viscous, smoothed, stops):
     if viscous is not None:
         b1 -= viscous.first * x[2]
         b2 -= viscous.second * x[3]
+    if springs is not None:
+        b1 -= springs.first_stiffness * (x[0] - springs.first_rest)
+        b2 -= springs.second_stiffness * (x[1] - springs.second_rest)
     if smoothed is not None:
         b1 -= smoothed_friction(x[2], smoothed.first_level, smoothed.width)
         b2 -= smoothed_friction(x[3], smoothed.second_level, smoothed.width)
@@ -88,7 +91,7 @@ def static_level(level, stick):
 def motion(x, u, p, e):
     """(q1'', q2'', c1, c2); c: rates of the bristles, or the torques that set joints at rest in motion, friction apart."""
     m11, m12, m22, determinant = mass_matrix(x[1], p)
-    b1, b2 = loads(x, u, p, e.gravity, e.viscous, e.smoothed_friction, e.stops)
+    b1, b2 = loads(x, u, p, e.gravity, e.viscous, e.springs, e.smoothed_friction, e.stops)
     c1 = c2 = 0.0
     if e.lugre_friction is not None:
         c1 = bristle_rate(x[2], x[4], e.lugre_friction.first_level, p.substep, e.lugre_friction)
@@ -158,14 +161,17 @@ def chain_switch(which, t, x, u, p, e):
 
 
 @kernel
-def chain_energy(x, p, gravity, lugre, stops):
-    """Kinetic energy, height above the hanging chain, bending of bristles and stops, J."""
+def chain_energy(x, p, gravity, springs, lugre, stops):
+    """Kinetic energy, height above the hanging chain, bending of springs, bristles and stops, J."""
     m11, m12, m22, _ = mass_matrix(x[1], p)
     energy = 0.5 * (m11 * x[2] * x[2] + m22 * x[3] * x[3]) + m12 * x[2] * x[3]
     if gravity is not None:
         first = p.first_mass * p.first_centre + p.second_mass * p.first_length
         second = p.second_mass * p.second_centre
         energy += gravity.acceleration * (first * (1.0 - math.cos(x[0])) + second * (1.0 - math.cos(x[0] + x[1])))
+    if springs is not None:
+        energy += 0.5 * springs.first_stiffness * (x[0] - springs.first_rest) ** 2
+        energy += 0.5 * springs.second_stiffness * (x[1] - springs.second_rest) ** 2
     if lugre is not None:
         energy += 0.5 * lugre.stiffness * (x[4] * x[4] + x[5] * x[5])
     if stops is not None:
@@ -187,7 +193,7 @@ def chain_outputs(t, x, u, y, p, e):
     y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
     m11, m12, _, _ = mass_matrix(x[1], p)
     y[10] = m11 * x[2] + m12 * x[3]
-    y[11] = chain_energy(x, p, e.gravity, e.lugre_friction, e.stops)
+    y[11] = chain_energy(x, p, e.gravity, e.springs, e.lugre_friction, e.stops)
     if e.stick_friction is not None:
         y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
         y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0

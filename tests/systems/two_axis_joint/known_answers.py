@@ -25,6 +25,7 @@ KNOWN: dict[str, dict[str, str]] = {
         viscous="damped_small_motion_is_the_exact_solution", smoothed_friction="lagrange_is_newton_and_euler_at_random_states",
         lugre_friction="bristles_decay_as_exact_standstill_does",
         stick_friction="dry_friction_takes_a_pendulum_from_turn_to_turn_and_holds_it", stops="restitution_of_the_stops",
+        springs="a_spring_throws_a_link_out_with_the_energy_of_its_preload",
         reactions="lagrange_is_newton_and_euler_at_random_states")},
     "PlanarLink": in_file("two_axis_joint/test_planar_link.py", pinned="a_pinned_link_is_a_pendulum",
                       gravity="a_thrown_link_flies_along_a_parabola_and_turns_evenly"),

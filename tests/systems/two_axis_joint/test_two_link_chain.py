@@ -167,7 +167,7 @@ def test_energy_changes_by_what_motors_give_and_losses_take(effects):
             loss += 0.1 * r[0] ** 2 + 0.05 * r[1] ** 2 + 0.1 * np.tanh(r / 0.01) @ r + (stop - spring) * r[1]
 
         def energy(step, chain=chain, dx=dx, p=p, e=e):
-            return chain_energy(chain.x + step * dx, p, e.gravity, e.lugre_friction, e.stops)
+            return chain_energy(chain.x + step * dx, p, e.gravity, e.springs, e.lugre_friction, e.stops)
 
         h = 1e-6 / max(1.0, np.abs(dx[:4]).max())
         rate = (energy(h) - energy(-h)) / (2.0 * h)
@@ -336,3 +336,49 @@ def test_start_and_outputs_agree():
     moved = (np.array([chain["tip_x"], chain["tip_y"]]) - place) / 2e-5
     assert velocity == pytest.approx(moved, rel=1e-8)
     assert first != place
+
+
+def test_a_spring_throws_a_link_out_with_the_energy_of_its_preload():
+    """One inertia on a spring, relaxed at pi: pi (1 - cos w t); and with dry friction the rate of the energies' difference."""
+    fixed = {"first_inertia": 1e12, "second_inertia": 0.5, "second_centre": 0.0, "springs.second_stiffness": 0.8,
+             "springs.second_rest": math.pi}
+    chain = started(("springs",), **fixed)
+    chain.step(0.0, 1.0)
+    w = math.sqrt(0.8 / 0.5)
+    assert chain["relative_angle"] == pytest.approx(math.pi * (1.0 - math.cos(w)), rel=1e-10)
+    assert chain.energy() == pytest.approx(0.4 * math.pi**2, rel=1e-10)
+    rubbed = started(("springs", "stick_friction"), **fixed, **{"stick_friction.second_level": 0.3})
+    rubbed.step(0.0, 0.7)
+    angle = rubbed["relative_angle"]
+    gained = 0.8 * (math.pi * angle - 0.5 * angle**2) - 0.3 * angle
+    assert rubbed["relative_rate"] == pytest.approx(math.sqrt(2.0 * gained / 0.5), rel=1e-9)
+    first = started(("springs",), first_inertia=2.0, first_mass=0.0, second_mass=0.0, second_inertia=1e-3,
+                    **{"springs.first_stiffness": 3.0, "springs.first_rest": 0.2, "springs.second_stiffness": 0.0})
+    first.step(0.0, 1.0)
+    assert first["first_angle"] == pytest.approx(0.2 * (1.0 - math.cos(math.sqrt(3.0 / 2.0))), rel=1e-9)
+
+
+def test_links_with_a_mass_in_series_move_as_free_bodies():
+    """A hub that floats and its panel: Newton's equations of two bodies in the plane, against the links of the preset."""
+    hub, panel, inertia, arm, centre, own = 100.0, 5.0, 10.0, 0.5, 0.4, 5.0 * 0.64 / 12.0
+    chain = started(preset="satellite panel", **{"viscous.second": 0.0, "stick_friction.second_level": 0.0})
+
+    def rates(t, x):  # hub's angle, panel's angle, rates; the hinge's force from equal accelerations of both its sides
+        a, b, wa, wb = x
+        torque = -0.25 * (b - a)
+        ea, na = np.array([math.sin(a), -math.cos(a)]), np.array([math.cos(a), math.sin(a)])
+        eb, nb = np.array([math.sin(b), -math.cos(b)]), np.array([math.cos(b), math.sin(b)])
+        # unknown: force F on the panel at the hinge (2), both angular accelerations
+        matrix = np.zeros((4, 4))
+        matrix[:2, :2] = (1.0 / hub + 1.0 / panel) * np.eye(2)
+        matrix[:2, 2], matrix[:2, 3] = -arm * na, -centre * nb
+        matrix[2, :2], matrix[2, 2] = arm * na, inertia
+        matrix[3, :2], matrix[3, 3] = centre * nb, own
+        right = np.concatenate((-arm * wa**2 * ea - centre * wb**2 * eb, [-torque, torque]))
+        solved = np.linalg.solve(matrix, right)
+        return [wa, wb, solved[2], solved[3]]
+
+    end = solve_ivp(rates, (0.0, 1.5), [0.0, math.pi, 0.0, 0.0], rtol=1e-11, atol=1e-13).y[:, -1]
+    chain.step(0.0, 1.5)
+    assert chain["relative_angle"] > math.pi / 2.0
+    np.testing.assert_allclose(absolute(chain), end, rtol=1e-7, atol=1e-9)

@@ -1,0 +1,195 @@
+"""Three applications: a satellite's panel unfolds, an arm follows set points, a jaw crusher turns; each beside a closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import quad, solve_ivp
+
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....results import Result
+from .....run import run
+from .....scene.scene import Scene
+from .... import load_scene, read_scene
+from .special_case import NAME
+
+OPEN = 0.5 * math.pi  # rad, way of the panel to its stop
+CRANK, JAW, TOGGLE, PIVOT = 0.012, 1.085, 0.455, (-0.45, -0.815)  # m
+SETTLED = 2.0  # s, of the arm
+GRAVITY = 9.81  # m/s²
+
+
+@dataclass(frozen=True)
+class Panelled:
+    """A panel on a fixed hub: kg, m, N.m/rad, N.m, N.m.s/rad; its spring is relaxed 180° on."""
+
+    mass: float
+    length: float
+    stiffness: float
+    friction: float
+    damping: float
+
+    @property
+    def inertia(self) -> float:
+        """About the hinge, of a uniform panel, kg m²."""
+        return self.mass * self.length**2 / 3.0
+
+    def rate(self, angle: float) -> float:
+        """Without the damper, rad/s: of the spring's energy less that of friction."""
+        energy = self.stiffness * (math.pi * angle - 0.5 * angle**2) - self.friction * angle
+        return math.sqrt(2.0 * energy / self.inertia)
+
+    def opened(self) -> tuple[float, float]:
+        """(time, rate) at the stop, s and rad/s: without the damper by quadrature, with it by SciPy's integration."""
+        if self.damping == 0.0:
+            # angle = s² takes away the infinite integrand at the start
+            time = quad(lambda s: 2.0 * s / self.rate(s * s) if s > 0.0 else 2.0 / math.sqrt(
+                2.0 * (self.stiffness * math.pi - self.friction) / self.inertia), 0.0, math.sqrt(OPEN))[0]
+            return time, self.rate(OPEN)
+
+        def rates(t: float, x: np.ndarray) -> list[float]:
+            return [x[1], (self.stiffness * (math.pi - x[0]) - self.friction - self.damping * x[1]) / self.inertia]
+
+        def reached(t: float, x: np.ndarray) -> float:
+            return float(x[0]) - OPEN
+
+        reached.terminal = True  # type: ignore[attr-defined]
+        found = solve_ivp(rates, (0.0, 100.0), [0.0, 0.0], events=reached, rtol=1e-10, atol=1e-12)
+        return float(found.t[-1]), float(found.y[1, -1])
+
+
+PANELS = {
+    "panel": Panelled(5.0, 0.8, 0.25, 0.08, 0.0), "damped panel": Panelled(5.0, 0.8, 0.25, 0.08, 1.2),
+    "wing": Panelled(20.0, 1.8, 0.5, 0.2, 0.0), "damped wing": Panelled(20.0, 1.8, 0.5, 0.2, 6.0),
+    "small wing": Panelled(0.3, 0.3, 0.03, 0.005, 0.0),
+}  # fmt: skip
+
+
+def study(options: Options) -> Evidence:
+    """Deployments of fixed and free hubs, tracking of the arm, and kinematics of the crusher."""
+    scenes = {"panels": _panels(), **{n: load_scene(n) for n in ("satellite-panel", "two-link-manipulator", "jaw-crusher")}}
+    runs: dict[str, Result] = {}
+    for name, scene in scenes.items():
+        runs[name] = run(scene, in_process=options.in_process)
+        if runs[name].outcome != "done":
+            return Evidence({}, runs=runs, notes=(runs[name].message,))
+    measured: dict[str, float] = {}
+    for k, (name, panel) in enumerate(PANELS.items()):
+        time, rate = _reached(runs["panels"], f"p{k}", OPEN, 1.0)
+        closed_time, closed_rate = panel.opened()
+        measured |= {f"time.{name}": time, f"rate.{name}": rate, f"time.over.{name}": time / closed_time,
+                     f"rate.over.{name}": rate / closed_rate}
+        measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
+    measured |= _free(runs["satellite-panel"]) | _tracking(runs["two-link-manipulator"]) | _crusher(runs["jaw-crusher"])
+    shown = {n: runs[n] for n in ("satellite-panel", "two-link-manipulator")}
+    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown)
+
+
+def _panels() -> Scene:
+    """Panels side by side on hubs that nothing moves."""
+    units = {f"p{k}": {"component": "TwoLinkChain", "effects": ["springs", "viscous", "stick_friction"], "parameters": {
+        "first_inertia": 1e12, "second_centre": 0.0, "second_inertia": p.inertia, "viscous.first": 0.0,
+        "viscous.second": p.damping, "springs.second_stiffness": p.stiffness, "springs.second_rest": math.pi,
+        "stick_friction.first_level": 0.0, "stick_friction.second_level": p.friction}} for k, p in enumerate(PANELS.values())}
+    signals = [f"{unit}.{s}" for unit in units for s in ("relative_angle", "relative_rate")]
+    return read_scene({"title": "Panels on fixed hubs", "stop_time": 14.0, "units": units, "master": {"step": 2e-3},
+                       "record": {"signals": signals}}, NAME)  # fmt: skip
+
+
+def _reached(result: Result, unit: str, angle: float, sign: float) -> tuple[float, float]:
+    """(time, rate) at which the joint first reaches an angle, between the samples."""
+    way = sign * (np.asarray(result[f"{unit}.relative_angle"]) - angle)
+    k = int(np.argmax(way >= 0.0))
+    share = float(-way[k - 1] / (way[k] - way[k - 1]))
+    rates = np.abs(result[f"{unit}.relative_rate"])
+    times = result.time
+    return float(times[k - 1] + share * (times[k] - times[k - 1])), float(rates[k - 1] + share * (rates[k] - rates[k - 1]))
+
+
+def _free(result: Result) -> dict[str, float]:
+    """Turn of a free hub while its panel goes from 180° to 90°, by the run and by the integral of the momentum."""
+    measured = {}
+    for unit in ("damped", "undamped"):
+        time, _ = _reached(result, unit, OPEN, -1.0)
+        measured[f"hub.{unit}"] = math.degrees(float(np.interp(time, result.time, result[f"{unit}.first_angle"])))
+        momentum = np.abs(result[f"{unit}.angular_momentum"]).max()
+        measured[f"momentum.{unit}"] = float(momentum / (10.0 * np.abs(result[f"{unit}.first_rate"]).max()))
+    measured["hub.closed"] = math.degrees(turned_hub(5.0, 0.8, 100.0, 10.0, 0.5))
+    return measured
+
+
+def turned_hub(panel: float, length: float, hub: float, inertia: float, arm: float) -> float:
+    """Turn of a free hub, rad, while a uniform panel swings from 180° to 90°: momentum stays zero, whatever the spring."""
+    series, own, centre = panel * hub / (panel + hub), panel * length**2 / 12.0, 0.5 * length
+
+    def share(angle: float) -> float:
+        coupling, second = series * arm * centre * math.cos(angle), own + series * centre**2
+        return (coupling + second) / (inertia + series * arm**2 + 2.0 * coupling + second)
+
+    return quad(share, OPEN, math.pi)[0]
+
+
+def _tracking(result: Result) -> dict[str, float]:
+    late = result.time >= SETTLED
+    measured = {}
+    for axis in ("outer", "inner"):
+        errors = np.asarray(result[f"controller.{axis}_error"])[late]
+        measured[f"tracking.{axis}"] = float(np.sqrt(np.mean(errors**2)))
+    # power of the motors against friction, dampers and the change of energy
+    t = result.time
+    power = result["shoulder.torque"] * result["arm.first_rate"] + result["elbow.torque"] * result["arm.relative_rate"]
+    first, second = result["arm.first_rate"], result["arm.relative_rate"]
+    lost = 2.29 * first**2 + 7.2 * np.abs(first) + 0.175 * second**2 + 1.7 * np.abs(second)
+    gained = result["arm.mechanical_energy"][-1] - result["arm.mechanical_energy"][0]
+    measured["balance"] = float((np.trapezoid(lost, t) + gained) / np.trapezoid(power, t))
+    return measured
+
+
+def jaw_pose(crank: float) -> tuple[float, float, float]:
+    """(angle of the jaw, rad, place of its lower end, m) at an angle of the eccentric: two circles that cross."""
+    x, y = CRANK * math.sin(crank), -CRANK * math.cos(crank)
+    dx, dy = PIVOT[0] - x, PIVOT[1] - y
+    distance = math.hypot(dx, dy)
+    along = (JAW**2 - TOGGLE**2 + distance**2) / (2.0 * distance)
+    across = math.sqrt(JAW**2 - along**2)
+    foot_x = x + (along * dx - across * dy) / distance
+    foot_y = y + (along * dy + across * dx) / distance
+    return math.atan2(foot_x - x, y - foot_y), foot_x, foot_y
+
+
+def _crusher(result: Result) -> dict[str, float]:
+    turn = result["eccentric.angle"]
+    whole = turn <= 2.0 * math.pi * math.floor(turn[-1] / (2.0 * math.pi))
+    closed = np.array([jaw_pose(float(a)) for a in turn])
+    places = np.column_stack([result[f"jaw.{n}"] for n in ("angle", "tip_x", "tip_y")])
+    rates = result["eccentric.rate"][whole]
+    return {
+        "jaw.swing": math.degrees(float(np.ptp(places[whole, 0]))), "jaw.x": 1e3 * float(np.ptp(places[whole, 1])),
+        "jaw.y": 1e3 * float(np.ptp(places[whole, 2])),
+        "jaw.error": 1e3 * float(np.abs(places - closed)[:, 1:].max()),
+        "flywheel": 100.0 * float(np.ptp(rates) / np.mean(rates)), "speed": float(np.mean(rates)) * 60.0 / (2.0 * math.pi),
+    }  # fmt: skip
+
+
+def _deployment(result: Result) -> Chart:
+    names = tuple(PANELS)
+    ways = {n: np.minimum(np.degrees(result[f"p{k}.relative_angle"]), 90.0) for k, n in enumerate(names)}
+    angles = tuple(Series(n, result.time, way) for n, way in ways.items())
+    stops = Series("closed form at the stop", [p.opened()[0] for p in PANELS.values()], [90.0] * len(names), "points")
+    return Chart("Panels unfold to their stop", "time, s", (Panel("way of the hinge, °", (*angles, stops)),),
+                 "Spring, dry friction and damper; drawn up to the stop.")
+
+
+def _jaw(result: Result) -> Chart:
+    closed = np.array([jaw_pose(a) for a in np.linspace(0.0, 2.0 * math.pi, 200).tolist()])
+    foot = Panel("lower end, y, mm", (Series("closed form", 1e3 * closed[:, 1], 1e3 * closed[:, 2], faint=True),
+                                      Series("run", 1e3 * result["jaw.tip_x"], 1e3 * result["jaw.tip_y"])),
+                 x_label="lower end, x, mm", equal=True)  # fmt: skip
+    force = Panel("force of the toggle, kN", (Series("along x", result.time, 1e-3 * result["foot.second_force_x"]),
+                                              Series("along y", result.time, 1e-3 * result["foot.second_force_y"])),
+                  x_label="time, s")  # fmt: skip
+    return Chart("Jaw crusher, idling", "", (foot, force), "The lower end of the jaw goes round a flat loop.", columns=2)

@@ -1,0 +1,164 @@
+"""The linear model with viscous friction: where its modes decouple, and that they mix elsewhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from .....harness.analysis.operating_point import SceneRates, linearised
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....results import Result
+from .....run import run
+from .....scene.scene import Scene
+from .... import read_scene
+
+NAME = "paper-two-links"
+GRAVITY, SECOND = 9.81, 0.1  # m/s²; N.m.s/rad, damper of the second joint
+# name -> masses, lengths, centres, inertias of both links, kg, m, m, kg m²
+CHAINS: dict[str, tuple[float, ...]] = {
+    "point masses": (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0),
+    "equal rods": (1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 1.0 / 12.0, 1.0 / 12.0),
+    "rods 2 : 1": (2.0, 1.0, 1.0, 1.0, 0.5, 0.5, 2.0 / 12.0, 1.0 / 12.0),
+    "unequal": (1.3, 0.6, 0.8, 0.7, 0.5, 0.4, 0.04, 0.03),
+}
+OTHER = (0.5, 0.8, 0.9, 1.1, 1.25, 2.0)  # times the ratio at which the modes decouple
+SMALL, LARGE = 1e-5, (0.05, 0.1, 0.2, 0.4)  # rad
+SPAN, STEP = 6.0, 0.01  # s
+COAST, SLOWEST = 700.0, 1e-4  # s; rad/s for one of the starts that friction alone ends
+
+
+def study(options: Options) -> Evidence:
+    """Decoupled motion against its closed form, mixing at other dampers, the nonlinear model, coasting without gravity."""
+    measured: dict[str, float] = {}
+    runs: dict[str, Result] = {}
+    mixed: dict[str, list[float]] = {}
+    for name in CHAINS:
+        ratio = decoupling(*matrices(name))
+        measured[f"ratio.{name}"] = ratio
+        dampers = {f"d{k}": r * ratio * SECOND for k, r in enumerate((1.0, *OTHER))}
+        shapes = modes(name)[1]
+        result = runs[name] = _run(name, {n: (d, SMALL * shapes[:, 0] / np.abs(shapes[:, 0]).max()) for n, d in dampers.items()},
+                                   options)
+        closed = modal(name, dampers["d0"], SMALL, result.time)
+        measured[f"error.{name}"] = float(np.abs(_angles(result, "d0") - closed).max()) / SMALL
+        shares = [_leaked(name, result, n) for n in dampers]
+        mixed[name] = shares
+        measured |= {f"mixed.{name}.exact": shares[0], f"mixed.{name}.other": min(shares[1:])}
+    amplitudes = [_nonlinear(a, options) for a in LARGE]
+    measured["order"] = float(np.polyfit(np.log(LARGE), np.log(amplitudes), 1)[0])
+    measured |= _eigenvalues() | _coasting(options)
+    note = ("The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
+            "stiffness alone is out of reach of joint dampers.")
+    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,))
+
+
+def matrices(name: str) -> tuple[np.ndarray, np.ndarray]:
+    """(M, K) of a chain's small motion in the absolute angles, kg m² and N m."""
+    m1, m2, l1, _, a1, a2, i1, i2 = CHAINS[name]
+    coupling = m2 * l1 * a2
+    mass = np.array([[i1 + m1 * a1**2 + m2 * l1**2, coupling], [coupling, i2 + m2 * a2**2]])
+    return mass, GRAVITY * np.diag([m1 * a1 + m2 * l1, m2 * a2])
+
+
+def decoupling(mass: np.ndarray, stiffness: np.ndarray) -> float:
+    """d1 / d2 at which D M^-1 K is symmetric: [K1 (B + C) - K2 (A + B)] / (K2 B), A, B, C of the mass matrix."""
+    (a, b), (_, c) = mass
+    k1, k2 = stiffness[0, 0], stiffness[1, 1]
+    return float((k1 * (b + c) - k2 * (a + b)) / (k2 * b))
+
+
+def modes(name: str) -> tuple[np.ndarray, np.ndarray]:
+    """(frequencies of the undamped chain, slowest first, (2,), rad/s; modes as columns, M-orthonormal, (2, 2))."""
+    mass, stiffness = matrices(name)
+    root = np.linalg.inv(np.linalg.cholesky(mass))
+    squares, vectors = np.linalg.eigh(root @ stiffness @ root.T)
+    return np.sqrt(squares), root.T @ vectors
+
+
+def modal(name: str, first: float, amplitude: float, time: np.ndarray) -> np.ndarray:
+    """Angles (n, 2) after a start at rest in the first mode: exp(-s t) (cos w_d t + s / w_d sin w_d t) of it."""
+    frequencies, shapes = modes(name)
+    shape = shapes[:, 0]
+    damping = np.array([[first + SECOND, -SECOND], [-SECOND, SECOND]])
+    decay = 0.5 * float(shape @ damping @ shape)
+    damped = math.sqrt(float(frequencies[0]) ** 2 - decay**2)
+    course = np.exp(-decay * time) * (np.cos(damped * time) + decay / damped * np.sin(damped * time))
+    return amplitude * course[:, None] * shape / np.abs(shape).max()
+
+
+def scene(name: str, starts: Mapping[str, tuple[float, np.ndarray]], span: float = SPAN, gravity: bool = True) -> Scene:
+    """Chains side by side. starts: unit -> (damper of the first joint, angles with gravity or rates without)."""
+    values = dict(zip(("first_mass", "second_mass", "first_length", "second_length", "first_centre", "second_centre",
+                       "first_inertia", "second_inertia"), CHAINS[name], strict=True))  # fmt: skip
+    what = "angle" if gravity else "rate"
+    units = {unit: {"component": "TwoLinkChain", "effects": [*(["gravity"] if gravity else []), "viscous"],
+                    "parameters": {**values, "viscous.first": first, "viscous.second": SECOND if gravity else 0.05,
+                                   f"start_first_{what}": float(x[0]), f"start_second_{what}": float(x[1])}}
+             for unit, (first, x) in starts.items()}  # fmt: skip
+    signals = [f"{unit}.{s}" for unit in units for s in ("first_angle", "second_angle", "first_rate", "second_rate")]
+    return read_scene({"title": f"Small motion: {name}", "stop_time": span, "units": units, "master": {"step": STEP},
+                       "record": {"signals": signals, "interval": None if gravity else 10.0}}, NAME)
+
+
+def _run(name: str, starts: Mapping[str, tuple[float, np.ndarray]], options: Options) -> Result:
+    return run(scene(name, starts), in_process=options.in_process)
+
+
+def _angles(result: Result, unit: str) -> np.ndarray:
+    return np.column_stack([result[f"{unit}.{which}_angle"] for which in ("first", "second")])
+
+
+def _leaked(name: str, result: Result, unit: str) -> float:
+    """Largest energy in the second mode over that at the start, which is all in the first."""
+    mass, _ = matrices(name)
+    frequencies, shapes = modes(name)
+    rates = np.column_stack([result[f"{unit}.{which}_rate"] for which in ("first", "second")])
+    q, v = _angles(result, unit) @ mass @ shapes, rates @ mass @ shapes
+    energies = 0.5 * (v**2 + (frequencies * q) ** 2)
+    return float(energies[:, 1].max() / energies[0, 0])
+
+
+def _nonlinear(amplitude: float, options: Options) -> float:
+    """Largest difference of a swing of the point masses from the linear model's, over its amplitude, in the first two seconds."""
+    shapes = modes("point masses")[1]
+    shape = shapes[:, 0] / np.abs(shapes[:, 0]).max()
+    result = run(scene("point masses", {"d0": (SECOND, amplitude * shape)}, 2.0), in_process=options.in_process)
+    return float(np.abs(_angles(result, "d0") - modal("point masses", SECOND, amplitude, result.time)).max()) / amplitude
+
+
+def _eigenvalues() -> dict[str, float]:
+    """Decay rates and frequencies of the component at rest, for equal point masses with equal dampers."""
+    rates = SceneRates(scene("point masses", {"chain": (SECOND, np.zeros(2))}), {"chain": [0, 1, 2, 3]})
+    values = np.linalg.eigvals(linearised(rates, np.zeros(4)))
+    upper = sorted(values[values.imag > 0.0], key=lambda x: float(x.imag))
+    measured = {f"decay.{k}": -float(x.real) for k, x in enumerate(upper, 1)}
+    return measured | {f"frequency.{k}": float(x.imag) for k, x in enumerate(upper, 1)}
+
+
+def _coasting(options: Options) -> dict[str, float]:
+    """Angles at which rods without gravity come to rest, over the rate of the start, s."""
+    starts = {f"s{k}": (0.1, SLOWEST * np.eye(2)[k]) for k in range(2)}
+    result = run(scene("equal rods", starts, COAST, gravity=False), in_process=options.in_process)
+    return {f"coast.{k}.{which}": float(result[f"s{k}.{which}_angle"][-1]) / SLOWEST
+            for k in range(2) for which in ("first", "second")}  # fmt: skip
+
+
+def _mixing(mixed: Mapping[str, list[float]]) -> Chart:
+    at = np.argsort((1.0, *OTHER))
+    ratios = np.array((1.0, *OTHER))[at]
+    series = tuple(Series(name, ratios, np.array(shares)[at], "line+points") for name, shares in mixed.items())
+    return Chart("Energy that leaks from the first mode into the second", "first damper over that at which the modes decouple, 1",
+                 (Panel("share, 1", series, logarithmic=True),), "Runs of the component from rest in the first mode.")
+
+
+def _decay(result: Result) -> Chart:
+    closed = modal("point masses", SECOND, SMALL, result.time)
+    series = tuple(Series(f"{which} link", result.time, _angles(result, "d0")[:, k] / SMALL)
+                   for k, which in enumerate(("first", "second")))
+    errors = (Series("first link", result.time, (_angles(result, "d0") - closed)[:, 0] / SMALL),)
+    panels = (Panel("angle over amplitude, 1", series), Panel("run less closed form, 1", errors))
+    return Chart("Equal point masses with equal dampers: one mode decays alone", "time, s", panels)
