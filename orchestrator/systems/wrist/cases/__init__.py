@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from . import four_bar, rules, stiffness
+from . import four_bar, paper_wrist, rules, stiffness
 
 CASES = tuple(module.CASE for module in (
-    rules, four_bar, stiffness,
+    rules, four_bar, stiffness, paper_wrist,
 ))

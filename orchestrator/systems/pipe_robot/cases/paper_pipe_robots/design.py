@@ -109,7 +109,7 @@ def _dots(speeds: Mapping[Key, float]) -> Series:
     return Series("runs", [k[0] for k in speeds], [k[1] for k in speeds], "points", labels=labels)
 
 
-def _field(xs: Sequence[float], ys: Sequence[float], rows: Sequence[Sequence[Design]], title: str) -> Picture:
+def _field(xs: np.ndarray, ys: np.ndarray, rows: Sequence[Sequence[Design]], title: str) -> Picture:
     values = np.array([[balance(d).speed for d in row] for row in rows])
     return Picture(xs, ys, np.nan_to_num(values), title, "diverging")
 

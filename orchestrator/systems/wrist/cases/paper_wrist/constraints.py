@@ -1,0 +1,128 @@
+"""Lengths of the ligaments over all postures, ways there and back, and a person's wrist with two interventions."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ......components.wrist.kinematics import inverse
+from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, Ligaments, attachments, lengths
+from ......components.wrist.ligaments import LigamentBundle
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....run import run
+from .... import load_scene
+from .postures import CALM, DEGREES, DEVIATIONS, FLEXIONS, STANDARD, axes, held_scene, wrist
+
+EXTENTS = np.array([[0.0, 0.7], [1.0, 1.0], [1.0, 0.7], [0.7, 0.85], [0.0, 0.85]])  # of the component's defaults
+OFF_AXIS = 3e-3  # m
+SEED, SIZE = 17, 0.012  # of the control's ends; m
+MOMENT = 2.0  # N.m, of the range of motion
+PROXIMAL = (1, 3, 4, 5)  # ligaments of the proximal row, which are redundant
+PATTERN = (1, 3, 5)  # cut together: radius to lunate, scaphoid to lunate, radius to triquetrum
+DIRECTIONS = {"flexion": (1.0, 0.0), "extension": (-1.0, 0.0), "radial": (0.0, 1.0), "ulnar": (0.0, -1.0)}
+FUSED = math.radians(30.0)  # tilt of the distal axis after an intervention
+
+
+def study(options: Options) -> Evidence:
+    """Strains over the postures with a control, the closed form of one pair, and both interventions."""
+    named = _strains(attachments(np.full(COUNT, OFF_AXIS)))
+    rng = np.random.default_rng(SEED)
+    control = _strains(rng.uniform(-SIZE, SIZE, (COUNT, 6)))
+    ends = control[[0, 0, -1, -1], [0, -1, 0, -1]]  # of flexion and deviation
+    measured = {f"strain.{name}": 100.0 * float(named[:, :, j].max()) for j, name in enumerate(LIGAMENTS)}
+    measured |= {"slack": -100.0 * float(named.min()), "control": 100.0 * float(np.abs(ends).max(axis=0).max()),
+                 "control.mean": 100.0 * float(np.abs(ends).max(axis=0).mean()), "closed": _closed_form(), "back": _back()}
+    measured |= _interventions(options) | _person(options)
+    return Evidence(measured, (_chart(named, control), _ranges(measured)))
+
+
+def _strains(ends: np.ndarray) -> np.ndarray:
+    """Strain of five pairs of ends (5, 6) over the postures, (flexions, deviations, 5)."""
+    at = axes(STANDARD)
+    slack = np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1)
+    ligaments = Ligaments(ends, EXTENTS, slack, np.ones(COUNT), 0.03, 0.0, False, False)
+    return np.array([[lengths(*inverse(f, d, at)[:2], at, ligaments)[:, 0] / slack - 1.0 for d in DEVIATIONS.tolist()]
+                     for f in FLEXIONS.tolist()])  # fmt: skip
+
+
+def _closed_form() -> float:
+    """Largest difference of the component's strain, lunate to radius, from sqrt(1 + 2 r1 r2 (1 - cos a) / L²) - 1."""
+    bundle = LigamentBundle(parameters={f"off_axis[{j + 1}]": OFF_AXIS for j in range(COUNT)})
+    bundle.initialize(0.0)
+    r1, r2 = 12e-3, OFF_AXIS  # both ends on one side of the axis, in one plane across it
+    rest = r1 - r2
+    worst = 0.0
+    for angle in np.linspace(-0.9, 0.9, 37).tolist():
+        bundle.set("proximal_angle", angle)
+        bundle.step(bundle.t, 1e-3)
+        closed = math.sqrt(1.0 + 2.0 * r1 * r2 * (1.0 - math.cos(0.7 * angle)) / rest**2) - 1.0
+        worst = max(worst, abs(float(bundle["strain[1]"]) - closed))
+    return worst
+
+
+def _back() -> float:
+    """Largest difference of the component's strains on the way through the postures from those on the way back."""
+    bundle = LigamentBundle()
+    bundle.initialize(0.0)
+    at = axes(STANDARD)
+    across = np.linspace(DEVIATIONS[0], DEVIATIONS[-1], FLEXIONS.size)
+    way = [inverse(f, d, at)[:2] for f, d in zip(FLEXIONS.tolist(), across.tolist(), strict=True)]
+    seen = []
+    for q1, q2 in [*way, *reversed(way)]:
+        bundle.set("proximal_angle", q1)
+        bundle.set("distal_angle", q2)
+        bundle.step(bundle.t, 1e-3)
+        seen.append([float(bundle[f"strain[{j + 1}]"]) for j in range(COUNT)])
+    forth = np.array(seen[: len(way)])
+    return float(np.abs(forth - np.array(seen[len(way):])[::-1]).max())
+
+
+def _interventions(options: Options) -> dict[str, float]:
+    """Range of motion under 2 N.m in four directions with no, one, or several ligaments cut, and its changes, degrees."""
+    cuts: dict[str, tuple[int, ...]] = {"none": (), **{f"cut {j}": (j,) for j in PROXIMAL}, "several": PATTERN}
+    units: dict[str, Any] = {}
+    for k, cut in enumerate(cuts.values()):
+        stiffness = [0.0 if j + 1 in cut else 5e4 for j in range(COUNT)]
+        for way, (flexion, deviation) in DIRECTIONS.items():
+            given = {**CALM, "flexion_stiffness": 3.0, "deviation_stiffness": 3.0, "constraint.stiffness": stiffness}
+            units[f"c{k}_{way}"] = wrist((MOMENT * flexion, MOMENT * deviation), given, ("morphology", "constraint"))
+    result = run(held_scene(units, ("flexion", "deviation")), in_process=options.in_process)
+    ranges = {name: np.array([DEGREES * math.hypot(*(float(result[f"c{k}_{way}.{s}"][-1]) for s in ("flexion", "deviation")))
+                              for way in DIRECTIONS]) for k, name in enumerate(cuts)}  # fmt: skip
+    measured = {f"rom.{name}.{way}": float(v) for name, row in ranges.items() for way, v in zip(DIRECTIONS, row, strict=True)}
+    changes = {name: float(np.abs(row - ranges["none"]).max()) for name, row in ranges.items()}
+    measured["cut.one"] = max(changes[f"cut {j}"] for j in PROXIMAL)
+    measured["cut.several"] = changes["several"]
+    return measured
+
+
+def _person(options: Options) -> dict[str, float]:
+    """Shares of a person's rows before and after a fusion that moves the distal axis, of the shipped scene."""
+    result = run(load_scene("wrist-person"), in_process=options.in_process)
+    measured = {}
+    for name in ("intact", "fused"):
+        at = {s: float(result[f"{name}_flexion.{s}"][-1]) for s in ("proximal_flexion", "flexion")}
+        to = {s: float(result[f"{name}_radial.{s}"][-1]) for s in ("proximal_flexion", "deviation")}
+        measured |= {f"person.s.{name}": at["proximal_flexion"] / at["flexion"],
+                     f"person.p.{name}": to["proximal_flexion"] / to["deviation"]}
+    return measured
+
+
+def _chart(named: np.ndarray, control: np.ndarray) -> Chart:
+    middle = int(np.argmin(np.abs(DEVIATIONS)))
+    panels = tuple(Panel("strain, %", tuple(Series(name.replace("_", "-") if title == "isometric pairs" else f"pair {j + 1}",
+                                                   DEGREES * FLEXIONS, 100.0 * values[:, middle, j])
+                                            for j, name in enumerate(LIGAMENTS)), title=title)
+                   for title, values in (("isometric pairs", named), ("control: ends at random", control)))  # fmt: skip
+    return Chart("Strain of the ligaments over flexion", "flexion, °", panels, "No deviation; slack at rest.", columns=2)
+
+
+def _ranges(measured: dict[str, float]) -> Chart:
+    names = ["none", *(f"cut {j}" for j in PROXIMAL), "several"]
+    series = tuple(Series(way, names, [measured[f"rom.{n}.{way}"] for n in names], "points") for way in DIRECTIONS)
+    return Chart("Range of motion under 2 N.m after cuts", "", (Panel("degrees", series),),
+                 "Numbers: " + ", ".join(f"{j + 1} {n.replace('_', '-')}" for j, n in enumerate(LIGAMENTS)) + ".")
