@@ -9,8 +9,8 @@ CASE = paper(
     postures.NAME,
     "Rules of the wrist (Sandow 2020)",
     "Roll, arcs of the rows and their signs over all postures, stability under a load along the forearm, lengths of the "
-    "ligaments, and a person's wrist with two interventions. The abstract is what is known of the paper: axes, attachments and numbers are "
-    "of this project or read in other studies. No number of a living wrist follows from it.",
+    "ligaments, and a person's wrist with two interventions. The abstract is what is known of the paper: axes, attachments and "
+    "numbers are of this project or read in other studies. No number of a living wrist follows from it.",
     "wrist",
     (postures.study, load.study, constraints.study),
 )

@@ -103,7 +103,7 @@ def _interventions(options: Options) -> dict[str, float]:
 def _person(options: Options) -> dict[str, float]:
     """Shares of a person's rows before and after a fusion that moves the distal axis, of the shipped scene."""
     result = run(load_scene("wrist-person"), in_process=options.in_process)
-    measured = {}
+    measured: dict[str, float] = {}
     for name in ("intact", "fused"):
         at = {s: float(result[f"{name}_flexion.{s}"][-1]) for s in ("proximal_flexion", "flexion")}
         to = {s: float(result[f"{name}_radial.{s}"][-1]) for s in ("proximal_flexion", "deviation")}

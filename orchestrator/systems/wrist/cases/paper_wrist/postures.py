@@ -62,7 +62,7 @@ def axes(name: str) -> Axes:
     return Axes(RULES, math.radians(first), math.radians(second), 0.02)
 
 
-def wrist(torques: Sequence[float], parameters: Mapping[str, Any] = CALM,
+def wrist(torques: Sequence[float] | np.ndarray, parameters: Mapping[str, Any] = CALM,
           effects: Sequence[str] = ("morphology",)) -> dict[str, Any]:  # fmt: skip
     """A unit under torques in flexion and deviation, N.m."""
     return {"component": "Wrist", "effects": list(effects),
