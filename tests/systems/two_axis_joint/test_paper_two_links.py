@@ -39,7 +39,7 @@ def test_another_ratio_couples_the_modes():
 def test_undamped_panel_is_the_cosine_of_its_spring_and_friction():
     panel = PANELS["panel"]
     w, rest = math.sqrt(panel.stiffness / panel.inertia), math.pi - panel.friction / panel.stiffness
-    time, rate = panel.opened()
+    time, rate = panel.at_stop()
     assert time == pytest.approx(math.acos(1.0 - 0.5 * math.pi / rest) / w, rel=1e-9)
     assert rate == pytest.approx(rest * w * math.sin(w * time), rel=1e-9)
 
@@ -48,7 +48,7 @@ def test_damped_panel_is_the_matrix_exponential():
     panel = PANELS["damped wing"]
     matrix = np.array([[0.0, 1.0], [-panel.stiffness / panel.inertia, -panel.damping / panel.inertia]])
     rest = math.pi - panel.friction / panel.stiffness
-    time, rate = panel.opened()
+    time, rate = panel.at_stop()
     assert expm(matrix * time) @ [-rest, 0.0] == pytest.approx([0.5 * math.pi - rest, rate], rel=1e-7)
 
 

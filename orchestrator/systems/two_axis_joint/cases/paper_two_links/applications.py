@@ -43,7 +43,7 @@ class Panelled:
         energy = self.stiffness * (math.pi * angle - 0.5 * angle**2) - self.friction * angle
         return math.sqrt(2.0 * energy / self.inertia)
 
-    def opened(self) -> tuple[float, float]:
+    def at_stop(self) -> tuple[float, float]:
         """(time, rate) at the stop, s and rad/s: without the damper by quadrature, with it by SciPy's integration."""
         if self.damping == 0.0:
             # angle = s² takes away the infinite integrand at the start
@@ -58,8 +58,8 @@ class Panelled:
             return float(x[0]) - OPEN
 
         reached.terminal = True  # type: ignore[attr-defined]
-        found = solve_ivp(rates, (0.0, 100.0), [0.0, 0.0], events=reached, rtol=1e-10, atol=1e-12)
-        return float(found.t[-1]), float(found.y[1, -1])
+        solution = solve_ivp(rates, (0.0, 100.0), [0.0, 0.0], events=reached, rtol=1e-10, atol=1e-12)
+        return float(solution.t[-1]), float(solution.y[1, -1])
 
 
 PANELS = {
@@ -80,7 +80,7 @@ def study(options: Options) -> Evidence:
     measured: dict[str, float] = {}
     for k, (name, panel) in enumerate(PANELS.items()):
         time, rate = _reached(runs["panels"], f"p{k}", OPEN, 1.0)
-        closed_time, closed_rate = panel.opened()
+        closed_time, closed_rate = panel.at_stop()
         measured |= {f"time.{name}": time, f"rate.{name}": rate, f"time.over.{name}": time / closed_time,
                      f"rate.over.{name}": rate / closed_rate}
         measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
@@ -179,7 +179,7 @@ def _deployment(result: Result) -> Chart:
     names = tuple(PANELS)
     ways = {n: np.minimum(np.degrees(result[f"p{k}.relative_angle"]), 90.0) for k, n in enumerate(names)}
     angles = tuple(Series(n, result.time, way) for n, way in ways.items())
-    stops = Series("closed form at the stop", [p.opened()[0] for p in PANELS.values()], [90.0] * len(names), "points")
+    stops = Series("closed form at the stop", [p.at_stop()[0] for p in PANELS.values()], [90.0] * len(names), "points")
     return Chart("Panels unfold to their stop", "time, s", (Panel("way of the hinge, °", (*angles, stops)),),
                  "Spring, dry friction and damper; drawn up to the stop.")
 

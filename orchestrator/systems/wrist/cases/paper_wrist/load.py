@@ -80,7 +80,7 @@ def _column_runs(hinge: float, loads: list[float], options: Options) -> list[flo
 
 def _wrist_runs(loads: list[float], more: dict[str, Any], effects: tuple[str, ...], options: Options) -> list[float]:
     """Distance of the hand from rest at the end of runs over that of the push; 1e6 where the run ends because it gives way."""
-    found = []
+    ends = []
     for load in loads:
         parameters = {"morphology.row_offset": FIRST, "load.tool_distance": FIRST + SECOND, "load.tip_force_y": -load,
                       "load.gravity_x": 0.0, "proximal_damping": 0.02, "distal_damping": 0.02, "hand_mass": 0.0,
@@ -90,8 +90,8 @@ def _wrist_runs(loads: list[float], more: dict[str, Any], effects: tuple[str, ..
                                  "master": {"step": 0.01}, "record": {"signals": ["wrist.flexion", "wrist.deviation"]}}, NAME),
                      in_process=options.in_process)  # fmt: skip
         away = np.hypot(result["wrist.flexion"], result["wrist.deviation"])
-        found.append(float(away[-1] / away[0]) if result.outcome == "done" else 1e6)
-    return found
+        ends.append(float(away[-1] / away[0]) if result.outcome == "done" else 1e6)
+    return ends
 
 
 def _chart(critical: float) -> Chart:

@@ -122,14 +122,14 @@ def _arc() -> dict[str, float]:
     """Largest angle, degrees, of the proximal row's axis of rotation to its main direction: rules, and halves as a control."""
     measured = {}
     for name, at in (("rules", axes(STANDARD)), ("half", Axes(OPENSIM_HALF, 0.0, 0.0, 0.0))):
-        found = []
+        turning = []
         for f in FLEXIONS[::4].tolist():
             for d in DEVIATIONS[::4].tolist():
                 q1, q2, _ = inverse(f, d, at)
                 turned = np.array(row_rotation(q1, q2, at)[1:])
                 if np.linalg.norm(turned) > 0.02:  # of a row that hardly turns there is no axis
-                    found.append(turned / np.linalg.norm(turned))
-        directions = np.array(found)
+                    turning.append(turned / np.linalg.norm(turned))
+        directions = np.array(turning)
         main = np.linalg.svd(directions)[2][0]
         measured[f"axis.{name}"] = DEGREES * float(np.arccos(np.clip(np.abs(directions @ main), 0.0, 1.0)).max())
     return measured
