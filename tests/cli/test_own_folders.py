@@ -94,6 +94,7 @@ def test_a_sweep_of_it(project):
     assert "2 points, 0 failed" in done.stdout
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("isolation", ["", 'isolation = "process"'], ids=["fmu", "worker process"])
 def test_a_run_of_ours_is_bit_identical_and_imports_nothing_of_the_project(project, tmp_path, isolation):
     results = []

@@ -13,7 +13,6 @@ import pytest
 from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.pantograph import Pantograph
-from cosimo.tests.short_run import full_but
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -82,14 +81,15 @@ def test_an_explicit_substep_above_the_limit_is_refused_with_the_limit():
     catenary.initialize(0.0)
 
 
+@pytest.mark.full  # one of each method is a hard case of the catalogue, too
 @pytest.mark.parametrize(("method", "effects", "ripple"), [
     # Verlet conserves a neighbouring energy: E swings by (omega h)²/8 of the share of the modes that take part.
     ("explicit", (), 2e-3),
-    pytest.param("explicit", ("dropper_slackening",), 2e-3, marks=pytest.mark.full),
+    ("explicit", ("dropper_slackening",), 2e-3),
     # The midpoint rule conserves a quadratic energy exactly: rounding of 5000 steps.
-    pytest.param("implicit", (), 1e-8, marks=pytest.mark.full),
+    ("implicit", (), 1e-8),
     # A dropper that changes within a step costs or gains k (v h)²/2, 5e-4 J of 9 J at 0.1 m/s; ten in a row of one sign.
-    pytest.param("implicit", ("dropper_slackening",), 5e-4, marks=pytest.mark.full),
+    ("implicit", ("dropper_slackening",), 5e-4),
 ])
 def test_an_undamped_wire_keeps_its_energy(method, effects, ripple):
     """Released from a static load of 200 N and left alone for 5 s."""
@@ -141,7 +141,8 @@ print(json.dumps([c["wire_height"], c["static_residual"], int(peak[1]) / 1024]))
     assert megabytes < 400.0
 
 
-@pytest.mark.parametrize("force", full_but((1e4,), (500.0, 1e3, 3e3, 1e4)))
+@pytest.mark.full  # a hard case of the catalogue, too
+@pytest.mark.parametrize("force", [500.0, 1e3, 3e3, 1e4])
 def test_slack_droppers_around_a_large_force_settle(force):
     """A blow that lifts most of the wire off its droppers: the active set finds an answer in every step, or says so."""
     catenary = Catenary(["dropper_slackening", "gravity_sag"], {"spans": 3, "method": "implicit"})
