@@ -33,14 +33,17 @@ class Lyapunov:
 
     @property
     def sum(self) -> float:
-        """The rate at which volumes in state space grow; for m x'' + c x' + f(x, t) = 0, it is -c/m for each x."""
+        """Of all, the rate at which volumes in state space grow; for m x'' + c x' + f(x, t) = 0, it is -c/m for each x."""
         return float(self.exponents.sum())
 
 
 def lyapunov_spectrum(
-    component: Component, states: Sequence[int], scales: Sequence[float], *, interval: float, intervals: int, transient: int = 0
+    component: Component, states: Sequence[int], scales: Sequence[float], *, interval: float, intervals: int, transient: int = 0,
+    count: int | None = None,
 ) -> Lyapunov:
-    """Exponents of an initialized component, (n,), from `intervals` intervals of length `interval` after `transient` more.
+    """Exponents of an initialized component from `intervals` intervals of length `interval` after `transient` more, (n,).
+
+    count: how many of them, the largest first; all without it. Each costs two steps an interval.
 
     states: the elements of the component's state that are disturbed; those that only drive the others, such as angles that
         are functions of time, stay out. An element that wraps round must not be among them.
@@ -55,13 +58,15 @@ def lyapunov_spectrum(
         raise BadInput("Lyapunov exponents", actual, "a positive scale for each state")
     if intervals < 1 or not interval > 0.0:
         raise BadInput("Lyapunov exponents", f"{intervals} intervals of {interval:g}", "at least one of a positive length")
-    directions = np.linalg.qr(np.random.default_rng(1).normal(size=(index.size, index.size)))[0]
-    growth = np.zeros((transient + intervals, index.size))
+    if count is not None and not 1 <= count <= index.size:
+        raise BadInput("Lyapunov exponents", f"{count} of them", f"1 to {index.size}, the number of states")
+    directions = np.linalg.qr(np.random.default_rng(1).normal(size=(index.size, count or index.size)))[0]
+    growth = np.zeros((transient + intervals, directions.shape[1]))
     start = component.t
     for k in range(transient + intervals):
         t, before = start + k * interval, component.save()
         stretched = np.empty_like(directions)
-        for i in range(index.size):
+        for i in range(directions.shape[1]):
             ends = []
             for sign in (1.0, -1.0):
                 component.x[index] += sign * RELATIVE * size * directions[:, i]

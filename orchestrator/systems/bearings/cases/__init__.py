@@ -8,6 +8,7 @@ from . import (
     hertz_textbook,
     iso16281,
     lyapunov_sum,
+    paper_ball_bearing,
     paper_deep_groove,
     paper_thermal_resistance,
     recurrence,
@@ -18,5 +19,5 @@ from . import (
 
 CASES = tuple(module.CASE for module in (
     varying_compliance, lyapunov_sum, defect_frequencies, hertz_textbook, iso16281, stribeck, clearance,
-    recurrence, thermal_scaling, paper_deep_groove, paper_thermal_resistance,
+    recurrence, thermal_scaling, paper_ball_bearing, paper_deep_groove, paper_thermal_resistance,
 ))

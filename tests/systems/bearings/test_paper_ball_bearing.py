@@ -1,0 +1,94 @@
+"""The paper of the dimensionless bearing: its measures against integrations and counts of another kind, and the whole case."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.analysis.lyapunov import lyapunov_spectrum
+from cosimo.orchestrator.harness.analysis.recurrence import quantify
+from cosimo.orchestrator.harness.validation.case import CaseResult, Options
+from cosimo.orchestrator.systems import cases
+from cosimo.orchestrator.systems.bearings.cases.paper_ball_bearing import conditioning, groups, transition
+
+
+def test_equations_written_out_give_the_component_s_motion():
+    """The classical steps in double, in metres and dimensionless, against the component with its own kernel."""
+    model = conditioning.bearing(conditioning.GAP)
+    rows = []
+    for k in range(round(conditioning.SHORT / conditioning.STEP)):
+        model.step(k * conditioning.STEP, conditioning.STEP)
+        rows.append(model.x[:2].copy())
+    length = conditioning.magnitudes()["deflection"]
+    for scaled in (False, True):
+        written = conditioning.classical(np.float64, scaled) * (length if scaled else 1.0)
+        assert written == pytest.approx(np.array(rows), abs=1e-12 * length)
+
+
+def test_powers_of_two_as_units_change_no_bit():
+    assert conditioning.binary_units() == 0.0
+
+
+@pytest.mark.parametrize("clearance", [0.0, 2e-6])
+def test_conditions_follow_from_stiffness_damping_and_mass(clearance):
+    """Singular values of [[0, 1], [-k/m, -c/m]] for each principal direction; k/m is what SI units make of it."""
+    matrix = conditioning.jacobian(conditioning.bearing(clearance))
+    squares = np.linalg.eigvalsh(-matrix[2:, :2])
+    blocks = [np.linalg.svd([[0.0, 1.0], [-s, matrix[2, 2]]], compute_uv=False) for s in squares]
+    one, other = conditioning.conditions(clearance)
+    assert one == pytest.approx(max(b[0] for b in blocks) / min(b[1] for b in blocks), rel=1e-6)
+    assert one == pytest.approx(squares.max(), rel=1e-4)
+    assert other < 3.0
+
+
+def test_range_of_half_precision():
+    assert conditioning.magnitudes()["stiffness"] > np.finfo(np.float16).max
+    assert conditioning.short_numbers(np.float16, scaled=False) == math.inf
+
+
+def test_frequency_of_a_free_oscillation_is_that_of_the_stiffness():
+    """Eight balls, one on the load line: deflection and stiffness by sums."""
+    theta = 2.0 * math.pi * np.arange(8) / 8.0
+    cosine = np.maximum(np.cos(theta), 0.0)
+    deflection = (196.0 / (1.334e10 * (cosine**2.5).sum())) ** (2.0 / 3.0)
+    stiffness = 1.5 * 1.334e10 * math.sqrt(deflection) * (cosine**2.5).sum()
+    measured = groups.free_oscillation(196.0)
+    assert measured[0] == pytest.approx(deflection, rel=1e-9)
+    assert measured[1] == pytest.approx(math.sqrt(stiffness / 20.0) / (2.0 * math.pi), rel=1e-4)
+
+
+def test_recurrence_has_the_chosen_rate_outside_the_window():
+    rows = np.random.default_rng(3).normal(size=(400, 4))
+    window = 7
+    assert quantify(transition.recurrence(rows, window), theiler=window).rate == pytest.approx(transition.RATE, abs=2e-5)
+
+
+def test_first_value_beyond_a_limit():
+    values = np.zeros(transition.GAPS.size)
+    assert transition.first_beyond(values, 0.5) == math.inf
+    values[[4, 9]] = 1.0
+    assert transition.first_beyond(values, 0.5) == 4.0
+
+
+def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
+    def model():
+        made = transition.bearing(5.0)
+        made.step(0.0, 2.0)
+        return made
+
+    settings = {"interval": transition.INTERVAL, "intervals": 300, "transient": 50}
+    whole = lyapunov_spectrum(model(), transition.STATES, transition.SCALES, **settings)
+    alone = lyapunov_spectrum(model(), transition.STATES, transition.SCALES, count=1, **settings)
+    assert alone.exponents.shape == (1,)
+    assert alone.largest == pytest.approx(whole.largest, abs=0.5)
+    assert alone.largest == pytest.approx(-5.0, abs=0.5)
+    with pytest.raises(BadInput, match="1 to 4"):
+        lyapunov_spectrum(model(), transition.STATES, transition.SCALES, interval=1e-3, intervals=1, count=5)
+
+
+@pytest.mark.full
+def test_the_case_gives_its_verdicts():
+    case = cases()["paper-ball-bearing"]
+    assert CaseResult(case, case.function(Options(in_process=True))).outcome == "passed"
