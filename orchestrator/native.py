@@ -36,7 +36,7 @@ class _Initialized:
 
 def initial_inputs(scene: Scene) -> dict[str, dict[str, float]]:
     """Values of all inputs of each component after the scene's initialization in process."""
-    alone = {f"units.{n}.{key}": value for n, unit in scene.units.items() if unit.component and unit.isolation == "process"
+    alone = {f"units.{n}.{key}": value for n, unit in scene.units.items() if unit.component and unit.isolation != "none"
              for key, value in (("isolation", "none"), ("time_limit", None))}
     scene = scene.with_changes(alone) if alone else scene
     with ExitStack() as stack:

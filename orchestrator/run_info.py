@@ -15,6 +15,7 @@ from .engine.algorithms import Master
 from .engine.coupling import Coupling
 from .scene.scene import Scene
 from .units import Unit
+from .units.walls import walls_of
 
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk
@@ -86,11 +87,12 @@ def describe_run(scene: Scene, coupling: Coupling, units: Mapping[str, Unit], ma
     """What run.json holds beside outcome and timing."""
     interfaces = coupling.interfaces
     driven = {link.target[0] for link in coupling.links}
+    walls = walls_of(units)
     undeclared = [n for n, i in interfaces.items() if any(s.feedthrough is None for s in i.outputs.values())]
     return {
         "scene": scene_info(scene),
         "units": {n: {"kind": unit.kind, "title": interfaces[n].title, "parameters": unit.parameters()}
-                  for n, unit in units.items()},
+                  | ({"walls": walls[n]} if n in walls else {}) for n, unit in units.items()},
         "effects": {n: {"on": {e: why for e, why in i.effects.items() if why},
                         "off": {e: "not named in the scene" for e, why in i.effects.items() if not why}}
                     for n, i in interfaces.items()},

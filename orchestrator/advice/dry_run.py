@@ -13,6 +13,8 @@ from .probing import Advice, Contact
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
+ISOLATION = {"none": "", "process": "in a process of its own", "restricted": "in a process behind walls"}
+
 
 def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
     """(title, columns, rows) of the units, of what connects them, and of what limits the macro step."""
@@ -66,7 +68,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
 def _remarks(name: str, scene: Scene) -> str:
     unit = scene.units[name]
     messages = [f"steps with every {unit.every}th macro step" if unit.every > 1 else "",
-            "in a process of its own" if unit.isolation == "process" else "", unit.interface or "", unit.solver or ""]
+            ISOLATION[unit.isolation], unit.interface or "", unit.solver or ""]
     return ", ".join(filter(None, messages))
 
 

@@ -112,7 +112,8 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """
     if not changes:
         return scene
-    named = [_named(place, value) for place, value in changes.items() if place.startswith("units.")]
+    named = [_named(place, value) for place, value in changes.items()
+             if place.startswith("units.") and not place.endswith(".isolation")]
     rest = f" and {len(named) - NAMED} more changes" if len(named) > NAMED else ""
     title = {"title": f"{scene.name}, changed: {', '.join(named[:NAMED])}{rest}"} if named else {}
     return scene.with_changes({**changes, **title})

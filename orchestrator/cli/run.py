@@ -61,6 +61,9 @@ def run(
     checkpoint_every: Annotated[float | None, typer.Option("--checkpoint-every", metavar="SECONDS", help=(
         f"Write {CHECKPOINT} into the output directory, from which --resume goes on; s of simulated time."))] = None,
     resume: Annotated[Path | None, typer.Option("--resume", help="A checkpoint of the same scene, to go on from.")] = None,
+    isolate: Annotated[bool, typer.Option("--isolate", help=(
+        "Foreign code, FMUs and module:Class, in walled worker processes: limits of time and memory, no network, files read only."
+    ))] = False,
     accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="SHARE", help=(
         "The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."))] = None,
     verify: Annotated[bool, typer.Option("--verify", help=(
@@ -84,6 +87,7 @@ def run(
     within = tolerance_of_effects(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
     changes |= dict(change(loaded, text) for text in values or [])
+    changes |= _walled(loaded) if isolate else {}
     loaded = changed(loaded, changes)
     choice = None
     if within is not None:
@@ -185,6 +189,15 @@ def _report(result: Result, output: Path) -> list[str]:
             raise
         print(f"cosimo: no report.html: {error.strerror or error}", file=sys.stderr)
         return []
+
+
+def _walled(scene: Scene) -> dict[str, str]:
+    """Changes that put all foreign code of a scene behind walls; `BadInput` where there is none."""
+    foreign = [name for name, unit in scene.units.items() if unit.fmu or ":" in unit.component]
+    if not foreign:
+        raise BadInput("--isolate", f"{scene.name}, all of whose units are components of the catalogue",
+                       "a scene with foreign code", "Leave it out.")
+    return {f"units.{name}.isolation": "restricted" for name in foreign}
 
 
 def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm: str | None) -> float | None:

@@ -27,7 +27,7 @@ def open_unit(name: str, settings: UnitSettings, *, in_process: bool, native: Na
 
     `native`: the native FMU of a component, which is run instead.
     """
-    if settings.isolation == "process":
+    if settings.isolation != "none":
         from .process import WorkerUnit
 
         return WorkerUnit(name, settings, in_process=in_process, native=native)

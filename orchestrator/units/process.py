@@ -44,6 +44,7 @@ from .channel import (
 )
 from .folders import process_folder
 from .interface import PortValues
+from .walls import ANSWER, clean_environment, read_answer
 
 if TYPE_CHECKING:
     from ..settings import UnitSettings
@@ -73,13 +74,15 @@ class WorkerUnit:
         self._started = self._waiting = self._lost = self._late = False
         self._stale = True  # the outputs that were handed over last hold no more
         self._values: PortValues = []
-        self._limit = settings.time_limit  # s
+        self.walls: list[str] = []  # that stand around it
+        self._limit = settings.time_limit or (ANSWER if settings.isolation == "restricted" else None)  # s
         self._since: float | None = None  # when the wait for the present answer began
         self._rows, self._driven = b"", 0.0
         self._folder = Path(tempfile.mkdtemp(dir=process_folder()))  # of the worker's log and of all its temporary files
         paths = os.pathsep.join(os.path.abspath(p) for p in sys.path)
-        folder = str(self._folder)
-        environment = os.environ | {"PYTHONPATH": paths, "PYTHONUNBUFFERED": "1", "TMPDIR": folder, "TEMP": folder, "TMP": folder}
+        folder, walled = str(self._folder), settings.isolation == "restricted"
+        inherited = clean_environment(folder) if walled else os.environ
+        environment = inherited | {"PYTHONPATH": paths, "PYTHONUNBUFFERED": "1", "TMPDIR": folder, "TEMP": folder, "TMP": folder}
         try:
             with open(self._folder / "log", "wb") as log:
                 self._process = subprocess.Popen(
@@ -95,7 +98,8 @@ class WorkerUnit:
         if self._limit is not None:
             threading.Thread(target=self._watch, daemon=True).start()
         with suppress(StepFailed):  # it has ended already; `wire` says so
-            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process, native)
+            self._call("open", settings.model_copy(update={"isolation": "none", "time_limit": None}), in_process, native,
+                       folder if walled else "")
 
     # -- messages ----------------------------------------------------------------------------------------------------
     def _send(self, code: int, content: bytes) -> None:
@@ -120,8 +124,7 @@ class WorkerUnit:
         try:
             code, content = self._channel.receive()
         except NoMessage:
-            self._process.kill()
-            raise self._end("something else than answers came from its worker process, which was ended") from None
+            raise self._no_answer() from None
         except EOFError:
             raise self._end() from None
         except KeyboardInterrupt:
@@ -129,7 +132,7 @@ class WorkerUnit:
             raise
         self._waiting, self._since = False, None
         if code == WARNED:
-            texts, code, content = pickle.loads(content)
+            texts, code, content = self._read(content)
             for text in texts:
                 warnings.warn(text, stacklevel=2)
         if code == VALUES:
@@ -137,7 +140,7 @@ class WorkerUnit:
             self.event = event if event == event else None
             self._values, self._stale = self._take(content, EVENT.size), False
         elif code == FAILED:
-            kind, arguments = pickle.loads(content)
+            kind, arguments = self._read(content)
             self._stale = True
             raise kind(*arguments)
         return content
@@ -154,7 +157,18 @@ class WorkerUnit:
     def _ask(self, method: str, *arguments: Any) -> Any:
         """Call a method there and wait for what it returns."""
         self._call(method, *arguments)
-        return pickle.loads(self._receive())
+        return self._read(self._receive())
+
+    def _read(self, content: Any) -> Any:
+        """The object in an answer."""
+        try:
+            return read_answer(content)
+        except Exception:  # foreign code may write into the pipe what it likes
+            raise self._no_answer() from None
+
+    def _no_answer(self) -> StepFailed:
+        self._process.kill()
+        return self._end("something else than answers came from its worker process, which was ended")
 
     def _end(self, reason: str = "") -> StepFailed:
         """The process has ended, or is to; the failure to raise, with what its end says where no reason is known."""
@@ -195,7 +209,8 @@ class WorkerUnit:
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self._outputs, self._take, self._give = tuple(outputs), unpacker(len(outputs)), packer(len(inputs))
         try:
-            self._parameters: dict[str, Any] = pickle.loads(self._receive())
+            self._parameters: dict[str, Any]
+            self._parameters, self.walls = self._read(self._receive())
             self._ask("wire", [*inputs], [*outputs])
         except StepFailed as error:
             raise BadInput(f"units.{self.name}", f"it cannot be started: {error.reason}",

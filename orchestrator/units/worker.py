@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import importlib
 import logging
 import math
 import os
@@ -38,6 +39,7 @@ from .channel import (
     unpacker,
 )
 from .interface import PortValues, SimulationEnded
+from .walls import put_up
 
 DIE_WITH_PARENT, LINES = 1, 1  # PR_SET_PDEATHSIG, _IOLBF
 
@@ -53,9 +55,14 @@ class Worker:
         self._states: dict[int, Any] = {}  # states of `save` by the numbers the run gives them
         self._time = 0.0
 
-    def open(self, settings: Any, in_process: bool, native: Any) -> dict[str, Any]:
+    def open(self, settings: Any, in_process: bool, native: Any, folder: str) -> tuple[dict[str, Any], list[str]]:
+        """Parameters of the unit, and the walls around it, which are put up where a `folder` is given that it may write."""
+        walls = []
+        if folder:
+            importlib.import_module(f"{__package__}.fmu")  # what is loaded now need not be found behind the walls
+            walls = put_up(folder)
         self._unit = open_unit(self._name, settings, in_process=in_process, native=native)
-        return self._unit.parameters()
+        return self._unit.parameters(), walls
 
     def wire(self, inputs: list[str], outputs: list[str]) -> None:
         self._unit.wire(inputs, outputs)
