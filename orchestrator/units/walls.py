@@ -26,7 +26,7 @@ from .interface import SimulationEnded
 MEMORY, FILES, FILE_SIZE = 4 << 30, 256, 1 << 30  # bytes of address space, open files, bytes of a file
 ANSWER = 60.0  # s that an answer may take where the scene gives no limit
 # what a library may need to know; all else of the environment, such as keys and passwords of services, stays outside
-KEPT = ("PATH", "LD_LIBRARY_PATH", "SYSTEMROOT", "LANG", "LC_ALL", "TZ", "COSIMO_CACHE", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR",
+PASSED_ON = ("PATH", "LD_LIBRARY_PATH", "SYSTEMROOT", "LANG", "LC_ALL", "TZ", "COSIMO_CACHE", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR",
         "NUMBA_DISABLE_JIT")
 NO_NEW_PRIVS, NEW_USER, NEW_NET = 38, 0x10000000, 0x40000000
 ALLOW, REFUSE = 0x7FFF0000, 0x00050000 | 1  # SCMP_ACT_ALLOW, SCMP_ACT_ERRNO(EPERM)
@@ -39,7 +39,7 @@ TRUNCATE = 1 << 14  # from ABI 3 on, with REFER, 1 << 13, of ABI 2
 
 def clean_environment(folder: str) -> dict[str, str]:
     """What a walled worker may know of the environment; its home is its own folder."""
-    kept = {name: os.environ[name] for name in KEPT if name in os.environ}
+    kept = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
     return kept | {"HOME": folder, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # each thread reserves memory
 
 
