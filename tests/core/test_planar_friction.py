@@ -218,6 +218,7 @@ def slips_of(deflection: float) -> tuple[list[float], float, float]:
     return starts, top, abs(block["across"])
 
 
+@pytest.mark.full
 def test_a_stiff_contact_sticks_and_slips_as_the_rigid_one():
     """Rigid: slips at 7.5 s, then every 7.61126 s, at 0.467423 m/s at most.
 

@@ -9,6 +9,8 @@ import pytest
 from cosimo.components.core.kernels import DONE, NOT_FINITE, bind, kernel
 from cosimo.components.core.rosenbrock import rodas3
 
+pytestmark = pytest.mark.interpreted
+
 
 @kernel
 def stiff_derivatives(t, x, u, dx, p):

@@ -61,7 +61,8 @@ def test_variables_are_those_of_the_pythonfmu_fmu(tmp_path):
     off = {f"{e}." for e in component_class(NAME).effects}
     assert set(seen) == {s.name for s in scalars if not s.name.removeprefix("der(").startswith(tuple(off))}
     constants = {v.scalar.name for v in found.variables if v.role == "CONSTANT"}
-    assert {"effects.inductance", "resistance", "substep"} < constants
+    assert {"effects.inductance", "resistance", "substep", "rotor_inertia"} < constants
+    assert next(v.role for v in found.variables if v.scalar.name == "start_angle") == "PARAMETER"
     for reference, scalar in enumerate(scalars):
         if scalar.name in seen:
             variable = seen[scalar.name]

@@ -41,8 +41,6 @@ def test_what_can_be_set_are_the_parameters_that_nothing_else_follows_from():
     roles = {v.scalar.name: v.role for v in found.variables}
     assert {roles[n] for n in ("mass", "length", "start_angle", "start_rate", "start_x", "start_velocity_y")} == {"PARAMETER"}
     assert not any(v.bound for v in found.variables)
-    motor = {v.scalar.name: v.role for v in compiled("ServoMotor").variables}
-    assert (motor["start_angle"], motor["substep"], motor["rotor_inertia"]) == ("PARAMETER", "CONSTANT", "CONSTANT")
 
 
 def test_a_parameter_is_set_before_the_run_within_its_limits_and_stays_over_a_reset_of_the_state(tmp_path):

@@ -315,6 +315,7 @@ def test_lines_of_waviness(race, order, output, lines):
     assert orders[np.argmax(amplitude)] == pytest.approx(lines(ftf), abs=0.01)
 
 
+@pytest.mark.full
 def test_an_oval_inner_ring_is_felt_twice_a_turn_at_a_ball():
     """Low orders l of the turning ring move with it: lines at l fr in the load of the bearing as a whole, l = 2: cage beats."""
     speed = 60.0

@@ -47,6 +47,7 @@ def test_speed_under_load(effects, share, speed):
         power + share * MOST * feed, rel=1e-6, abs=1e-8)  # what wheels give is lost or lifts the load
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("effects", LAWS)
 def test_even_wheels_lose_what_they_slip(effects):
     """2 mu N R w sin a with plain wheels, nothing with free rollers; the sleeve bears nothing."""
@@ -71,6 +72,7 @@ def test_the_sleeve_stalls_where_the_load_is_the_cosine(effects, share, directio
     assert wheels["feed_rate"] == pytest.approx(loaded_feed(wheels, 20.0, -wheels["external_force"])[0], rel=1e-4)
 
 
+@pytest.mark.full
 def test_loads_beyond_the_contacts_are_refused_by_the_closed_form_and_accelerate_the_sleeve():
     wheels = wheels_at(("exact_slip",), 20.0, 20.0, -1.25 * MOST)
     with pytest.raises(BadInput, match="what both contacts bear"):
@@ -292,6 +294,7 @@ def test_the_weight_slides_down_what_friction_does_not_hold():
     assert wheels["feed_rate"] - early == pytest.approx(-excess / 0.15 * 0.4, rel=1e-9)
 
 
+@pytest.mark.full
 def test_the_seal_holds_a_small_load_and_slides_under_a_large_one():
     """Wheels without friction; the force grows by 5.4 N/s to 2.5 or 2.7 N, the seal breaks loose at 2.6 N and then bears 2 N."""
     for force, moves in ((2.5, False), (2.7, True)):

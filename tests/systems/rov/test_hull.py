@@ -55,6 +55,7 @@ def position(hull: RovHull) -> np.ndarray:
 
 # -- speed through the water -------------------------------------------------------------------------------------------
 
+@pytest.mark.first
 @pytest.mark.parametrize(("force", "printed"), [(10.0, 0.6390570), (40.0, 1.3766130)])
 def test_terminal_speed(force, printed):
     X, XX = 4.03, 18.18
@@ -84,6 +85,7 @@ def test_start_from_rest_follows_riccati(axis, X, XX):
     assert linear(hull)[axis] == pytest.approx(closed, rel=1e-10)  # RK4: (k h)^4 / 120 at k = 2.1 1/s
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("distance", [0.05, 2.0, 30.0])
 def test_a_distance_is_covered_in_the_time_of_lamberts_function(distance):
     """Linear drag only, from rest: T (q + W(-e^-q)) with T = m / X, q = distance X / (F T) + 1."""
@@ -151,6 +153,7 @@ def test_roll_is_damped_as_the_linear_drag_says():
     assert hull["roll"] == pytest.approx(closed, abs=1e-12)
 
 
+@pytest.mark.full
 def test_roll_with_the_weight_below_the_origin_takes_sway_along():
     """Wu's vehicle as published: the centre of gravity below the origin couples roll and sway; exponential of the linear set."""
     hull = started(RIGHTED, start_roll=1e-5, substep=1e-3)

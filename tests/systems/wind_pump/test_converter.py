@@ -76,6 +76,7 @@ def test_above_the_largest_speed_the_lever_flies_for_ever():
     assert abs(braking) < 1e-3  # a lever that is carried to and fro takes no power in the mean
 
 
+@pytest.mark.full
 def test_without_load_the_shaft_approaches_the_largest_speed():
     converter = started(driven_inertia=0.02, crank_inertia=1e3)
     converter.step(0.0, 60.0)
