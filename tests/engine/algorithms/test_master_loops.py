@@ -84,7 +84,7 @@ def states(result) -> np.ndarray:
 
 @pytest.mark.parametrize("degree", full_but((1,), (0, 1)))
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
-@pytest.mark.parametrize(("d2", "stop"), [(-0.9, 1.0), (1.1, 1e-3)])
+@pytest.mark.parametrize(("d2", "stop"), full_but(((1.1, 1e-3),), ((-0.9, 1.0), (1.1, 1e-3))))
 def test_a_loop_of_any_gain_keeps_the_order_of_accuracy(d2, stop, algorithm, degree):
     """d2 = 1.1 grows like exp(3084 t), so the run is short; unsolved, the loop's values would grow in each macro step."""
     exact, errors = exact_pair(d2, stop), []

@@ -25,6 +25,7 @@ def one(name, effects=(), steps=400, **parameters):
     return found
 
 
+@pytest.mark.interpreted
 def test_an_undamped_pendulum_has_the_limit_on_the_imaginary_axis():
     """A uniform rod of 1 m: ω² = 3 g / (2 L)."""
     found = one("PlanarLink", ("pinned", "gravity"))
@@ -61,6 +62,7 @@ def test_a_free_body_has_no_limit():
     assert math.isnan(found.margin)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("name", full_but(ONE_A_SYSTEM[:1], INTEGRATED))
 def test_no_component_promises_more_than_was_measured(name):
     found = one(name, steps=120)
@@ -79,6 +81,7 @@ def test_rk4_bears_its_reach_in_every_direction_and_no_more():
     assert grows(1.004 * RK4_STABILITY_RADIUS)
 
 
+@pytest.mark.interpreted
 def test_each_effect_is_measured_with_what_it_needs():
     found = internal_steps("PlanarLink", steps=100)
     assert [s.effects for s in found.steps] == [(), ("pinned",), ("gravity",)]

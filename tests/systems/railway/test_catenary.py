@@ -73,6 +73,7 @@ def test_a_slack_dropper_softens_the_wire():
     assert np.array_equal(*light)  # no dropper slackens under 5 N: the effect changes no bit
 
 
+@pytest.mark.full
 def test_window_follows_the_contact_and_forgets_the_rest():
     full, height = passage(spans=10, seconds=3.0)
     windowed, near = passage((*REFERENCE, "moving_window"), spans=10, seconds=3.0)

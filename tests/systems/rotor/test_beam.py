@@ -31,6 +31,7 @@ def steady_unbalance(rotor: BeamRotor, speed: float, moment: float, node: int) -
     return 0.5 * (q[0::4] + 1j * q[1::4]), 0.5 * np.conj(q[0::4] - 1j * q[1::4])
 
 
+@pytest.mark.first
 @pytest.mark.parametrize("speed", [70.0, 150.0, -150.0, 400.0])
 def test_steady_unbalance_response_is_that_of_the_frequency_domain(speed):
     damping = {f"linear_supports.damping_{axis}[{k}]": 2000.0 for axis in "xy" for k in (1, 2)}
@@ -48,6 +49,7 @@ def test_steady_unbalance_response_is_that_of_the_frequency_domain(speed):
     assert abs(found - expected) <= 3e-4 * abs(expected)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("radius", [1.0, 0.5])
 def test_order_in_time_is_two(radius):
     """Free whirl in the four lowest modes of the turning rotor, whose closed form is sum phi exp(lambda t)."""
@@ -138,6 +140,7 @@ def test_sag_is_that_of_beam_theory():
     assert rotor["displacement_y"] == pytest.approx(-sag, rel=1e-6)  # it stays there
 
 
+@pytest.mark.full
 def test_internal_damping_drives_the_rotor_above_the_onset_speed():
     """Growth rates in time are those of the eigenvalues on both sides of the onset."""
     damping = {f"linear_supports.damping_{axis}[{k}]": 200.0 for axis in "xy" for k in (1, 2)}
