@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ....components.core.errors import StepFailed
 from ..charts.chart import Chart, Grid
 from ..sweep import tracked
 from .case import Case, Findings, Options, claim_results, compare
@@ -44,13 +45,18 @@ def paper(name: str, title: str, text: str, system: str, studies: Sequence[Study
 
 
 def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings:
-    """All studies one by one, and their numbers beside the rows of the table."""
+    """All studies one by one, and their numbers beside the rows of the table; a run that fails ends them, and fails the case."""
     measured: dict[str, float] = {}
     charts: dict[str, tuple[Chart | Grid, ...]] = {}
     runs: dict[str, Result] = {}
     notes: list[str] = []
+    failure = ""
     for study in tracked(studies, name, options.progress):
-        evidence = study(options)
+        try:
+            evidence = study(options)
+        except StepFailed as failed:
+            failure = str(failed)
+            break
         if twice := measured.keys() & evidence.measured:
             raise ValueError(f"case {name}: {', '.join(sorted(twice))} measured by two studies")
         measured |= evidence.measured
@@ -61,6 +67,7 @@ def _findings(name: str, studies: Sequence[Study], options: Options) -> Findings
     rows = compare(table.rows, measured)
     if unknown := charts.keys() - {"", *(claim.number for claim in table.claims)}:
         raise ValueError(f"case {name}: figures of {', '.join(sorted(unknown))}, which is no claim of its table")
-    complete = all(run.outcome == "done" for run in runs.values())
+    complete = not failure and all(run.outcome == "done" for run in runs.values())
+    notes += [failure] if failure else []
     claims = claim_results(table.claims, rows, charts)
     return Findings(rows, runs, charts.get("", ()), tuple(notes), complete=complete, claims=claims)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.components.core.errors import BadInput
+from cosimo.components.core.errors import BadInput, StepFailed
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.charts.chart import Chart, Panel, Series
 from cosimo.orchestrator.harness.validation.case import Case, CaseResult, ClaimResult, Findings, Row, claim_results
@@ -151,6 +151,20 @@ def test_two_studies_may_not_measure_the_same(tmp_path, monkeypatch):
     monkeypatch.setitem(cases(), "paper-x", made)
     with pytest.raises(ValueError, match="force measured by two studies"):
         validate(["paper-x"], tmp_path)
+
+
+def test_a_run_that_fails_fails_the_case_and_keeps_what_was_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.papers.load_table", lambda name: parse_table(name, TABLE))
+
+    def broken(options):
+        raise StepFailed("rotor", 0.5, "a ball left its groove")
+
+    case = paper("paper-x", "A paper", "", "railway", (lambda options: Evidence({"force": 0.25}), broken))
+    monkeypatch.setitem(cases(), "paper-x", case)
+    (result,) = validate(["paper-x"], tmp_path)
+    assert result.outcome == "failed"
+    assert [r.measured for r in result.findings.rows][:1] == [0.25]
+    assert "a ball left its groove" in " ".join(result.findings.notes)
 
 
 def test_figures_belong_to_a_claim_of_the_table(tmp_path, monkeypatch):

@@ -74,9 +74,9 @@ def test_first_value_beyond_a_limit():
 
 def test_the_largest_exponent_alone_is_that_of_the_whole_spectrum():
     def model():
-        made = transition.bearing(5.0)
-        made.step(0.0, 2.0)
-        return made
+        bearing = transition.bearing(5.0)
+        bearing.step(0.0, 2.0)
+        return bearing
 
     settings = {"interval": transition.INTERVAL, "intervals": 300, "transient": 50}
     whole = lyapunov_spectrum(model(), transition.STATES, transition.SCALES, **settings)

@@ -35,9 +35,9 @@ def test_linearisation_is_that_of_an_equilibrium_by_another_solver(gap):
         delta = np.maximum(q[0] * np.cos(theta) + q[1] * np.sin(theta) - gap, 0.0)
         return delta, [(delta**1.5 * np.cos(theta)).sum() - 1.0, (delta**1.5 * np.sin(theta)).sum()]
 
-    found = root(lambda q: loads(q)[1], [max(gap, 0.0) + 0.8, 0.01], tol=1e-13)
-    assert found.success
-    delta = loads(found.x)[0]
+    solution = root(lambda q: loads(q)[1], [max(gap, 0.0) + 0.8, 0.01], tol=1e-13)
+    assert solution.success
+    delta = loads(solution.x)[0]
     along, across = (1.5 * (np.sqrt(delta) * f(theta) ** 2).sum() for f in (np.cos, np.sin))
     K = shaft.stiffness(gap, at) / (shaft.STIFFNESS * math.sqrt(shaft.LENGTH))
     assert [K[1, 1], K[0, 0]] == pytest.approx([along, across], rel=1e-6)

@@ -64,7 +64,7 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_magnitudes(numbers), _solvers(tables[GAP])), notes=(
         "Multiplication by a scale only shifts the exponent: with units of 2^-18 m and 2^-10 s the trajectory is the same bit "
         "for bit. What scaling cures are absolute thresholds: tolerances, differences, and numbers of a short range.",
-    ))  # fmt: skip
+    ), claim="A1")  # fmt: skip
 
 
 def binary_units() -> float:

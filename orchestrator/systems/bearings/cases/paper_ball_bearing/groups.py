@@ -41,7 +41,7 @@ def study(options: Options) -> Evidence:
     for zeta in (0.005, 0.02):
         measured[f"exponents.{zeta:g}"] = exponent_sum(zeta) / (-4.0 * zeta)
     curves = {f"G = {g:g}": response({}, {"clearance.radial_clearance": g}, ["clearance"]) for g in GAPS}
-    return Evidence(measured, (_chart({"number of balls": lines, "clearance": curves}),))
+    return Evidence(measured, (_chart({"number of balls": lines, "clearance": curves}),), claim="A2")
 
 
 def equal_groups() -> float:

@@ -50,7 +50,7 @@ def study(options: Options) -> Evidence:
         f"half a record at {first[2]:g} um (fine) and {first[3]:g} um (coarse sampling).",
         "Sampled finely, any smooth motion stays near its past for some samples: DET is high in chaos, too, and does not tell it "
         "from order. Sampled once a natural period, it does.",
-    ))  # fmt: skip
+    ), claim="A6")  # fmt: skip
 
 
 def separation(largest: np.ndarray, plots: list[Quantification]) -> dict[str, float]:

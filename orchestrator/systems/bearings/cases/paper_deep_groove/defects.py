@@ -28,8 +28,7 @@ Spectrum = tuple[np.ndarray, np.ndarray]
 
 def study(options: Options) -> Evidence:
     """Three runs at 1800 rpm without clearance: no pit, one in each race."""
-    runs = {pit: passing(pit) for pit in ("", "outer", "inner")}
-    spectra = {pit: envelope(r) for pit, r in runs.items()}
+    spectra = {pit: envelope(passing(pit)) for pit in ("", "outer", "inner")}
     expected = bearing((), **GEOMETRY).geometry.defect_frequencies(TURNS)
     measured: dict[str, float] = {}
     for pit in POSITIONS:
@@ -45,7 +44,7 @@ def study(options: Options) -> Evidence:
         measured[f"{pit}.largest.db"] = 20.0 * math.log10(max(max(sides), 1e-300))
     harmonics = [k * expected["outer"] for k in (2, 3)]
     measured["harmonics.control"] = max(height(*spectra[""], f) / height(*spectra["outer"], f) for f in harmonics)
-    return Evidence(measured, (_chart(spectra, expected),), {"pit in the inner race": runs["inner"]})
+    return Evidence(measured, (_chart(spectra, expected),), claim="C7")
 
 
 def passing(pit: str) -> Result:
@@ -54,7 +53,7 @@ def passing(pit: str) -> Result:
     if pit:
         parameters |= {f"{pit}_defect.{n}": v for n, v in {**PIT, "position": POSITIONS[pit]}.items()}
     effects = [f"{pit}_defect"] if pit else []
-    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, parameters=parameters, transient=TRANSIENT))
+    return motion(scene(TRANSIENT + SEEN, STEP, TURNS, effects, parameters=parameters))
 
 
 def envelope(result: Result) -> Spectrum:

@@ -72,7 +72,7 @@ def over_a_pitch(clearance: float, balls: int = BALLS, angles: int = 24) -> np.n
 
 def scene(stop_time: float, step: float, turns: float, effects: Sequence[str] = (), *, clearance: float = 0.0,
           damping: float = DAMPING, gravity: float = GRAVITY, axial: float = 0.0, interval: float | None = None,
-          parameters: Mapping[str, Any] | None = None, transient: float = 0.0) -> Scene:
+          parameters: Mapping[str, Any] | None = None) -> Scene:
     """The shaft at `turns` per second in the bearing.
 
     clearance: radial, in x_s.  axial: preload in N, by the axial displacement that it has without other loads.
@@ -92,7 +92,7 @@ def scene(stop_time: float, step: float, turns: float, effects: Sequence[str] = 
         "connections": links,
         "master": {"algorithm": "gauss-seidel", "step": step},
         "record": {"signals": list(SIGNALS), **({"interval": interval} if interval else {})},
-        "analysis": {"system": "bearings", "transient": transient},
+        "analysis": {"system": "bearings"},
     }, "shaft-in-bearing")  # fmt: skip
 
 

@@ -55,7 +55,7 @@ def study(options: Options) -> Evidence:
     measured["harmonic"] = line(inner[2]["across"], 4.0 * TURNS)
     return Evidence(measured, (_map(inner), _transfer(inner)), notes=(
         f"Waves of {1e9 * AMPLITUDE:.0f} nm, a hundredth of the deflection, on a shaft at {60.0 * TURNS:g} rpm.",
-    ))  # fmt: skip
+    ), claim="C6")  # fmt: skip
 
 
 def waves(orders: tuple[int, ...], loaded: bool, ring: str = "inner", times: float = 1.0) -> Result:

@@ -39,7 +39,7 @@ def study(options: Options) -> Evidence:
         measured[f"{preset}.bulk"] = float(100.0 * np.abs(solid / solid[0] - (bulk / bulk[0])[at]).max())
         measured[f"{preset}.area"] = float(np.abs(area / area.max() - root**2).max())
         curves[preset] = (area, lumped / lumped.max(), solid / solid[0], root)
-    return Evidence(measured, (_chart(curves),))
+    return Evidence(measured, (_chart(curves),), claim="J1")
 
 
 def areas(model, loads: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_chart(),), notes=(
         "With air in the narrow gap beside the contacts, the groove that follows the ball carries much of the heat: the contacts "
         "have a smaller share than between rings that exchange heat over their distance alone.",
-    ))  # fmt: skip
+    ), claim="J2")  # fmt: skip
 
 
 def side_paths(preset: str) -> float:

@@ -39,7 +39,7 @@ def study(options: Options) -> Evidence:
     return Evidence(measured, (_plane(models), _lines(models)), notes=(
         "A radial load beside an axial one raises the resistance: a cube root gains less where the load grows than it loses "
         "where it falls. Once balls are free, more radial load presses the few that are left, and the resistance falls again.",
-    ))  # fmt: skip
+    ), claim="J3")  # fmt: skip
 
 
 def zone(epsilon: float) -> float:
