@@ -11,15 +11,20 @@ points of a signal each time an angle passes a multiple of something: the raw ma
 from __future__ import annotations
 
 import itertools
+import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from signal import Signals
 from typing import Any, TypeVar
 
 import numpy as np
 
 from ...components.core.errors import BadInput, nearest
+from ..checkpoint import digest
+from ..engine.stepping.observers import Interrupt
 from ..output import write_table
 from ..results import Result
 from ..run import run
@@ -29,6 +34,7 @@ from .analysis.records import after_transient
 from .analysis.sections import section as section_of
 
 T = TypeVar("T")
+NOT_RUN = "not run"
 KINDS: dict[str, Callable[[np.ndarray], Any]] = {
     "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
 }
@@ -40,7 +46,7 @@ class Sweep:
 
     varied: "unit.parameter" -> values, (n,).  measures: "unit.signal, kind" -> (n,), NaN where a run failed.
     outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
-    units: unit of measure of every column.
+    units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
     """
 
     scene: Scene
@@ -49,6 +55,7 @@ class Sweep:
     outcomes: tuple[str, ...]
     section: tuple[np.ndarray, ...]
     units: Mapping[str, str]
+    stopped: Signals | None = None
 
     def save(self, directory: str | Path) -> Path:
         """Write sweep.csv: one row a point, the first line the column names with units."""
@@ -76,34 +83,70 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
     return combinations
 
 
-def sweep(scene: Scene, *, progress: bool = False) -> Sweep:
-    """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on."""
+def sweep(scene: Scene, *, progress: bool = False, journal: Path | None = None, resume: bool = False) -> Sweep:
+    """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on.
+
+    Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run".
+    `journal`: a file to which each point is written when it is done. `resume`: points that stand there are not run again.
+    """
     combinations = points(scene)
     _check_analysis(scene)
-    rows: list[dict[str, float]] = []
-    outcomes, section = [], []
     units = {name: unit_of(scene, name) for name in scene.sweep}
-    for _, one in tracked(combinations, scene.title or scene.name, progress):
-        row, points_of, outcome = {}, np.zeros(0), ""
-        try:
-            result = run(one, in_process=True).unless_stopped()
-            outcome = "done" if result.outcome == "done" else result.message
-            if outcome == "done":
-                units |= {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
-                row = measures(result)
-                points_of = section_points(result)
-        except BadInput as error:  # a value with which this point cannot start, or has no section
-            outcome = str(error)
-        rows.append(row)
-        section.append(points_of)
-        outcomes.append(outcome)
-    names = dict.fromkeys(name for row in rows for name in row)
+    known = _journal(journal) if journal is not None and resume else {}
+    if journal is not None and not resume:
+        journal.unlink(missing_ok=True)
+    found: list[dict[str, Any]] = []
+    stopped: Signals | None = None
+    with Interrupt(lambda: None) as interrupt:  # between two runs; inside of one it has its own
+        for _, one in tracked(combinations, scene.title or scene.name, progress):
+            key = digest(one) if journal is not None else ""
+            point = known.get(key) or _point(one)
+            stopped = point if isinstance(point, Signals) else interrupt.wanted
+            if isinstance(point, Signals) or stopped is not None:
+                break
+            if journal is not None and key not in known:
+                with open(journal, "a", encoding="utf-8") as file:
+                    file.write(json.dumps({"digest": key, **point}) + "\n")
+            found.append(point)
+            units |= point["units"]
+    found += [{"row": {}, "section": [], "outcome": NOT_RUN}] * (len(combinations) - len(found))
+    names = dict.fromkeys(name for point in found for name in point["row"])
     return Sweep(
         scene,
         {name: np.array([values[name] for values, _ in combinations]) for name in scene.sweep},
-        {name: np.array([row.get(name, np.nan) for row in rows]) for name in names},
-        tuple(outcomes), tuple(section), units,
+        {name: np.array([point["row"].get(name, np.nan) for point in found]) for name in names},
+        tuple(point["outcome"] for point in found), tuple(np.array(point["section"], dtype=float) for point in found), units,
+        stopped,
     )
+
+
+def _point(one: Scene) -> dict[str, Any] | Signals:
+    """What a point gives; the signal that has stopped it, which is no failure of the point."""
+    point: dict[str, Any] = {"row": {}, "section": [], "outcome": "", "units": {}}
+    try:
+        result = run(one, in_process=True)
+        if result.outcome == "stopped":
+            return Signals[result.info["signal"]]
+        point["outcome"] = "done" if result.outcome == "done" else result.message
+        if result.outcome == "done":
+            point["units"] = {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
+            point["row"] = measures(result)
+            point["section"] = section_points(result).tolist()
+    except BadInput as error:  # a value with which this point cannot start, or has no section
+        point["outcome"] = str(error)
+    return point
+
+
+def _journal(path: Path) -> dict[str, dict[str, Any]]:
+    """Points by the digest of their scenes; a last line that was not written to its end is left out."""
+    found = {}
+    with suppress(OSError):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            with suppress(ValueError, KeyError, TypeError):
+                point = json.loads(line)
+                if {"row", "section", "outcome", "units"} <= point.keys():
+                    found[point["digest"]] = point
+    return found
 
 
 def unit_of(scene: Scene, name: str) -> str:

@@ -1,6 +1,7 @@
 """Sweeps: every combination runs, what is measured is right, failures stay in their rows, bad input starts nothing."""
 
 import csv
+import signal
 
 import numpy as np
 import pytest
@@ -9,8 +10,11 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness import sweep as sweeps
 from cosimo.orchestrator.harness.sweep import points, sweep
+from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.units.channel import STOPPING
 
 MASS = {
     "stop_time": 2.0,
@@ -127,3 +131,48 @@ def test_the_command_writes_a_table_and_a_page(tmp_path, capsys):
     with pytest.raises(SystemExit) as caught:
         main(["sweep", str(scene), "--over", "m.k=100:400"])
     assert caught.value.code == 2
+
+
+class Stopping(Wheel):
+    """Raises a signal in the run with one value of its parameter, once."""
+
+    raised: list[float] = []
+    number = signal.SIGTERM
+
+    def _step(self, t, h):
+        if self.parameters["multiple"] == 3.0 and t > 0.5 and not self.raised:
+            self.raised.append(t)
+            signal.raise_signal(self.number)
+        return super()._step(t, h)
+
+
+@pytest.mark.parametrize("number", STOPPING)
+def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(Stopping, "raised", [])
+    monkeypatch.setattr(Stopping, "number", number)
+    path, out = tmp_path / "s.toml", tmp_path / "out"
+    path.write_text(f'stop_time = 1.0\nunits.w.component = "{__name__}:Stopping"\nmaster.step = 0.1\n'
+                    "sweep.\"w.multiple\" = [1.0, 2.0, 3.0, 4.0]\n")
+    handlers = [signal.getsignal(one) for one in STOPPING]
+    with pytest.raises(SystemExit) as end:
+        main(["sweep", str(path), "-o", str(out)])
+    assert end.value.code == 128 + number
+    assert [signal.getsignal(one) for one in STOPPING] == handlers
+    err = capsys.readouterr().err
+    assert f"stopped by {number.name}, 2 points were not run" in err
+    with open(out / "sweep.csv", newline="") as file:
+        assert [row["outcome"] for row in csv.DictReader(file)] == ["done", "done", "not run", "not run"]
+    with open(out / "sweep.jsonl", "a") as file:
+        file.write('{"digest": "torn')  # as a kill leaves it
+    runs = []
+    monkeypatch.setattr(sweeps, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
+    assert len((out / "sweep.jsonl").read_text().splitlines()) == 3
+    with pytest.raises(SystemExit) as end:
+        main(["sweep", str(path), "-o", str(out), "--resume"])
+    assert not end.value.code
+    assert len(runs) == 2  # points that are done are not run again
+    resumed = (out / "sweep.csv").read_text()
+    with pytest.raises(SystemExit) as end:
+        main(["sweep", str(path), "-o", str(tmp_path / "whole")])
+    assert not end.value.code
+    assert resumed == (tmp_path / "whole" / "sweep.csv").read_text()

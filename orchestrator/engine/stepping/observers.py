@@ -266,6 +266,11 @@ class Interrupt(BatchObserver):
         for one in self._previous:
             signal.signal(one, signal.default_int_handler if one == signal.SIGINT else signal.SIG_DFL)
 
+    @property
+    def wanted(self) -> signal.Signals | None:
+        """The signal that has come, if any."""
+        return self._wanted
+
     def __call__(self, tick: int, t: float) -> None:
         if self._wanted is not None:
             self.taken = self._wanted
