@@ -95,7 +95,7 @@ def sweep(scene: Scene, *, progress: bool = False, journal: Path | None = None, 
     known = _journal(journal) if journal is not None and resume else {}
     if journal is not None and not resume:
         journal.unlink(missing_ok=True)
-    found: list[dict[str, Any]] = []
+    measured: list[dict[str, Any]] = []
     stopped: Signals | None = None
     with Interrupt(lambda: None) as interrupt:  # between two runs; inside of one it has its own
         for _, one in tracked(combinations, scene.title or scene.name, progress):
@@ -107,16 +107,16 @@ def sweep(scene: Scene, *, progress: bool = False, journal: Path | None = None, 
             if journal is not None and key not in known:
                 with open(journal, "a", encoding="utf-8") as file:
                     file.write(json.dumps({"digest": key, **point}) + "\n")
-            found.append(point)
+            measured.append(point)
             units |= point["units"]
-    found += [{"row": {}, "section": [], "outcome": NOT_RUN}] * (len(combinations) - len(found))
-    names = dict.fromkeys(name for point in found for name in point["row"])
+    measured += [{"row": {}, "section": [], "outcome": NOT_RUN}] * (len(combinations) - len(measured))
+    names = dict.fromkeys(name for point in measured for name in point["row"])
     return Sweep(
         scene,
         {name: np.array([values[name] for values, _ in combinations]) for name in scene.sweep},
-        {name: np.array([point["row"].get(name, np.nan) for point in found]) for name in names},
-        tuple(point["outcome"] for point in found), tuple(np.array(point["section"], dtype=float) for point in found), units,
-        stopped,
+        {name: np.array([point["row"].get(name, np.nan) for point in measured]) for name in names},
+        tuple(point["outcome"] for point in measured),
+        tuple(np.array(point["section"], dtype=float) for point in measured), units, stopped,
     )
 
 
@@ -139,14 +139,14 @@ def _point(one: Scene) -> dict[str, Any] | Signals:
 
 def _journal(path: Path) -> dict[str, dict[str, Any]]:
     """Points by the digest of their scenes; a last line that was not written to its end is left out."""
-    found = {}
+    written = {}
     with suppress(OSError):
         for line in path.read_text(encoding="utf-8").splitlines():
             with suppress(ValueError, KeyError, TypeError):
                 point = json.loads(line)
                 if {"row", "section", "outcome", "units"} <= point.keys():
-                    found[point["digest"]] = point
-    return found
+                    written[point["digest"]] = point
+    return written
 
 
 def unit_of(scene: Scene, name: str) -> str:
