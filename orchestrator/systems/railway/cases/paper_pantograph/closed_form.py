@@ -7,7 +7,7 @@ import numpy as np
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
-from .lumped import SWING, lumped_run, relative_deviation, settled_force
+from .lumped import SWING, last_force, lumped_run, relative_deviation
 
 SPEEDS = (160.0, 200.0, 250.0, 300.0, 350.0)  # km/h
 SMALL, MIDDLE = 0.0125, 0.2  # swing of the stiffness: first order, and half-way to the static truth
@@ -27,13 +27,13 @@ def study(options: Options) -> Evidence:
     panel = Panel("σ / (a Fm)", (
         Series("closed form, first order", x, [relative_deviation(v, whole=True) for v in x]),
         *(Series(f"runs, a = {a:g}", SPEEDS, [ratio[a, v] for v in SPEEDS], "points") for a in (SMALL, MIDDLE, SWING))))
-    chart = Chart("Scatter of the contact force under a lumped catenary", "speed, km/h", (panel,), "σ: standard deviation, a: "
-                  "swing of the stiffness over its mean, Fm: mean force. The largest is a resonance of the pantograph's mass on "
-                  "the mean stiffness; the wave speed of the wire, 438 km/h, does not occur in the model.")
+    chart = Chart("Scatter of the contact force under a lumped catenary", "speed, km/h", (panel,), "σ: standard deviation, "
+                  "a: swing of the stiffness over its mean, Fm: mean force. The largest is a resonance of the pantograph's "
+                  "mass on the mean stiffness; the wave speed of the wire, 438 km/h, does not occur in the model.")
     return Evidence(measured, (chart,))
 
 
 def scatter(swing: float, speed: float) -> float:
     """Standard deviation of the contact force over swing and mean."""
-    _, force = settled_force(lumped_run(speed, swings=(swing,), stop=LONG))
+    _, force = last_force(lumped_run(speed, swings=(swing,), stop=LONG))
     return float(force.std() / (swing * force.mean()))

@@ -30,10 +30,9 @@ def study(options: Options) -> Evidence:
     rows: list[tuple[str | float, ...]] = [
         (name, *(round(of[v][m], 1) for v in SPEEDS for m in ("std", "std_5_20", "max", "min")), inside(of))
         for name, of in results.items()]
-    grid = Grid("What coefficients buy", header, tuple(rows), "(250), (300): km/h. Statics gives a dropper term of 0.03: five "
-                                                              "times "
-                                                       "that is "
-                "a fit. A mass whose frequency on its spring is below the span-passing one takes the pantograph off the line.")
+    text = ("(250), (300): km/h. Statics gives a dropper term of 0.03: five times that is a fit. A mass whose frequency on its "
+            "spring is below the span-passing one takes the pantograph off the line.")
+    grid = Grid("What coefficients buy", header, tuple(rows), text)
     return Evidence(measured, (grid,))
 
 

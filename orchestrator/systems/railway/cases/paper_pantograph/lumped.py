@@ -28,7 +28,7 @@ HARMONICS = 10
 MASSLESS = (0.1, 2.0)  # kg, N.s/m: 0.2 and 0.5 % of k0 at the passing frequency; what is left so that the wire has a state
 STEP = 2.5e-4  # s
 CONTACT = 50e3  # N/m
-SETTLED_SPANS = 6  # whole spans at the end of a long run
+LAST_SPANS = 6  # whole spans at the end of a long run
 HEAD, FRAME, HEAD_SPRING, FRAME_SPRING, HEAD_DAMPER, FRAME_DAMPER = 7.2, 15.0, 4200.0, 50.0, 10.0, 90.0  # kg, N/m, N.s/m
 
 
@@ -61,9 +61,9 @@ def lumped_run(speed: float, stiffness: float = STIFFNESS, swings: Sequence[floa
     return run(scene if stop is None else scene.with_changes({"stop_time": stop}), in_process=True)
 
 
-def settled_force(result: Result) -> tuple[np.ndarray, np.ndarray]:
+def last_force(result: Result) -> tuple[np.ndarray, np.ndarray]:
     """Position in the span, m, and contact force, N, over the last whole spans of a run."""
     x, force = result["pantograph.contact_position"], result["pantograph.contact_force"]
     end = x[-1] - x[-1] % SPAN
-    kept = (x >= end - SETTLED_SPANS * SPAN) & (x < end)
+    kept = (x >= end - LAST_SPANS * SPAN) & (x < end)
     return x[kept] % SPAN, force[kept]

@@ -36,8 +36,9 @@ def study(options: Options) -> Evidence:
     header = ("thrusters", "lost", "rms position error, m", "rms attitude error, degrees", "mean ideal power, W", "least scale")
     grid = Grid("Keeping a place in current and waves without one thruster", header, tuple(rows),
                 f"The loss is at {FAILURE:g} s, numbers are of {AFTER:g} to {END:g} s. Of six 1 to 3 are horizontal.")
-    chart = Chart("Distance from the set point", "time, s", tuple(tracks), "A line for each thruster that is lost. The six give "
-                  "up one direction; depth and heading have priority, so that a lost horizontal thruster costs the place.",
+    chart = Chart("Distance from the set point", "time, s", tuple(tracks), "A line for each thruster that is lost. The six "
+                  "give up one direction; depth and heading have priority, so that a lost horizontal thruster costs the "
+                  "place.",
                   height=220)
     return Evidence(measured, (chart, grid))
 

@@ -105,8 +105,8 @@ def _sets_chart() -> Chart:
         series = tuple(Series(f"{name} thrusters", *_outline(matrix, i, j)) for name, matrix in MATRICES.items())
         first, _, second = unit.partition(", ")
         panels.append(Panel(f"{AXES[j]}, {second or first}", series, x_label=f"{AXES[i]}, {first}", equal=not second))
-    return Chart("Attainable forces and moments", "", tuple(panels), "Each panel: two components, the other four exactly zero. "
-                 "X ahead, Y to starboard, Z down; K, M, N about them.", columns=2, height=300)
+    return Chart("Attainable forces and moments", "", tuple(panels), "Each panel: two components, the other four exactly "
+                 "zero. X ahead, Y to starboard, Z down; K, M, N about them.", columns=2, height=300)
 
 
 def _losses_chart() -> Chart:
@@ -116,8 +116,8 @@ def _losses_chart() -> Chart:
         for k in range(3 if name == "six" else 4):
             series.append(Series(f"without {k + 1}", *_outline(np.delete(matrix, k, axis=1), 0, 1)))
         panels.append(Panel("Y, N", tuple(series), title=f"{name} thrusters", x_label="X, N", equal=True))
-    return Chart("Horizontal force left without a horizontal thruster", "", tuple(panels), "Pure force: no moment, no lift. Of "
-                 "six a line is left: the other directions come with a turn.", columns=2, height=300)
+    return Chart("Horizontal force left without a horizontal thruster", "", tuple(panels), "Pure force: no moment, no lift. "
+                 "Of six a line is left: the other directions come with a turn.", columns=2, height=300)
 
 
 def _axes_grid() -> Grid:
@@ -128,5 +128,5 @@ def _axes_grid() -> Grid:
             rows.append((name, "none" if k < 0 else str(k + 1), str(np.linalg.matrix_rank(left)),
                          *(round(float(end), 1) if end else "lost" for end in weaker(left))))
     return Grid("Largest pure force and moment, the weaker sense", ("layout", "lost", "rank", *(f"{a}, N" for a in AXES[:3]),
-                *(f"{a}, N.m" for a in AXES[3:])), tuple(rows), "Of five thrusters 1 % of another component may be left over: "
-                "the horizontal ones lie 3.9 mm off the plane of the others.")
+                *(f"{a}, N.m" for a in AXES[3:])), tuple(rows), "Of five thrusters 1 % of another component may be left "
+                    "over: the horizontal ones lie 3.9 mm off the plane of the others.")

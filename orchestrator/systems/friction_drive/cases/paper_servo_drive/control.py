@@ -1,0 +1,82 @@
+"""Steps of feed and rotation: the linear part against its closed form, both axes at once against each alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .drive import CONSTANT, FULL, GEAR, RESISTANCE, ROLLERS, controlled, wheel_inertia
+
+SMALL = {"feed": 2e-3, "rotation": np.radians(18.0)}  # m, rad: no limit is reached
+LARGE = {"feed": 0.01, "rotation": np.radians(90.0)}
+GAIN, RATE_GAIN, PERIOD = 20.0, 0.4, 1e-3  # 1/s, V.s/rad, s
+BACK_EMF = GEAR * CONSTANT  # V.s/rad at the wheel
+LINEAR = {"rate_integral_gain": 0.0, "feed_forward": BACK_EMF}
+STOP = 0.5  # s
+BAND = 0.05
+ALONE = {"both": ("feed", "rotation"), "feed": ("feed",), "rotation": ("rotation",)}
+
+
+def study(options: Options) -> Evidence:
+    """Small steps of the linear drive, then 10 mm and 90 degrees of the whole one; both layouts for the coupling."""
+    runs = {}
+    for name, ways in ALONE.items():
+        sets = {f"set_{way}": SMALL[way] for way in ways}
+        runs["linear", name] = controlled(STOP, ROLLERS, (), {}, LINEAR | sets)
+        runs["skewed", name] = controlled(STOP, "skewed", FULL, {"trocar_friction.level": 0.0, "shaft_friction.level": 0.0},
+                                          LINEAR | sets)
+        runs["whole", name] = controlled(STOP, ROLLERS, FULL, {}, {f"set_{way}": LARGE[way] for way in ways})
+    measured: dict[str, float] = {}
+    for way in SMALL:
+        for kind in ("linear", "skewed"):
+            alone, both = runs[kind, way][f"drive.{way}"], runs[kind, "both"][f"drive.{way}"]
+            measured[f"coupling.{kind}.{way}"] = float(np.abs(both - alone).max() / SMALL[way])
+        result = runs["linear", way]
+        measured[f"linear.{way}"] = float(np.abs(result[f"drive.{way}"] / SMALL[way] - closed_form(result.time, way)).max())
+        whole = runs["whole", way]
+        limit = 4.0 * (time_constant(way) + 1.0 / GAIN)
+        measured[f"response.{way}"] = response_time(whole.time, whole[f"drive.{way}"] / LARGE[way]) / limit
+    result = runs["whole", "both"]
+    measured["response.both"] = max(response_time(result.time, result[f"drive.{w}"] / LARGE[w]) for w in LARGE) / limit
+    return Evidence(measured, (_linear_chart(runs), _whole_chart(runs)))
+
+
+def time_constant(way: str) -> float:
+    """Time constant of a wheel under its rate loop, s."""
+    return wheel_inertia(way) * RESISTANCE / (BACK_EMF * (BACK_EMF + RATE_GAIN))
+
+
+def closed_form(t: np.ndarray, way: str) -> np.ndarray:
+    """Step response of the design model: T z'' + z' + K z = K, half a period of the sampling late."""
+    T, late = time_constant(way), np.maximum(np.asarray(t) - 0.5 * PERIOD, 0.0)
+    root = np.sqrt(complex(1.0 - 4.0 * GAIN * T))
+    fast, slow = (-1.0 - root) / (2.0 * T), (-1.0 + root) / (2.0 * T)
+    return (1.0 - (fast * np.exp(slow * late) - slow * np.exp(fast * late)) / (fast - slow)).real
+
+
+def response_time(t: np.ndarray, share: np.ndarray) -> float:
+    """Time from which on a response stays within 5 % of its step, s; NaN if it does not."""
+    outside = np.flatnonzero(np.abs(share - 1.0) > BAND)
+    return float(t[outside[-1] + 1]) if outside.size and outside[-1] + 1 < t.size else float("nan")
+
+
+def _linear_chart(runs: dict) -> Chart:
+    panels = []
+    for way in SMALL:
+        t = runs["linear", way].time
+        panels.append(Panel(f"{way} over its step, 1", (
+            Series("closed form", t, closed_form(t, way)),
+            Series("run", t[::10], runs["linear", way][f"drive.{way}"][::10] / SMALL[way], "points"),
+            Series("plain wheels, both axes at once", t, runs["skewed", "both"][f"drive.{way}"] / SMALL[way]))))
+    return Chart("Small steps: 2 mm and 18 degrees", "time, s", tuple(panels), "Free rollers decouple both axes; plain "
+                 "wheels slip across, and each axis feels the other.", columns=2)
+
+
+def _whole_chart(runs: dict) -> Chart:
+    panels = tuple(Panel(label, tuple(Series(name, runs["whole", name].time, factor * runs["whole", name][f"drive.{way}"])
+                                      for name in (way, "both")))
+                   for way, label, factor in (("feed", "feed, mm", 1e3), ("rotation", "rotation, degrees", 57.29578)))
+    return Chart("Steps of 10 mm and 90 degrees", "time, s", panels, "With friction of shafts and trocar and the limits of "
+                 "rate and voltage. Together the two axes share the rate that the wheels may have.", columns=2)

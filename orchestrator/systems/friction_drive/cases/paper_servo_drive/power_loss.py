@@ -1,0 +1,64 @@
+"""Loss of power: what the sleeve bears without voltage before it gives way; the windings are short-circuited and brake it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....harness.charts.chart import Chart, Panel, Series
+from .....harness.validation.case import Options
+from .....harness.validation.papers import Evidence
+from .....run import run
+from .... import read_scene
+from .drive import CONSTANT, COSINE, FRICTION, FULL, GEAR, NORMAL, RESISTANCE, ROLLERS, SHAFT, SHAFT_STATIC, WHEEL
+
+SEAL, SEAL_STATIC = 2.0, 2.6  # N
+GRIP = 2.0 * FRICTION * NORMAL * COSINE  # N, what wheels with free rollers bear along the axis
+TIGHT = 0.2  # N.m, shafts that a load cannot turn back
+NEAR = 0.02  # share by which a load is below or above a limit
+STOP, LAST = 5.0, 0.5  # s: of the run, and at its end; the seal gives way against the motors' brake in 0.3 s
+LOADS = np.round(np.arange(3.0, 5.41, 0.1), 3)  # N
+STANDS = 1e-3  # mm/s
+EVEN = {"shaft_friction.static_ratio": 1.0, "exact_slip.static_ratio": 1.0, "trocar_friction.static_ratio": 1.0}
+
+
+def study(options: Options) -> Evidence:
+    """Drives without voltage under loads about each limit, with friction that does not fall; then with friction that does."""
+    limits = {"shafts": (backdrive(SHAFT), {"trocar_friction.level": 0.0}), "seal": (backdrive(SHAFT) + SEAL, {}),
+              "grip": (GRIP, {"trocar_friction.level": 0.0, "shaft_friction.level": TIGHT})}
+    units = {f"{name}_{way}": _drive({**EVEN, **values, "external_force": -share * limit})
+             for name, (limit, values) in limits.items() for way, share in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR))}
+    units |= {f"load_{i}": _drive({"external_force": -F}) for i, F in enumerate(LOADS)}
+    result = run(read_scene({"title": "Drives without voltage", "stop_time": STOP, "master": {"step": 1e-3}, "units": units,
+                             "record": {"signals": [f"{u}.feed" for u in units]}}, "friction_drive"), in_process=True)
+    late = result.time >= STOP - LAST
+    speed = {u: 1e3 * float(np.ptp(result[f"{u}.feed"][late])) / LAST for u in units}
+    held = [F for i, F in enumerate(LOADS) if speed[f"load_{i}"] < STANDS]
+    limit = float(max(held, default=np.nan))
+    measured = {f"{name}.{way}": speed[f"{name}_{way}"] for name in limits for way in ("below", "above")}
+    measured |= {"sudden.limit": limit, "sudden.share": limit / (backdrive(SHAFT_STATIC) + SEAL_STATIC)}
+    panel = Panel("speed at the end, mm/s", (Series("runs", LOADS, [speed[f"load_{i}"] for i in range(LOADS.size)],
+                                                    "line+points"),),
+                  x_marks=((backdrive(SHAFT) + SEAL, "all in motion"), (backdrive(SHAFT_STATIC) + SEAL_STATIC, "all at rest")))
+    chart = Chart("Without power, a load put on at once", "load, N", (panel,), "The wheels are stiffer than the seal and "
+                  "take the load first. Their shafts give way before the seal bears its part: what all bear at rest is not "
+                  "reached.")
+    return Evidence(measured, (chart,), notes=(
+        f"Short-circuited windings brake with {brake():.0f} N.s/m along the sleeve: a load of 1 N more than friction holds "
+        f"moves it at {1e3 / brake():.2f} mm/s. With open windings it would fall.",))
+
+
+def backdrive(torque: float) -> float:
+    """Force along the sleeve that turns both shafts back, N; free rollers, friction at a wheel in N.m.
+
+    Without current the motors pass no torque on, so that the gear's share adds nothing.
+    """
+    return 2.0 * torque * COSINE / WHEEL
+
+
+def brake() -> float:
+    """Force per speed of the sleeve against two short-circuited motors, N.s/m, without losses of the gear."""
+    return 2.0 * (GEAR * CONSTANT) ** 2 / RESISTANCE * (COSINE / WHEEL) ** 2
+
+
+def _drive(parameters: dict[str, float]) -> dict:
+    return {"component": "FrictionDrive", "effects": list(FULL), "parameters": {"layout": ROLLERS, **parameters}}
