@@ -8,7 +8,7 @@ import numpy as np
 
 from .....harness.analysis.signals import amplitude_at, amplitude_spectrum
 from .....harness.analysis.spectra import peak
-from .....harness.charts.chart import Chart, Panel, Picture, Series
+from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
 from .....results import Result
@@ -97,16 +97,19 @@ def spectrum(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
-    spectra = {k: spectrum(away["across"]) for k, away in inner.items()}
-    f = next(iter(spectra.values()))[0] / TURNS
-    values = np.array([20.0 * np.log10(np.maximum(a, 1e-3)) + 60.0 for _, a in spectra.values()])
-    direct = Series("order times the speed", tuple(spectra), tuple(spectra), "points")
-    alias = Series("order less balls times the cage", [abs(k - BALL_PASS) for k in spectra], tuple(spectra), "points")
+    series = []
+    for k, away in inner.items():
+        f, a = spectrum(away["across"])
+        height = np.clip(20.0 * np.log10(np.maximum(a, 1e-3)) / 60.0 + 1.0, 0.0, 1.0)  # 60 dB below the wave to the wave
+        series.append(Series(f"order {k}", f / TURNS, k + 0.9 * height, faint=True))
+    series.append(Series("order times the speed", tuple(inner), tuple(inner), "points"))
+    series.append(Series("order less balls times the cage", [abs(k - BALL_PASS) for k in inner], tuple(inner), "points"))
     return Chart("Lines of each order of waviness", "frequency over the speed of the shaft",
-                 (Panel("order of waviness", (direct, alias), picture=Picture(f, tuple(spectra), values, "dB over A/1000")),),
-                 f"Inner ring, radial load, {BALLS} balls, motion across the load. Low orders shake at order times "
-                 f"speed; from half the number of balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring "
-                 "as a whole, and leave nothing at their own order.")
+                 (Panel("order of waviness, and 60 dB to the next", tuple(series)),),
+                 f"Inner ring, radial load, {BALLS} balls, motion across the load. Each spectrum stands on its order; a line as "
+                 "high as the wave reaches nearly to the next. Low orders shake at order times speed; from half the number of balls "
+                 f"on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing at "
+                 "their own order.", height=480)
 
 
 def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
