@@ -108,8 +108,8 @@ def _map(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
                  (Panel("order of waviness, and 60 dB to the next", tuple(series)),),
                  f"Inner ring, radial load, {BALLS} balls, motion across the load. Each spectrum stands on its order; a line as "
                  "high as the wave reaches nearly to the next. Low orders shake at order times speed; from half the number of "
-                 f"balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing at "
-                 "their own order.", height=480)
+                 f"balls on their aliases do: {BALLS - 1} and {BALLS + 1} waves displace the ring as a whole, and leave nothing "
+                 "at their own order.", height=480)
 
 
 def _transfer(inner: dict[int, dict[str, np.ndarray]]) -> Chart:
