@@ -14,6 +14,7 @@ class Facts:
     """small: parameters that make the component quicker and the code no other; the tests use them everywhere.
     other_ways: a second way through the component that parameters choose, with the effects that change this way.
     moving: outputs that move although the component starts from rest ("*": all, it never rests).
+    released: presets that start away from their equilibrium, as a loaded spring that is let go.
     slopes: share of the contract's slopes of inputs that leaves them within the range of the model.
     plain: effects and parameters with which compiled and plain Python are compared, and the number of steps of 1 ms.
 
@@ -27,6 +28,7 @@ class Facts:
     small: Mapping[str, Any] = field(default_factory=dict)
     other_ways: tuple[tuple[dict[str, Any], tuple[str, ...]], ...] = ()
     moving: frozenset[str] = frozenset()
+    released: frozenset[str] = frozenset()
     slopes: float = 1.0
     plain: tuple[tuple[str, ...], Mapping[str, Any], int] = ((), {}, 20)
     disturbance: Mapping[str, float] = field(default_factory=dict)

@@ -70,6 +70,9 @@ def test_presets_start_from_rest(component, preset):
     made.initialize(0.0)
     before = made.y.copy()
     made.step(0.0, 1e-3)
+    if preset in FACTS[component].released:
+        assert np.abs(made.y - before).max() > 1e-6
+        return
     # An equilibrium stays one: what moves in a step is at most rounding of the largest forces, far below 1e-6 nominal,
     # and outputs that are functions of time move with their own speed.
     assert np.isfinite(made.y).all()

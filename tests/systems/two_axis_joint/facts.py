@@ -46,6 +46,7 @@ FACTS: dict[str, Facts] = {
         form=frozenset(f"scan.{axis}_{what}" for axis in ("outer", "inner") for what in ("frequency", "phase")),
     ),
     "TwoLinkChain": Facts(
+        released=frozenset({"satellite panel"}),
         plain=(("gravity", "viscous", "stick_friction", "stops", "reactions"), {"start_second_angle": 0.3}, 20),
         disturbance=TORQUES,
         strengths={
