@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from ......components.bearings.deep_groove import DISPLACEMENT, DeepGrooveBearing
+from ......components.bearings.geometry import BallGeometry
+from ......components.bearings.hertz import effective_modulus
 from ......components.core.errors import StepFailed
 from .....results import Result
 from .....run import run
@@ -25,7 +27,7 @@ MASS, GRAVITY = 20.0, 9.81
 WEIGHT = MASS * GRAVITY
 BALLS = 9
 DAMPING = 2000.0  # N.s/m: a disturbance falls to 1e-9 in 0.4 s
-BEARING = {"balls": BALLS, "ball_diameter": 11.1e-3, "pitch_diameter": 53.5e-3}
+BEARING: dict[str, Any] = {"balls": BALLS, "ball_diameter": 11.1e-3, "pitch_diameter": 53.5e-3}
 SIGNALS = ("rotor.displacement_x", "rotor.displacement_y", "rotor.velocity_x", "rotor.velocity_y", "bearing.force_x",
            "bearing.force_y")  # fmt: skip
 MOTION = tuple(f"{kind}_{axis}" for kind in ("displacement", "velocity") for axis in "xy")
@@ -38,10 +40,11 @@ def bearing(effects: Sequence[str] = (), **parameters: Any) -> DeepGrooveBearing
     return model
 
 
-STIFFNESS = bearing().kernel_arguments()[0].contacts.stiffness  # N/m^1.5
+GEOMETRY = BallGeometry(**BEARING)
+STIFFNESS = GEOMETRY.stiffness(effective_modulus(2.06e11, 0.3, 2.06e11, 0.3))  # N/m^1.5, of the component's steel
 LENGTH = (WEIGHT / STIFFNESS) ** (2.0 / 3.0)  # x_s, m
 FREQUENCY = math.sqrt(STIFFNESS * math.sqrt(LENGTH) / MASS) / (2.0 * math.pi)  # f_0, Hz
-BALL_PASS, CAGE = (bearing().geometry.defect_frequencies(1.0)[n] for n in ("outer", "cage"))  # per turn of the shaft
+BALL_PASS, CAGE = (GEOMETRY.defect_frequencies(1.0)[n] for n in ("outer", "cage"))  # per turn of the shaft
 
 
 def diametral(clearance: float) -> float:
