@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ......components.core.errors import StepFailed
 from ......components.pipe_robot.rolling import RING
 from .....harness.charts.chart import Chart, Panel, Picture, Series
 from .....harness.validation.case import Options
@@ -53,7 +54,7 @@ def study(options: Options) -> Evidence:
     bad = sum(not balance(d).epsilon < GOOD for d in (*first.values(), *second.values()))
     note = (f"In {bad} designs of the maps the balance of the first harmonic is not meant: epsilon is {GOOD:g} or more, or there "
             "is no solution, and the body sticks for a part of the period.")
-    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,))
+    return Evidence(measured, (_first_map(speeds), _second_map(speeds_second), _lines(speeds)), notes=(note,), claim="F3")
 
 
 def _speeds(designs: Mapping[Key, Design], options: Options, least: float = SETTLED) -> dict[Key, float]:
@@ -65,7 +66,7 @@ def _speeds(designs: Mapping[Key, Design], options: Options, least: float = SETT
                          TURN / frequency, periods)  # fmt: skip
     result = run(scene, in_process=options.in_process)
     if result.outcome != "done":
-        raise RuntimeError(result.message)
+        raise StepFailed(result.scene.name, 0.0, result.message)
     return {key: last_speed(result, n, 10) for n, key in names.items()}
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
@@ -44,7 +45,7 @@ def study(options: Options) -> Evidence:
     result = _run(still, options, 20)
     measured |= {f"holds.{name}": float(np.ptp(result[f"r{k}.position"])) for k, name in enumerate(("below", "above"))}
     measured["holds.angle"] = math.degrees(math.asin(steepest))
-    return Evidence(measured, (_chart(),))
+    return Evidence(measured, (_chart(),), claim="F3")
 
 
 def _pair(frequency: float, options: Options) -> dict[str, float]:
@@ -65,7 +66,7 @@ def _run(designs: list[Design], options: Options, periods: int) -> Result:
     scene = side_by_side(NAME, f"Thresholds at {frequency:g} rad/s", robots, TURN / frequency / SEEN, periods * SEEN)
     result = run(scene, in_process=options.in_process)
     if result.outcome != "done":
-        raise RuntimeError(result.message)
+        raise StepFailed(result.scene.name, 0.0, result.message)
     return result
 
 

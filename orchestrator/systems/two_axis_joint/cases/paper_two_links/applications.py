@@ -86,7 +86,7 @@ def study(options: Options) -> Evidence:
         measured[f"margin.{name}"] = panel.stiffness * OPEN / panel.friction
     measured |= _free(runs["satellite-panel"]) | _tracking(runs["two-link-manipulator"]) | _crusher(runs["jaw-crusher"])
     shown = {n: runs[n] for n in ("satellite-panel", "two-link-manipulator")}
-    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown)
+    return Evidence(measured, (_deployment(runs["panels"]), _jaw(runs["jaw-crusher"])), shown, claim="I4")
 
 
 def _panels() -> Scene:

@@ -53,7 +53,7 @@ def study(options: Options) -> Evidence:
     measured |= _eigenvalues() | _coasting(options)
     note = ("The damping is Rayleigh's, D = mu M + nu K, with mu = -d2 / B below 0: damping in proportion to the mass or to the "
             "stiffness alone is out of reach of joint dampers.")
-    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,))
+    return Evidence(measured, (_mixing(mixed), _decay(runs["point masses"])), notes=(note,), claim="I3")
 
 
 def matrices(name: str) -> tuple[np.ndarray, np.ndarray]:

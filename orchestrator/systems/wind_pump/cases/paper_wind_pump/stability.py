@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ......components.core.errors import StepFailed
 from .....harness.analysis.operating_point import SceneRates, linearised
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
@@ -71,7 +72,7 @@ def study(options: Options) -> Evidence:
     for wind in GIVEN:
         measured |= _eigenvalues(wind)
     measured |= _fixed(options)
-    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), runs)
+    return Evidence(measured, (_chart(points["heier"]), _growths(points["heier"])), runs, claim="H1")
 
 
 def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
@@ -86,7 +87,7 @@ def _map(name: str, options: Options) -> tuple[list[Point], list[bool]]:
         starts = [(load, at and (PUSH * at[0], at[1])) for load, at in cells]
         result = run(scene(plant, wind, starts, STEPS[name], STOPS[name]), in_process=True)  # thousands of starts in all
         if result.outcome != "done":
-            raise RuntimeError(result.message)
+            raise StepFailed(result.scene.name, 0.0, result.message)
         for k, (load, at) in enumerate(cells):
             turbine, pump = result[f"turbine_{k}.speed"], result[f"converter_{k}.speed"]
             if at is None:

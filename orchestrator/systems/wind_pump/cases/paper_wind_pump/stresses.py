@@ -44,7 +44,7 @@ def study(options: Options) -> Evidence:
     note = (f"In the gusts from 5 to 12 m/s the lever's bending stress reaches an amplitude of "
             f"{0.5e-6 * bending.ranges.max():.1f} MPa. "
             f"Endurances, {ENDURANCE.limit / 1e6:.0f} MPa in torsion and {BENDING / 1e6:.0f} MPa in bending, are recalled.")
-    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,))
+    return Evidence(measured, (_courses(fixed, held), _damage(fixed, held)), notes=(note,), claim="H1")
 
 
 def piston() -> Scene:

@@ -15,6 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import minimize_scalar
 from scipy.special import gamma
 
+from ......components.core.errors import StepFailed
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
@@ -74,7 +75,7 @@ def study(options: Options) -> Evidence:
     note = (f"At {SITES[1]:g} m/s mean wind the converter gives {measured['over.4']:.2f} times the water of the fixed ratio that "
             f"suits the site best and always runs, and {measured['late.over.4']:.2f} times that of the best one that has to "
             "start against the pump's peak.")
-    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,))
+    return Evidence(measured, (_curves(winds, converter, over, fixed), _sites(measured)), notes=(note,), claim="H2")
 
 
 def _equilibria(winds: np.ndarray, component: str, parameters: dict[str, float], speed: float) -> np.ndarray:
@@ -95,7 +96,7 @@ def _equilibria(winds: np.ndarray, component: str, parameters: dict[str, float],
         "record": {"signals": [f"turbine_{k}.power_coefficient" for k in range(winds.size)], "interval": 60.0}},
         "paper-wind-pump"), in_process=True)  # a hundred units
     if result.outcome != "done":
-        raise RuntimeError(result.message)
+        raise StepFailed(result.scene.name, 0.0, result.message)
     return np.array([result[f"turbine_{k}.power_coefficient"][-1] for k in range(winds.size)])
 
 

@@ -37,7 +37,7 @@ def study(options: Options) -> Evidence:
     measured |= {"slack": -100.0 * float(named.min()), "control": 100.0 * float(np.abs(ends).max(axis=0).max()),
                  "control.mean": 100.0 * float(np.abs(ends).max(axis=0).mean()), "closed": _closed_form(), "back": _back()}
     measured |= _interventions(options) | _person(options)
-    return Evidence(measured, (_chart(named, control), _ranges(measured)))
+    return Evidence(measured, (_chart(named, control), _ranges(measured)), claim="G6")
 
 
 def _strains(ends: np.ndarray) -> np.ndarray:

@@ -45,7 +45,7 @@ def study(options: Options) -> Evidence:
     note = (f"With a passive stiffness of 1 N.m/rad the free hand is stable up to {critical:.1f} N along the forearm, with five "
             f"ligaments under tension up to {measured['raised']:g} times as much. A grip loads the wrist by hundreds of newtons: "
             "muscles that guide the load, and contact, have to bear the rest.")
-    return Evidence(measured, (_chart(critical),), notes=(note,))
+    return Evidence(measured, (_chart(critical),), notes=(note,), claim="G2")
 
 
 def column(first: float, second: float) -> float:

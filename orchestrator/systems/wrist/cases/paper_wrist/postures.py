@@ -53,7 +53,7 @@ def study(options: Options) -> Evidence:
         measured |= {f"roll.most.{name}": DEGREES * most, f"roll.share.{name}": 100.0 * most / largest}
         measured |= {f"{what}.{name}": v for what, v in zip(("s", "p", "slope"), _small(axes(name), options), strict=True)}
     measured |= _arc() | _distal_axis() | _roll_stiffness(options)
-    return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)))
+    return Evidence(measured, (_roll_chart(fields[STANDARD]), _rows_grid(held)), claim="G2")
 
 
 def axes(name: str) -> Axes:
