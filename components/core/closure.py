@@ -6,7 +6,7 @@ Imports are read from the source, those inside functions too; nothing is execute
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -15,12 +15,20 @@ from pathlib import Path
 def imports(source: bytes) -> tuple[tuple[int, str, tuple[str, ...]], ...]:
     """(level, module, names) of every import statement; level 0: absolute, with no names for `import module`."""
     result: list[tuple[int, str, tuple[str, ...]]] = []
-    for node in ast.walk(ast.parse(source)):
+    for node in _statements(ast.parse(source).body):
         if isinstance(node, ast.Import):
             result += [(0, alias.name, ()) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             result.append((node.level, node.module or "", tuple(alias.name for alias in node.names)))
     return tuple(result)
+
+
+def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """Statements and those inside them, without the expressions in them: `ast.walk` takes ten times as long."""
+    for node in nodes:
+        yield node
+        for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from _statements(getattr(node, field, ()))
 
 
 def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None) -> dict[Path, bytes]:

@@ -15,6 +15,7 @@ import sysconfig
 import tempfile
 from contextlib import suppress
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from uuid import uuid4
 
@@ -145,6 +146,25 @@ class _Files(IndexDataCacheFile):
             super().save(key, data)
 
 
+@lru_cache(maxsize=1)
+def load_array_functions() -> None:
+    """Load what Numba knows of arrays, without SciPy's BLAS, for which it looks there: a seventh of the start of a process.
+
+    A kernel that multiplies matrices has it loaded when it is compiled, and when it is called.
+    """
+    from numba.np import linalg
+
+    if "numba.np.arraymath" in sys.modules or find_spec("scipy") is None or not hasattr(linalg, "ensure_blas"):
+        return
+    ensure = linalg.ensure_blas
+    linalg.ensure_blas = lambda: None
+    try:
+        from numba.np import arraymath
+    finally:
+        linalg.ensure_blas = ensure
+    arraymath.ensure_blas = ensure
+
+
 class KernelCache(FunctionCache):
     """The cache of one kernel; nothing is read before it is needed. files: sources that decide on the machine code."""
 
@@ -165,6 +185,7 @@ class KernelCache(FunctionCache):
         return self._open().cache_path
 
     def load_overload(self, sig, target_context):
+        load_array_functions()
         return self._open().load_overload(sig, target_context)
 
     def save_overload(self, sig, data):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import shutil
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from cosimo import components
+from cosimo.components.core.closure import imports
 from cosimo.components.core.kernels import COMPILED
 
 pytestmark = pytest.mark.skipif(not COMPILED, reason="nothing is compiled")
@@ -84,3 +86,42 @@ def test_where_nothing_can_be_written_kernels_run_all_the_same(package, tmp_path
     aside = f"tempfile.tempdir = {str(tmp_path / 'temporary')!r}"
     for expected in (COMPILED_ANEW, FOUND):
         assert run(package, tmp_path / "file" / "cache", aside) == [11.0, 15.0, expected, expected]
+
+
+PRODUCT = """
+import sys
+import numpy as np
+from own.core.kernels import kernel
+from own.outer import outer
+
+@kernel
+def product(a, b, c):
+    np.dot(a, b, c)
+
+outer(5.0)
+before = "scipy.linalg" in sys.modules
+a, b, c = np.arange(9.0).reshape(3, 3), np.eye(3), np.zeros((3, 3))
+product(a, b, c)
+print(before, bool((a == c).all()))
+"""
+
+
+def test_only_a_kernel_that_multiplies_matrices_loads_the_libraries_for_it(package, tmp_path):
+    environment = {**os.environ, "COSIMO_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(package.parent)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    done = subprocess.run([sys.executable, "-c", PRODUCT], capture_output=True, text=True, env=environment, check=True)
+    assert done.stdout.split() == ["False", "True"], done.stderr
+
+
+def test_all_import_statements_of_all_sources_are_seen():
+    def walked(source: bytes) -> set:
+        nodes = list(ast.walk(ast.parse(source)))
+        plain = {(0, a.name, ()) for n in nodes if isinstance(n, ast.Import) for a in n.names}
+        return plain | {(n.level, n.module or "", tuple(a.name for a in n.names)) for n in nodes if isinstance(n, ast.ImportFrom)}
+
+    sources = [path.read_bytes() for path in CORE.parent.rglob("*.py")]
+    sources.append(b"match 1:\n    case 1:\n        try:\n            pass\n        except ValueError:\n            import one\n"
+                   b"        else:\n            import two\n        finally:\n            async def f():\n"
+                   b"                from . import three\n")
+    assert all(set(imports(source)) == walked(source) for source in sources)
+    assert len(imports(sources[-1])) == 3
