@@ -89,8 +89,6 @@ class InstabilityMonitor(BatchObserver):
     def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         looks = inputs[self._every - 1 - self._calls % self._every :: self._every][:, :, self._columns]
-        if not len(looks):
-            return
         self._looks += len(looks)
         extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
         missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)

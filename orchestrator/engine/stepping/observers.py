@@ -23,8 +23,6 @@ from ..algorithms.master import Node
 from ..coupling import Endpoint
 
 Sample = Callable[[], list[float]]
-
-
 FOREVER = 1_000_000  # steps
 
 
@@ -50,8 +48,7 @@ class Recorder(BatchObserver):
                  columns: slice | None = None):
         """`of_master`: the sample is the master's own. `columns`: where in the outputs of batches it stands, if it does."""
         self._sample, self._width, self._interval, self._end, self._of_master = sample, width, interval, end, of_master
-        self._due, self._last = 0, -math.inf
-        self._columns = columns
+        self._due, self._last, self._columns = 0, -math.inf, columns
         self._times, self._values = array("d"), array("d")
 
     def __call__(self, tick: int, t: float) -> None:
