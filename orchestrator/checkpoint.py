@@ -204,7 +204,8 @@ def _read_arrays(path: Path) -> dict[str, np.ndarray]:
         if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
             return {}
     with np.load(path, allow_pickle=False) as file:
-        return dict(file)
+        arrays = dict(file)  # a member that is no array comes as bytes
+    return arrays if all(isinstance(array, np.ndarray) for array in arrays.values()) else {}
 
 
 def content_digest(arrays: Mapping[str, np.ndarray]) -> bytes:
