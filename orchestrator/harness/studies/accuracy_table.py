@@ -64,7 +64,7 @@ def read_points(path: Path) -> Accuracy:
         numbers = [{n: float(row[ERROR_OF + n]) for n in names} for row in (agreement, mesh)]
         about = {key: agreement[column] for key, column in ABOUT.items()}
         calibration = float(agreement[CALIBRATION])
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, csv.Error) as error:
         raise BadInput(str(path), f"no table of accuracy ({type(error).__name__}: {error})", "one that cosimo accuracy wrote",
                        "Remove it and measure again.") from None
     return Accuracy(path.stem, path.stem, points, agreement=numbers[0], mesh_error=numbers[1], calibration=calibration,
