@@ -7,6 +7,7 @@ takes the place of the earlier result at the end; after `kill -9` it is still th
 from __future__ import annotations
 
 import csv
+import errno
 import os
 import shutil
 from collections.abc import Mapping, Sequence
@@ -19,9 +20,10 @@ import numpy as np
 
 from .engine.stepping.observers import BatchObserver, Recorder, TextRecorder
 from .output import HOLDER, UNFINISHED, write_json
-from .tables import StoredTable, Table, joined
+from .tables import INTERNAL, StoredTable, Table, joined
 
-TABLE, CSV, INFO, SNAPSHOTS, REPORT = "result.parquet", "result.csv", "run.json", "snapshots", "report.html"
+TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
+DERIVED = ("report.html", "summary.json")  # made of a result, and gone with it
 RESERVE = "reserve"  # a file to be removed where the disk is full, so that the outcome can still be written
 RESERVED = 1 << 16  # bytes
 CHUNK_ROWS, CHUNK_VALUES, CHUNK_SECONDS = 100_000, 1_000_000, 5.0  # a chunk is written when it has reached one of them
@@ -89,6 +91,8 @@ class ResultFiles(BatchObserver):
 
     def open(self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: Mapping[str, Any]) -> Table:
         """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`."""
+        for name in (*DERIVED, TABLE, SNAPSHOTS, CSV, INFO):  # now, not after a long run
+            _refuse_foreign(self.directory / name, name in (TABLE, SNAPSHOTS))
         for entry in self._folder.iterdir():
             if entry.name != HOLDER:
                 shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
@@ -133,7 +137,7 @@ class ResultFiles(BatchObserver):
             (self._folder / RESERVE).unlink(missing_ok=True)
             write_json(self._folder / INFO, info)
             self.close()
-            for name in (REPORT, TABLE, SNAPSHOTS, CSV, INFO):  # an earlier report goes; last what says that it is whole
+            for name in (*DERIVED, TABLE, SNAPSHOTS, CSV, INFO):  # last what says that it is whole
                 _move(self._folder / name, self.directory / name)
             for table in self._tables:
                 table.folder = self.directory / table.folder.relative_to(self._folder)
@@ -181,6 +185,15 @@ class _WithCsv(StoredTable):
     def append(self, time: np.ndarray, values: np.ndarray, texts: np.ndarray) -> None:
         super().append(time, values, texts)
         self._write(time, values, texts)
+
+
+def _refuse_foreign(path: Path, folder: bool) -> None:
+    """Raises `OSError` where what the result would replace is none of its kind: a file for a folder, or somebody's folder."""
+    if path.exists() and path.is_dir() != folder:
+        code = errno.ENOTDIR if folder else errno.EISDIR
+        raise OSError(code, f"{path.name} there is {'a file' if folder else 'a folder'}")
+    if folder and path.is_dir() and any(entry.suffix not in (".parquet", INTERNAL) for entry in path.iterdir()):
+        raise OSError(errno.EEXIST, f"the folder {path.name} there has other files than those of a result")
 
 
 def _move(new: Path, old: Path) -> None:

@@ -260,3 +260,26 @@ def test_runs_of_threads_do_not_meet(tmp_path):
     for thread in threads:
         thread.join()
     same(read_result(tmp_path / "0"), read_result(tmp_path / "1"))
+
+
+@pytest.mark.parametrize(("name", "inside"), [("report.html", ""), ("result.csv", "mine.txt"), ("snapshots", "holiday.jpg"),
+                                              ("result.parquet", "notes.txt")])
+def test_what_somebody_else_put_there_is_not_replaced(name, inside, tmp_path):
+    """A folder with the name of a file of the result, or with files that are none of a result: refused before the run."""
+    (tmp_path / name).mkdir()
+    if inside:
+        (tmp_path / name / inside).write_text("mine")
+    with pytest.raises(BadInput, match=name.replace(".", r"\.")):
+        run(read_scene(two_masses()), in_process=True, output=tmp_path)
+    assert (tmp_path / name).is_dir()
+    assert not inside or (tmp_path / name / inside).read_text() == "mine"
+    assert not (tmp_path / "run.json").exists()
+
+
+def test_a_result_takes_the_place_of_an_earlier_one_with_all_that_was_made_of_it(tmp_path):
+    run(read_scene(two_masses()), in_process=True, output=tmp_path)
+    (tmp_path / "summary.json").write_text("{}")
+    (tmp_path / "mine.txt").write_text("mine")
+    run(read_scene(two_masses()), in_process=True, output=tmp_path)
+    assert not (tmp_path / "summary.json").exists()
+    assert (tmp_path / "mine.txt").read_text() == "mine"
