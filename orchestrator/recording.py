@@ -20,7 +20,7 @@ import numpy as np
 
 from .engine.stepping.observers import BatchObserver, Recorder, TextRecorder
 from .output import HOLDER, UNFINISHED, write_json
-from .tables import INTERNAL, StoredTable, Table, joined
+from .tables import INTERNAL, StoredTable, Table, joined, prepare
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"
 DERIVED = ("report.html", "summary.json")  # made of a result, and gone with it
@@ -81,6 +81,7 @@ class ResultFiles(BatchObserver):
     """Writes the rows of a run into a directory as they come: Parquet parts, and the same as comma-separated values."""
 
     def __init__(self, directory: Path):
+        prepare()  # before the units: one that ends the process from inside leaves results to be written
         self.directory = directory.absolute()  # wherever a unit goes
         self._folder = self.directory / UNFINISHED
         self._spools: list[Spool] = []

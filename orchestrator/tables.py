@@ -52,6 +52,19 @@ class MemoryTable:
         return iter(self._chunks)
 
 
+def prepare() -> None:
+    """Write a table into memory, so that all is there that Arrow makes at its first use.
+
+    C's `exit` undoes what was registered last first: what Arrow registers after a handler is gone when the handler is called.
+    """
+    import pyarrow
+    import pyarrow.parquet as parquet
+
+    table = pyarrow.table({TIME: [0.0], "text": ["a"]})
+    parquet.write_table(table, pyarrow.BufferOutputStream(), compression="zstd", use_dictionary=["text"],
+                        use_byte_stream_split=[TIME])
+
+
 class StoredTable:
     """Rows in a folder of Parquet files, which other programs read as one table; units of measure are metadata of its fields."""
 
