@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import OrderedDict
 from pathlib import Path
 
 import pytest
@@ -93,7 +94,9 @@ def test_runs_that_fail_or_end_early_leave_nothing_either(parameters, outcome):
     assert held() == before
 
 
-def test_units_of_one_fmu_that_run_at_the_same_time_have_folders_of_their_own(tmp_path):
+def test_units_of_one_fmu_that_run_at_the_same_time_have_folders_of_their_own(tmp_path, monkeypatch):
+    # Else, where there are too many, folders of other tests would go.
+    monkeypatch.setattr("cosimo.orchestrator.units.folders._free", OrderedDict())
     copy = tmp_path / "copy.fmu"
     shutil.copy(exchange_fmu(), copy)
     unit = {"fmu": str(copy)}
