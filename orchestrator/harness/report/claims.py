@@ -28,6 +28,7 @@ def section(result: ClaimResult) -> Section:
     claim = result.claim
     texts = [f"Announced (abstract): {claim.announced}"]
     texts += [f"Criterion, derived before the run: {claim.criterion}"] if claim.criterion else []
+    texts += [f"Not modelled here: {claim.missing}"] if claim.missing else []
     blocks: list[Block] = [Text(texts)]
     if not result.as_reviewed:
         blocks.append(Text([f"The last review had the verdict “{claim.verdict}”."], "warning"))

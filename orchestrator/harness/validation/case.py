@@ -86,7 +86,7 @@ class ClaimResult:
         """What the rows show; recalled ranges decide nothing. A model without rows is shown by what it points to.
 
         "contradicted" if a contradicting row is inside its range, "not shown" if no supporting row is, "shown" if all
-        supporting rows are and no limiting one is, else "partly".
+        supporting rows are, no limiting one is and nothing is missing, else "partly".
         """
         firm = [r for r in self.rows if r.reference.standing != "recalled"]
         inside = {role: [r.inside for r in firm if r.reference.role == role] for role in ROLES}
@@ -95,7 +95,7 @@ class ClaimResult:
         supported = inside["supports"] or [self.claim.kind == "model"]
         if not any(supported):
             return "not shown"
-        return "shown" if all(supported) and not any(inside["limits"]) else "partly"
+        return "shown" if all(supported) and not any(inside["limits"]) and not self.claim.missing else "partly"
 
     @property
     def measured(self) -> str:
@@ -113,7 +113,7 @@ class ClaimResult:
         """The claim of the machine-readable output."""
         c = self.claim
         return {"number": c.number, "kind": c.kind, "announced": c.announced, "criterion": c.criterion, "verdict": self.verdict,
-                "reviewed": c.verdict, "discussion": c.discussion, "shown_by": list(c.shown_by)}
+                "reviewed": c.verdict, "missing": c.missing, "discussion": c.discussion, "shown_by": list(c.shown_by)}
 
 
 def claim_results(claims: Iterable[Claim], rows: Iterable[Row],

@@ -12,7 +12,7 @@ VERDICTS = ("shown", "partly", "not shown", "contradicted")
 KINDS = ("model", "finding")
 ROLES = ("supports", "limits", "contradicts")
 _TEXTS = ("number", "kind", "announced", "verdict")
-_OPTIONAL = ("criterion", "discussion", "shown_by")
+_OPTIONAL = ("criterion", "discussion", "shown_by", "missing")
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class Claim:
 
     kind: "model", held by equations, effects and tests, or "finding", held by measured rows.
     criterion: what a run has to give, derived before it.  shown_by: components, effects as Component.effect, files.
+    missing: a part that is announced and not modelled here; such a claim is "partly" shown at most.
     verdict: what the rows gave when they were last reviewed; a run that gives another one fails.
     """
 
@@ -31,6 +32,7 @@ class Claim:
     criterion: str = ""
     discussion: str = ""
     shown_by: tuple[str, ...] = ()
+    missing: str = ""
 
 
 def read_claims(table: str, entries: Iterable[Mapping[str, Any]]) -> tuple[Claim, ...]:

@@ -54,6 +54,12 @@ def test_a_model_is_shown_by_what_it_points_to_unless_a_row_denies_it():
     assert ClaimResult(claim("model"), (row(False),)).verdict == "not shown"
 
 
+def test_a_claim_of_which_a_part_is_not_modelled_is_shown_partly():
+    one = Claim("X1", "model", "it walks and swims", "partly", "", "it does not walk", ("Catenary",), "walking")
+    assert ClaimResult(one, ()).verdict == "partly"
+    assert ClaimResult(one, (row(False),)).verdict == "not shown"
+
+
 def test_what_was_not_measured_shows_nothing():
     assert ClaimResult(claim(), (Row(row(True).reference, math.nan),)).verdict == "not shown"
 
