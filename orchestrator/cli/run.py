@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
@@ -160,11 +159,12 @@ def _summary(result: Result) -> tuple[Summary, list[str]]:
 def _numbers(numbers: Summary, output: Path) -> list[str]:
     """Write summary.json: its name, or none where there are no numbers or they cannot be written."""
     from ..harness.summary import to_json
+    from ..output import write_json
 
     if not numbers:
         return []
     try:
-        (output / "summary.json").write_text(json.dumps(to_json(numbers), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        write_json(output / "summary.json", to_json(numbers))
     except OSError as error:
         print(f"cosimo: no summary.json: {error.strerror or error}", file=sys.stderr)
         return []

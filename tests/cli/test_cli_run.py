@@ -183,3 +183,15 @@ def test_a_module_that_is_not_found_says_where_its_folder_belongs(tmp_path, caps
         main(["run", str(tmp_path / "scene.toml")])
     assert end.value.code == 2
     assert "PYTHONPATH" in capsys.readouterr().err
+
+
+def test_the_numbers_of_a_run_are_printed_and_written(tmp_path, capsys):
+    """The energy of an undamped double pendulum: the row on the terminal is the one of the file."""
+    assert cosimo("run", "double-pendulum", "--in-process", "--stop", "0.2", "-o", tmp_path / "out") == 0
+    numbers = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    drift = numbers["chain.energy_change"]
+    assert 0.0 <= drift["value"] < 1e-6
+    assert drift["unit"] == "1"
+    printed = capsys.readouterr().out
+    assert "chain.energy_change" in printed
+    assert "summary.json" in printed

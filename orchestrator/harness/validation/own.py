@@ -43,19 +43,24 @@ def read_case(path: Path, load_scene: Loader, summarize: Summarize) -> Case:
         raise BadInput(name, "neither rows nor curves", "[[rows]] or [[curves]] to compare with")
     beside = path.parent / settings.scene
     scene = load_scene(beside if beside.suffix else settings.scene)
-    scenes = {r.condition: scene.with_changes(r.changes) for r in settings.runs} or {"": scene}
+    conditions = [r.condition for r in settings.runs]
+    if twice := [c for c in dict.fromkeys(conditions) if conditions.count(c) > 1]:
+        raise BadInput(f"{name}: runs", f"condition {twice[0]!r} twice", "a condition of its own for each run")
+    scenes = {r.condition: scene.with_changes(r.changes) for r in settings.runs} or {scene.name: scene}
+    only = next(iter(scenes)) if len(scenes) == 1 else ""  # what rows and curves without a condition are of
     rows = tuple(_in_run(r, scenes, f"{name}, row {i}")
-                 for i, r in enumerate(table_rows(name, settings.rows, settings.sources), 1))
-    for curve in settings.curves:
+                 for i, r in enumerate(table_rows(name, [{"condition": only, **r} for r in settings.rows], settings.sources), 1))
+    curves = tuple(c.model_copy(update={"condition": c.condition or only}) for c in settings.curves)
+    for curve in curves:
         _check_curve(curve, settings, scenes, path.parent, name)
-    scenes = {condition: _recording(one, rows, settings, condition) for condition, one in scenes.items()}
-    function = partial(_findings, settings, rows, scenes, path.parent, summarize)
+    scenes = {condition: _recording(one, rows, curves, condition) for condition, one in scenes.items()}
+    function = partial(_findings, settings.sources, rows, curves, scenes, path.parent, summarize)
     text = settings.text or f"The scene {settings.scene} against the ranges and curves of {path.name}."
     return Case(name, settings.title, text, scene.analysis.system, function)
 
 
 def _in_run(row: TableRow, scenes: dict[str, Scene], where: str) -> TableRow:
-    """A row whose condition is one of the runs; no condition needs to be given where there is one run."""
+    """A row whose condition is one of the runs."""
     if row.condition not in scenes:
         raise BadInput(where, f"condition {row.condition!r}", "the condition of a run", nearest(row.condition, scenes))
     return row
@@ -72,9 +77,9 @@ def _check_curve(curve: CurveSettings, settings: CaseSettings, scenes: dict[str,
     read_curve(curve, folder)
 
 
-def _recording(scene: Scene, rows: tuple[TableRow, ...], settings: CaseSettings, condition: str) -> Scene:
+def _recording(scene: Scene, rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...], condition: str) -> Scene:
     """The scene with what rows and curves of a condition need among its recorded signals; checks the signals."""
-    needed = [s for c in settings.curves if c.condition == condition for s in (c.signal, c.over) if s]
+    needed = [s for c in curves if c.condition == condition for s in (c.signal, c.over) if s]
     recorded = [".".join(end) for end in scene.coupling.signals]
     if missing := [s for s in dict.fromkeys(needed) if s not in recorded]:
         scene = scene.with_changes({"record.signals": [*recorded, *missing]})
@@ -82,8 +87,8 @@ def _recording(scene: Scene, rows: tuple[TableRow, ...], settings: CaseSettings,
     return recording(scene.with_changes({"study.quantities": kinds})) if kinds else scene
 
 
-def _findings(settings: CaseSettings, rows: tuple[TableRow, ...], scenes: dict[str, Scene], folder: Path, summarize: Summarize,
-              options: Options) -> Findings:
+def _findings(sources: dict[str, str], rows: tuple[TableRow, ...], curves: tuple[CurveSettings, ...], scenes: dict[str, Scene],
+              folder: Path, summarize: Summarize, options: Options) -> Findings:
     """Every run, its rows beside the numbers of its summary, its curves beside the measured ones."""
     rows_of_runs: list[Row] = []
     runs: dict[str, Result] = {}
@@ -91,15 +96,15 @@ def _findings(settings: CaseSettings, rows: tuple[TableRow, ...], scenes: dict[s
     notes: list[str] = []
     for condition, scene in scenes.items():
         result = run(scene, in_process=options.in_process, progress=options.progress).unless_stopped()
-        runs[condition or scene.name] = result
+        runs[condition] = result
         if result.outcome != "done":
             return Findings(tuple(rows_of_runs), runs, notes=(result.message,), complete=False)
-        notes += [f"{condition or scene.name}: {warning}" for warning in result.info["warnings"]]
+        notes += [f"{condition}: {warning}" for warning in result.info["warnings"]]
         mine = tuple(r for r in rows if r.condition == condition)
         rows_of_runs += compare(mine, _measured(mine, result, summarize))
-        for curve in (c for c in settings.curves if c.condition == condition):
+        for curve in (c for c in curves if c.condition == condition):
             comparison = compare_curve(curve, folder, result)
-            rows_of_runs += _curve_rows(comparison, settings.sources[curve.source])
+            rows_of_runs += _curve_rows(comparison, sources[curve.source])
             charts.append(comparison.chart())
     return Findings(tuple(rows_of_runs), runs, tuple(charts), tuple(notes))
 

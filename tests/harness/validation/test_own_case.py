@@ -81,6 +81,29 @@ def test_a_measurement_ten_percent_higher_fails_with_exit_code_1(folder, result,
     assert 0.5 * (spread.reference.low + spread.reference.high) == pytest.approx(1.1 * spread.measured, rel=1e-3)
 
 
+def test_without_runs_and_conditions_the_scene_is_run_as_it_is(folder):
+    text = CASE.replace('[[runs]]\ncondition = "soft"\n', "").replace('condition = "soft"\n', "")
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
+    assert case.outcome == "passed"
+    assert {r.reference.condition for r in case.findings.rows} == {*case.findings.runs}
+
+
+def test_rows_and_curves_without_a_condition_are_of_the_only_run(folder):
+    text = CASE.replace('condition = "soft"\n', "").replace("[[runs]]\n", '[[runs]]\ncondition = "soft"\n')
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    (case,) = validate([str(folder / "case.toml")], folder / "out", in_process=True)
+    assert case.outcome == "passed"
+    assert {r.reference.condition for r in case.findings.rows} == {"soft"}
+
+
+def test_a_condition_twice_is_refused(folder):
+    text = CASE.replace('[[runs]]\ncondition = "soft"\n', '[[runs]]\ncondition = "soft"\n' * 2)
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(BadInput, match="'soft' twice"):
+        validate([str(folder / "case.toml")], folder / "out", in_process=True)
+
+
 def test_a_filtered_curve_over_a_position_is_compared_there(tmp_path):
     """A sine of 5 Hz in the simulated force, and the same with 60 Hz on top as measured: below 20 Hz they are the same."""
     scene = load_scene("lumped-catenary").with_changes({"stop_time": 4.0, "analysis.transient": 0.0})
