@@ -1,0 +1,140 @@
+"""Nonlinear least squares within bounds, with the uncertainty of the fitted parameters and what the data cannot tell.
+
+    r(p) residuals over their standard deviations,  J = dr/dp at the fit,  C = s² (JᵀJ)⁻¹,  s² = |r|² / (m - n)
+
+(Nonlinear regression, linearised at the fit: Bates and Watts, Nonlinear Regression Analysis, 1988, chapter 2; recalled.) Where
+the standard deviations of the data are known, s = 1. Identifiability is read off the singular values of J scaled by the
+parameters' sizes, so that it does not depend on units of measure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput
+
+LARGEST_CONDITION = 1e6  # of the scaled Jacobian: beyond it a direction is known a million times worse than another
+LARGEST_CORRELATION = 0.98  # of two fitted parameters that the data can hardly tell apart (our choice)
+AT_BOUND = 1e-6  # of the range between the bounds
+COVERAGE = 0.95  # of the intervals
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted parameters, in the order of `names`, and how well the data determine them.
+
+    values, deviations: (n,), the latter standard deviations, infinite where the data do not determine a parameter.
+    covariance, correlation: (n, n).  intervals: (n, 2) at 95 %, by Student's t.
+    residuals: (m,) at the fit.  condition: of the scaled Jacobian.  messages: what a user should know.
+    """
+
+    names: tuple[str, ...]
+    values: np.ndarray
+    deviations: np.ndarray
+    covariance: np.ndarray
+    correlation: np.ndarray
+    intervals: np.ndarray
+    residuals: np.ndarray
+    condition: float
+    evaluations: int
+    converged: bool
+    messages: tuple[str, ...]
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals; about 1 where they are over their true standard deviations."""
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    def rows(self) -> list[tuple[str, float, float, float, float]]:
+        """(name, value, standard deviation, low, high) of every parameter."""
+        return [(n, float(v), float(s), float(i[0]), float(i[1]))
+                for n, v, s, i in zip(self.names, self.values, self.deviations, self.intervals, strict=True)]
+
+
+def fit(residuals: Callable[[np.ndarray], np.ndarray], start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]],
+        *, noise_known: bool = False, step: float | None = None, most: int | None = None,
+        jacobian: Callable[[np.ndarray], np.ndarray] | None = None) -> Fit:
+    """Minimise the sum of squares of `residuals(p)`, (m,) with p (n,) in the order of `start`.
+
+    `bounds`: (low, high) of every parameter; `noise_known`: the residuals are over the true standard deviations of the data.
+    `step`: relative step of the differences, above the noise of the computed residuals (default: SciPy's 1.5e-8).
+    `jacobian`: J(p), (m, n), in the place of differences. `most`: evaluations. Raises `BadInput` for fewer residuals than
+    parameters, a start outside of its bounds, or residuals that are not finite at the start.
+    """
+    from scipy.optimize import least_squares
+
+    names = tuple(start)
+    low, high = (np.array([bounds[n][k] for n in names], dtype=float) for k in (0, 1))
+    first = np.array([start[n] for n in names], dtype=float)
+    for name, value, bottom, top in zip(names, first, low, high, strict=True):
+        if not bottom <= value <= top or not bottom < top:
+            raise BadInput(f"fit: {name}", f"start {value:g} with bounds {bottom:g} to {top:g}",
+                           "a start within bounds that differ")
+    at_start = np.asarray(residuals(first), dtype=float)
+    if at_start.size < len(names):
+        raise BadInput("fit", f"{at_start.size} residuals for {len(names)} parameters", "at least as many residuals",
+                       "Give more data, or fit fewer parameters.")
+    if not np.isfinite(at_start).all():
+        raise BadInput("fit", "residuals that are not finite at the start", "a start where the model can be computed",
+                       "Give another start or narrower bounds.")
+    count = 0
+
+    def counted(p: np.ndarray) -> np.ndarray:
+        nonlocal count
+        count += 1
+        r = np.asarray(residuals(p), dtype=float)
+        return np.where(np.isfinite(r), r, 1e3 * (1.0 + float(np.abs(at_start).max())))  # a failed run is a bad one, not the end
+
+    more: dict[str, Any] = {"jac": jacobian} if jacobian is not None else {"diff_step": step}
+    solution = least_squares(counted, first, bounds=(low, high), x_scale="jac", max_nfev=most, **more)
+    return _judged(names, solution, low, high, noise_known, count)
+
+
+def _judged(names: tuple[str, ...], solution: Any, low: np.ndarray, high: np.ndarray, noise_known: bool, count: int) -> Fit:
+    from scipy.stats import norm, t
+
+    p, r, m, n = solution.x, solution.fun, solution.fun.size, len(names)
+    scale = np.where(p != 0.0, np.abs(p), np.where(np.isfinite(high - low), high - low, 1.0))
+    _, sigma, basis = np.linalg.svd(solution.jac * scale, full_matrices=False)
+    condition = float(sigma[0] / sigma[-1]) if sigma[-1] > 0.0 else float("inf")
+    known = sigma > sigma[0] * max(m, n) * np.finfo(float).eps
+    unknown = np.abs(basis[~known]).max(axis=0, initial=0.0) > 1e-3  # parameters that take part in what the data say nothing of
+    inverse = np.divide(1.0, sigma, out=np.zeros_like(sigma), where=known)
+    factor = 1.0 if noise_known else float(r @ r) / (m - n) if m > n else float("inf")
+    half = (basis.T * inverse) * scale[:, None]
+    covariance = half @ half.T * factor if np.isfinite(factor) else np.full((n, n), np.inf)
+    covariance[unknown, :] = covariance[:, unknown] = np.inf
+    deviations = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = covariance / np.outer(deviations, deviations)
+    reach = float(norm.ppf(0.5 + 0.5 * COVERAGE)) if noise_known or m <= n else float(t.ppf(0.5 + 0.5 * COVERAGE, m - n))
+    intervals = np.stack([p - reach * deviations, p + reach * deviations], axis=1)
+    messages = [] if solution.success else [f"the search ended before it had converged: {solution.message}"]
+    messages += _identifiability(names, basis, sigma, condition, correlation)
+    if m == n and not noise_known:
+        messages.append("as many parameters as residuals: the data leave nothing to estimate their uncertainty from")
+    width = np.where(np.isfinite(high - low), high - low, np.inf)
+    for name, value, bottom, top, reach_ in zip(names, p, low, high, AT_BOUND * width, strict=True):
+        if value - bottom <= reach_ < np.inf or top - value <= reach_ < np.inf:
+            messages.append(f"{name} has stopped at its bound, {value:.6g}: its uncertainty holds to one side at most")
+    return Fit(names, p, deviations, covariance, correlation, intervals, r, condition, count, bool(solution.success),
+               tuple(messages))
+
+
+def _identifiability(names: Sequence[str], basis: np.ndarray, sigma: np.ndarray, condition: float,
+                     correlation: np.ndarray) -> list[str]:
+    """Which parameters the data do not determine, one by one or together."""
+    texts = []
+    if condition > LARGEST_CONDITION:
+        weak = np.abs(basis[-1])
+        part = ", ".join(names[k] for k in np.argsort(-weak) if weak[k] > 0.1)
+        texts.append(f"the data do not identify {part}: condition number {condition:.2g}; fix one of them or add data")
+    for i in range(len(names)):
+        for j in range(i):
+            if abs(correlation[i, j]) > LARGEST_CORRELATION:
+                texts.append(f"{names[j]} and {names[i]} can hardly be told apart: correlation {correlation[i, j]:.4f}")
+    return texts
