@@ -58,6 +58,7 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
         yield f"no limit of the macro step known for what does not tell which outputs follow inputs: {', '.join(undeclared)}"
     for reason in advice.unknown:
         yield f"no limit of the macro step known for {reason}"
+    yield from advice.cut
     whole = advice.steps * advice.seconds
     steps = f"{advice.steps} macro steps of {master.step:g} s" + (" at first" if master.control else "")
     compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""

@@ -8,6 +8,8 @@ such as a long wire, or a velocity. Several forces and motions are taken apart i
 
 What damps a pair beside its contact is not seen: a step somewhat above the limit may do. How much damping the coupling takes
 away at the scene's step is therefore reported as well.
+
+A macro step that holds very many internal steps is not made: units are probed over a part of it, and the answer says so.
 """
 
 from __future__ import annotations
@@ -33,6 +35,7 @@ from ..scene.scene import Scene
 from ..units import Unit
 from ..units.interface import PortValues
 from .stability import longest_step, radius
+from .step_cost import StepCost, step_cost
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
@@ -70,7 +73,8 @@ class Contact:
 @dataclass(frozen=True)
 class Advice:
     """contacts: pairs with their limits. unknown: why others have none. steps: of the run. seconds: real time of one step.
-    compiling: s that this took just now; 0 where all machine code was kept from earlier.
+    compiling: s that this took just now; 0 where all machine code was kept from earlier. cut: units that were probed over a
+    part of the macro step only, and what a whole one takes.
     """
 
     contacts: tuple[Contact, ...]
@@ -78,6 +82,7 @@ class Advice:
     steps: int
     seconds: float
     compiling: float
+    cut: tuple[str, ...] = ()
 
     def warnings(self, scene: Scene) -> list[str]:
         """What is wrong with the scene's macro step."""
@@ -113,8 +118,19 @@ def advise(scene: Scene, *, in_process: bool = False) -> Advice:
         master = master_of(scene, units, coupling)
         master.initialize(0.0)
         limits, unknown = contacts(scene, coupling, master, units)
-        steps, seconds = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _timed(scene, master)
-        return Advice(limits, unknown, steps, seconds, compiling.seconds)
+        steps, costs = ceil(scene.stop_time / scene.master.step * (1.0 - 1e-12)), _costs(scene, coupling, master, units)
+        if not any(cost.cut for cost, _ in costs.values()):
+            return Advice(limits, unknown, steps, _timed(scene, master), compiling.seconds)
+        seconds = sum(cost.seconds / cost.share / every for cost, every in costs.values())
+        cut = tuple(cost.text(name, scene.master.step * every) for name, (cost, every) in costs.items() if cost.cut)
+        return Advice(limits, unknown, steps, seconds, compiling.seconds, cut)
+
+
+def _costs(scene: Scene, coupling: Coupling, master: Master, units: Mapping[str, Unit]) -> dict[str, tuple[StepCost, int]]:
+    """By unit the cost of a step of it, and the macro steps that this one spans."""
+    every = {node.unit.name: coupling.rates.get(node.unit.name, 1) for node in master.nodes}
+    return {name: (step_cost(units[name], coupling.interfaces[name], node.inputs(), every[name] * scene.master.step), every[name])
+            for node in master.nodes for name in [node.unit.name]}
 
 
 def _timed(scene: Scene, master: Master) -> float:
@@ -246,8 +262,10 @@ class _Probe:
 
         An output has one of both: that which its answers to steps of one and of two lengths show.
         """
-        interface = self._coupling.interfaces[force.target[0]]
-        for share in SPANS:
+        name = force.target[0]
+        interface = self._coupling.interfaces[name]
+        cost = step_cost(self._units[name], interface, self._nodes[name].inputs(), self._step)
+        for share in (0.5 * cost.share,) if cost.cut else SPANS:
             h = interface.fixed_step or (share * self._step if interface.variable_step else self._step)
             once, twice = (self._changes(force, self._stepping(force, span), motions) for span in (h, 2.0 * h))
             if once.any():

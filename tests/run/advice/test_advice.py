@@ -1,12 +1,15 @@
 """Advice before a run: what probing finds is what the units were made of, and the limit is the one that runs have."""
 
+import math
+
 import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.advice import advise
+from cosimo.orchestrator.advice import advise, step_cost
+from cosimo.orchestrator.advice.dry_run import lines
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.tests.support import Linear, two_masses
+from cosimo.tests.support import Linear, Mass, two_masses
 
 
 class Dashpot(Linear):
@@ -18,6 +21,19 @@ class Dashpot(Linear):
 
     def matrices(self):
         return np.zeros((1, 1)), np.array([[1.0 / self.parameters["c"]]]), np.eye(1), np.zeros((1, 1)), [0.01]
+
+
+class Fine(Mass):
+    """A mass that counts as many internal steps as its substep asks for."""
+
+    calls = 0
+    substep = parameter(1e-3, "s", "internal step")
+
+    def _step(self, t, h):
+        internal = math.ceil(h / self.parameters["substep"] * (1.0 - 1e-9))
+        self.counts[0] += internal - 1
+        Fine.calls += internal
+        return super()._step(t, h)
 
 
 class Between(Linear):
@@ -168,3 +184,25 @@ def test_fmus_tell_what_components_tell():
     scene = load_scene("lumped-catenary").with_changes({"stop_time": 0.1})
     (fmu,), (here,) = advise(scene).contacts, advise(scene, in_process=True).contacts
     assert fmu.omega2 == here.omega2 > 0.0
+
+
+def fine(substep: float):
+    """Two units of which one takes a macro step in very many internal steps."""
+    scene = spring(m=1.0, step=0.1)
+    scene["units"]["m"] = component(Fine, m=1.0, substep=substep)
+    return read_scene(scene)
+
+
+def test_a_macro_step_of_millions_of_internal_steps_is_probed_over_a_part_of_it():
+    """The limit is the same, the work is bounded, and the answer says that and how it was cut."""
+    Fine.calls = 0
+    advice = advise(fine(1e-9))
+    assert Fine.calls < 20 * step_cost.MOST_CALLS
+    (text,) = advice.cut
+    assert text.startswith("the probe was cut: m takes ")
+    assert "about 1e+08 for a whole one" in text
+    assert text in [*lines(fine(1e-9), fine(1e-9).coupling, advice)]
+    assert advice.contacts[0].omega2 == pytest.approx(100.0, rel=1e-4)
+    whole = advise(fine(1e-3))
+    assert whole.cut == ()
+    assert whole.contacts[0].omega2 == pytest.approx(100.0, rel=1e-4)
