@@ -11,7 +11,16 @@ from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
-from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
+from .contact import (
+    FURTHER,
+    at_contact,
+    contact_columns,
+    contact_compliance,
+    contact_count,
+    heights_around,
+    in_range,
+    wire_height,
+)
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
@@ -88,6 +97,23 @@ class SecondPantograph(Effect):
     contact_compliance = output("m/N", "compliance that the mesh leaves out at the second contact point", nominal=1e-6)
 
 
+class FurtherPantographs(Effect):
+    """A third contact point and more, in any order along the track; elements beyond `count` do not take part."""
+
+    explicit_only = True
+    requires = ("second_pantograph",)
+
+    count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER)
+    contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, size=FURTHER)
+    contact_force = input_(0.0, "N", "force of a further pantograph on the wire, positive upwards", nominal=100.0, size=FURTHER)
+    wire_height = output("m", "height of the contact wire at a further contact point", nominal=0.05, size=FURTHER,
+                         feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
+    wire_velocity = output("m/s", "vertical velocity of the wire at a further contact point", nominal=0.1, size=FURTHER,
+                           feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at a further contact point", nominal=1e-6,
+                                size=FURTHER)
+
+
 class MovingWindow(Effect):
     """Only the wires around the contact points move; the rest stays in its static equilibrium.
 
@@ -138,6 +164,7 @@ class Catenary(Component):
     steady_arm = SteadyArm
     level_support = LevelSupport
     second_pantograph = SecondPantograph
+    further_pantographs = FurtherPantographs
     moving_window = MovingWindow
     wire_profile = WireProfile
 
@@ -205,9 +232,8 @@ class Catenary(Component):
         if p.substep > self._limit:
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {self._limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
-        N, loads = self.mesh.mass.size, [(self.u[0, POSITION], self.u[0, FORCE])]
-        if e.second_pantograph is not None:
-            loads.append((self.u[0, e.second_pantograph.u], self.u[0, e.second_pantograph.u + 1]))
+        N, contacts_of = self.mesh.mass.size, (e.second_pantograph, e.further_pantographs)
+        loads = [tuple(self.u[0, list(contact_columns(k, *contacts_of))]) for k in range(contact_count(*contacts_of))]
         for position, _ in loads:
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
@@ -217,7 +243,7 @@ class Catenary(Component):
         edges = [1.0, N // 2 - 2.0] if e.moving_window is not None else []
         self.x = np.concatenate((q, np.zeros(2 * N), contacts, taut if implicit else [], edges))
         if e.moving_window is not None:
-            rear, front = sorted((loads[0][0], loads[-1][0]))
+            rear, front = min(loads)[0], max(loads)[0]
             _, hi = move_window(front, rear, self.x, self.mesh, e.moving_window)
             self.x[2 * hi + 2 : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
@@ -236,14 +262,15 @@ class Catenary(Component):
         if self.parameters["method"] == "explicit":
             return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched,
                                     e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.second_pantograph, e.moving_window, e.wire_profile)
+                                    e.damping, e.second_pantograph, e.further_pantographs, e.moving_window, e.wire_profile)
         return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, p.spectral_radius,
                                 self._prepared, self._stiffness, self._band, self._factors, self._factored, e.dropper_slackening,
-                                e.bending_stiffness, e.damping, e.second_pantograph, e.wire_profile)
+                                e.bending_stiffness, e.damping, e.second_pantograph, e.further_pantographs, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
-        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, e.second_pantograph, e.wire_profile)
+        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, e.second_pantograph,
+                        e.further_pantographs, e.wire_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -258,9 +285,9 @@ class Catenary(Component):
 
     def left_range(self) -> str:
         """The contact points, their speeds, and the part of the wire on which they may be."""
-        names = [n for n in self.inputs if n.endswith("contact_position")]
-        points = [f"{n} = {self.get(n):g} m moving at {self.u[1, i]:g} m/s"
-                  for n, i in zip(names, self.input_positions(names), strict=True)]
+        contacts_of = self.arguments[1].second_pantograph, self.arguments[1].further_pantographs
+        columns = [contact_columns(k, *contacts_of)[0] for k in range(contact_count(*contacts_of))]
+        points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
         low, high = self.mesh.position[[1, -2]]
         return f"{', '.join(points)}, expected from {low:g} to {high:g} m"
 
@@ -321,7 +348,7 @@ HEIGHT, VELOCITY, COMPLIANCE, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices(
 
 
 @kernel
-def catenary_outputs(x, u, y, mesh, watched, second, profile):
+def catenary_outputs(x, u, y, mesh, watched, second, further, profile):
     """Outputs for the state x and the present inputs u, (m,)."""
     N = mesh.mass.size
     q, v = x[:N], x[N : 2 * N]
@@ -335,6 +362,11 @@ def catenary_outputs(x, u, y, mesh, watched, second, profile):
         y[second.y] = wire_height(u[second.u], q, mesh)
         y[second.y + 1] = at_contact(u[second.u], v, mesh)
         y[second.y + 2] = contact_compliance(x[3 * N + 3], mesh)
+    if further is not None:
+        for i in range(int(further.count)):
+            y[further.y + i] = wire_height(u[further.u + i], q, mesh)
+            y[further.y + FURTHER + i] = at_contact(u[further.u + i], v, mesh)
+            y[further.y + 2 * FURTHER + i] = contact_compliance(x[3 * N + 5 + 2 * i], mesh)
     if profile is not None:
         heights_around(position, q, mesh, y[profile.y : profile.y + PROFILE])
 
@@ -349,41 +381,42 @@ def follow_contact(h, contact, position, mesh):
 
 
 @kernel
-def follow_contacts(h, x, u, mesh, second):
+def follow_contacts(h, x, u, mesh, second, further):
     """End of a step of length h: the inputs are held, and place and speed of the contact points are remembered.
 
     The speed from two places, not from an input's slope, which partners that hand over bare values do not give.
     """
     hold_inputs(u, h)
-    k = 3 * mesh.mass.size
-    follow_contact(h, x[k : k + 2], u[0, POSITION], mesh)
-    if second is not None:
-        follow_contact(h, x[k + 2 : k + 4], u[0, second.u], mesh)
+    for k in range(contact_count(second, further)):
+        at, _ = contact_columns(k, second, further)
+        here = 3 * mesh.mass.size + 2 * k
+        follow_contact(h, x[here : here + 2], u[0, at], mesh)
 
 
 @kernel
-def refresh_outputs(x, u, y, numbers, indices, watched, second, profile):
+def refresh_outputs(x, u, y, numbers, indices, watched, second, further, profile):
     """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(x, u, y, unpacked(numbers, indices), watched, second, profile)
+    catenary_outputs(x, u, y, unpacked(numbers, indices), watched, second, further, profile)
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, slack, bending, damping, second, window, profile):
+def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, slack, bending, damping, second, further, window,
+                     profile):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window)
-    follow_contacts(h, x, u, mesh, second)
-    catenary_outputs(x, u[0], y, mesh, watched, second, profile)
+    status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, further, window)
+    follow_contacts(h, x, u, mesh, second, further)
+    catenary_outputs(x, u[0], y, mesh, watched, second, further, profile)
     return status
 
 
 @kernel
 def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, radius, prepared, stiffness, band, factors, factored,
-                     slack, bending, damping, second, profile):
+                     slack, bending, damping, second, further, profile):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending,
-                            damping, second)
-    follow_contacts(h, x, u, mesh, second)
-    catenary_outputs(x, u[0], y, mesh, watched, second, profile)
+                            damping, second, further)
+    follow_contacts(h, x, u, mesh, second, further)
+    catenary_outputs(x, u[0], y, mesh, watched, second, further, profile)
     return status

@@ -7,6 +7,8 @@ both do the same work.
 
 The waves beyond the mesh, k > pi / h, follow the force without delay: a compliance in series with the contact spring,
 `contact_compliance`, and in series with droppers and supports, `node_compliance`.
+
+Contact points are numbered: 0 is the component's own, 1 that of `second_pantograph`, 2 and up those of `further_pantographs`.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from ..core.kernels import kernel, kernel_tuple
 
 SPEEDS = 33  # points of the table of the compliance
 FASTEST = 0.98  # of the wave speed: end of the table
+FURTHER = 6  # contact points that `further_pantographs` can have
 
 
 @kernel
@@ -75,6 +78,34 @@ def add_contact(position, load, force, mesh):
     force[2 * i] += b * load
     force[2 * i + 2] += c * load
     force[2 * i + 4] += d * load
+
+
+@kernel
+def contact_count(second, further):
+    """Number of contact points."""
+    if further is not None:
+        return 2 + int(further.count)
+    if second is not None:
+        return 2
+    return 1
+
+
+@kernel
+def contact_columns(k, second, further):
+    """Columns of the inputs that hold position and force of contact point k."""
+    if further is not None and k > 1:
+        return further.u + k - 2, further.u + FURTHER + k - 2
+    if second is not None and k == 1:
+        return second.u, second.u + 1
+    return 0, 1
+
+
+@kernel
+def add_contacts(s, u, force, mesh, second, further):
+    """Add the loads of all contact points at s within the step; the positions are in range."""
+    for k in range(contact_count(second, further)):
+        at, load = contact_columns(k, second, further)
+        add_contact(u[0, at] + s * (u[1, at] + s * u[2, at]), u[0, load] + s * (u[1, load] + s * u[2, load]), force, mesh)
 
 
 @kernel

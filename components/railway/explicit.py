@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
-from .contact import add_contact, element_at, in_range
+from .contact import add_contacts, contact_columns, contact_count, element_at, in_range
 from .wires import WHISPER, dropper_tension, first_at_or_after, tension_and_bending
 
 
@@ -49,7 +49,7 @@ def kick(d, v, a, w, force, inverse_length, inverse_mass, alpha):
 
 
 @kernel
-def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, window):
+def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, further, window):
     """n equal velocity-Verlet steps over h.
 
     x: displacement, velocity, acceleration, (N,) each, contacts[, window (2,)].  work: (4, N).
@@ -69,17 +69,13 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
     for step in range(n):
         s = (step + 1) * d
         position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
-        load = u[0, 1] + s * (u[1, 1] + s * u[2, 1])
-        if not in_range(position, mesh):
-            return OUT_OF_RANGE
         front, rear = position, position
-        if second is not None:
-            k = second.u
-            position2 = u[0, k] + s * (u[1, k] + s * u[2, k])
-            load2 = u[0, k + 1] + s * (u[1, k + 1] + s * u[2, k + 1])
-            if not in_range(position2, mesh):
+        for k in range(contact_count(second, further)):
+            at, _ = contact_columns(k, second, further)
+            place = u[0, at] + s * (u[1, at] + s * u[2, at])
+            if not in_range(place, mesh):
                 return OUT_OF_RANGE
-            front, rear = max(position, position2), min(position, position2)
+            front, rear = max(front, place), min(rear, place)
         if window is not None:
             lo, hi = move_window(front, rear, x, mesh, window)
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
@@ -106,9 +102,7 @@ def explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, seco
         for k in range(first_support, end_support):
             for j in range(2 * mesh.support[k], 2 * mesh.support[k] + 2):
                 force[j] -= mesh.ground[j] * q[j] + mesh.ground_damping[j] * (v[j] + 0.5 * d * a[j])
-        add_contact(position, load, force, mesh)
-        if second is not None:
-            add_contact(position2, load2, force, mesh)
+        add_contacts(s, u, force, mesh, second, further)
         kick(d, v[here], a[here], w[here], force[here], mesh.inverse_length[here], mesh.inverse_mass[here], alpha)
     counts[0] += n
     counts[1] += n

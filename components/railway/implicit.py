@@ -7,7 +7,7 @@ import math
 from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
-from .contact import add_contact, element_at, in_range
+from .contact import add_contacts, contact_columns, contact_count, element_at, in_range
 from .wires import WHISPER, tension_and_bending
 
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
@@ -45,7 +45,7 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 @kernel
 def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending, damping,
-                   second):
+                   second, further):
     """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, contacts, taut (d,).
 
     radius: spectral, of `generalized_alpha`.  prepared: (1,) the step that `band` was computed for, s.
@@ -70,8 +70,10 @@ def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, 
     for step in range(n):
         s = (step + 1.0 - af) * d
         position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
-        if not (in_range(position, mesh) and in_range(u[0, 0], mesh)):
-            return OUT_OF_RANGE
+        for k in range(contact_count(second, further)):
+            at, _ = contact_columns(k, second, further)
+            if not (in_range(u[0, at] + s * (u[1, at] + s * u[2, at]), mesh) and in_range(u[0, at], mesh)):
+                return OUT_OF_RANGE
         for j in range(2, N - 2):
             velocity = v_v * v[j] + v_a * a[j]
             inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
@@ -80,13 +82,7 @@ def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, 
         tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
         for j in range(2, N - 2):
             base[j] += mesh.inverse_length[j] * (w[j + 2] - w[j]) - mesh.inverse_length[j - 2] * (w[j] - w[j - 2])
-        add_contact(position, u[0, 1] + s * (u[1, 1] + s * u[2, 1]), base, mesh)
-        if second is not None:
-            k = second.u
-            position2 = u[0, k] + s * (u[1, k] + s * u[2, k])
-            if not in_range(position2, mesh):
-                return OUT_OF_RANGE
-            add_contact(position2, u[0, k + 1] + s * (u[1, k + 1] + s * u[2, k + 1]), base, mesh)
+        add_contacts(s, u, base, mesh, second, further)
 
         for _ in range(MAX_ITERATIONS):
             first = N

@@ -38,10 +38,12 @@ FACTS = {
             "steady_arm.stiffness": ({}, 10.0),
             "pre_sag.depth": ({}, 1e-4),
             "second_pantograph.contact_force": ({"second_pantograph.contact_position": 50.0}, 1.0),
+            "further_pantographs.contact_force[1]": ({"further_pantographs.contact_position[1]": 70.0}, 1.0),
         },
         structural=frozenset({"dropper_slackening", "gravity_sag", "level_support", "moving_window", "wire_profile"}),
         # a kink under a force is rounded over sqrt(EI / T)
         roots=frozenset({"bending_stiffness.contact_wire", "bending_stiffness.messenger"}),
-        form=frozenset({"steady_arm.mass", "second_pantograph.contact_position"}),
+        form=frozenset({"steady_arm.mass", "second_pantograph.contact_position", "further_pantographs.count",
+                        "further_pantographs.contact_position"}),
     ),
 }

@@ -21,6 +21,7 @@ KNOWN: dict[str, dict[str, str]] = {
               level_support="level_support_raises_the_wire_to_dropper_level"),
         **in_file("railway/test_wires.py", damping="mass_proportional_damping_decays_every_mode_alike"),
         **in_file("railway/test_catenary.py", second_pantograph="two_forces_superpose_where_droppers_are_bilateral",
+              further_pantographs="contact_points_may_change_places",
               moving_window="window_follows_the_contact_and_forgets_the_rest",
               wire_profile="profile_is_the_height_at_its_positions"),
     },

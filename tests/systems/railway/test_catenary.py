@@ -63,6 +63,38 @@ def test_two_forces_superpose_where_droppers_are_bilateral(method):
     assert np.abs(displacement(100.0, None) - displacement(100.0, 0.0)).max() < 1e-9 * np.abs(both).max()
 
 
+@pytest.mark.parametrize("method", ["explicit", pytest.param("implicit", marks=pytest.mark.full)])
+def test_contact_points_may_change_places(method):
+    """Four forces: which of the inputs carries which one changes no bit, of the wires or of what comes out for each."""
+    points = {150.0: 100.0, 50.0: 80.0, 110.0: 60.0, 200.0: 90.0}  # m: N, more than four nodes apart
+
+    def run(order):
+        effects = [*REFERENCE, "second_pantograph", "further_pantographs"]
+        catenary = Catenary(effects, {"spans": 4, "method": method, "element": 2.0, "further_pantographs.count": 2})
+        inputs = ["", "second_pantograph.", "further_pantographs.", "further_pantographs."]
+        suffix = ["", "", "[1]", "[2]"]
+        for where, end, position in zip(inputs, suffix, order, strict=True):
+            catenary.set(f"{where}contact_position{end}", position)
+            catenary.set(f"{where}contact_force{end}", 0.5 * points[position])
+        catenary.initialize(0.0)
+        for i in range(50):
+            for where, end, position in zip(inputs, suffix, order, strict=True):
+                columns = catenary.input_positions([f"{where}contact_position{end}", f"{where}contact_force{end}"])
+                catenary.u[:2, columns[0]] = position + 60.0 * i * 1e-3, 60.0
+                catenary.u[0, columns[1]] = points[position]
+            catenary.step(i * 1e-3, 1e-3)
+        N = catenary.mesh.mass.size
+        names = [f"{w}{{}}{s}" for w, s in zip(inputs, suffix, strict=True)]
+        outputs = [[catenary[n.format(o)] for o in ("wire_height", "wire_velocity", "contact_compliance")] for n in names]
+        return catenary.x[: 3 * N].copy(), dict(zip(order, outputs, strict=True))
+
+    state, outputs = run([150.0, 50.0, 110.0, 200.0])
+    for order in ([200.0, 110.0, 50.0, 150.0], [50.0, 150.0, 200.0, 110.0]):
+        other, again = run(order)
+        assert np.array_equal(state, other)
+        assert outputs == again
+
+
 def test_a_slack_dropper_softens_the_wire():
     """Off its droppers the wire meets less stiffness than bilateral droppers would give it; on them nothing changes."""
     catenary = Catenary(REFERENCE, {"spans": 4})

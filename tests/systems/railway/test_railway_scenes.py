@@ -119,6 +119,17 @@ def test_the_wake_reaches_the_trailing_pantograph():
     assert deviation(*histories) > 0.15
 
 
+@pytest.mark.full
+def test_four_pantographs_have_statistics_of_their_own():
+    """Foremost first; the wire's mean lift is that of one pantograph, the scatter grows from the first to the last."""
+    result = finished(load_scene("four-pantographs"))
+    assert [p.pantograph for p in passages(result)] == ["first", "second", "third", "fourth"]
+    each = [statistics(result, pantograph=k) for k in range(4)]
+    assert np.ptp([s.mean for s in each]) < 0.02 * each[0].mean
+    assert each[1].std > 1.1 * each[0].std
+    assert each[3].std > 1.1 * each[1].std
+
+
 def test_effects_that_are_off_leave_no_trace_in_a_result():
     result = finished(reference_scene())
     assert not any("." in name.partition(".")[2] for name in result.columns)
