@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -18,9 +18,26 @@ from .scene.scene import Models, recorded_scene
 from .tables import TIME, StoredColumns, StoredTable, Table, joined
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
+    import xarray as xr
+
     from .scene.scene import Scene
 
 HELD = 20_000_000  # numbers that a result holds in memory; of one with more, columns are read when they are asked for
+
+
+class Views(Protocol):
+    """What sums up and draws results; `orchestrator.systems` gives scenes one that knows all systems."""
+
+    def summary(self, result: Result) -> Any:
+        """Figures of its system in numbers."""
+
+    def report(self, result: Result, directory: str | Path) -> Path:
+        """Write report.html."""
+
+    def plot(self, result: Result, signals: str | Iterable[str] | None, fig: Any) -> Any:
+        """A Plotly figure of signals over time."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +75,11 @@ class Result:
         return (f"<Result of {self.scene.name}: {self.outcome}; {self.rows} rows{end}, "
                 f"{len(self.columns) + len(self.texts)} signals{f', {warnings} warnings' if warnings else ''}>")
 
+    def _repr_html_(self) -> str:
+        from .views.html import result_html
+
+        return result_html(self)
+
     def __getitem__(self, name: str) -> np.ndarray:
         """The column "unit.variable", (n,) numbers or texts; raises `BadInput` with the near names."""
         for group in (self.columns, self.texts):
@@ -80,6 +102,65 @@ class Result:
     def held(self) -> bool:
         """Whether all of it is in memory; else each look at a column reads it from the directory."""
         return True
+
+    def signals(self, wanted: str | Iterable[str] | None = None) -> list[str]:
+        """Names of recorded signals: all, or those wanted: "unit.variable", "unit.array" for its elements, "unit" for all of it.
+
+        Raises `BadInput` with the near names for one that is not recorded.
+        """
+        known = [*self.columns, *self.texts]
+        if wanted is None:
+            return known
+        names: dict[str, None] = {}
+        for name in [wanted] if isinstance(wanted, str) else wanted:
+            some = [name] if name in known else [n for n in known if n.startswith((f"{name}[", f"{name}."))]
+            if not some:
+                raise BadInput(f"result of {self.scene.name}", repr(name), "a recorded signal", nearest(name, known))
+            names |= dict.fromkeys(some)
+        return list(names)
+
+    def to_pandas(self, signals: Iterable[str] | None = None) -> pd.DataFrame:
+        """Signals as columns over the index "time", s; units of measure by column in attrs["units"]."""
+        from .views.data import to_pandas
+
+        return to_pandas(self, signals)
+
+    def to_xarray(self, signals: Iterable[str] | None = None) -> xr.Dataset:
+        """Signals and snapshots as a labelled data set; units of measure, and where it comes from, as attributes."""
+        from .views.data import to_xarray
+
+        return to_xarray(self, signals)
+
+    @property
+    def _views(self) -> Views:
+        if self.scene.views is None:
+            raise BadInput(f"result of {self.scene.name}", "a scene that knows no systems",
+                           "one of cosimo.load_scene or cosimo.read_scene")
+        return self.scene.views
+
+    @property
+    def summary(self) -> Any:
+        """Figures of the run in numbers, as its system has them: rows of name, value, unit and text; also by name.
+
+        Raises `BadInput` where [analysis] asks for what the run does not have.
+        """
+        return self._views.summary(self)
+
+    def plot(self, signals: str | Iterable[str] | None = None, *, fig: go.Figure | None = None) -> go.Figure:
+        """A Plotly figure of signals over time, a panel for each unit of measure. `fig`: one of another result, to add to it.
+
+        signals: "unit.variable", "unit.array" for its elements, "unit" for all of it; default: the first 40. Raises `BadInput`
+        for signals that are not recorded.
+        """
+        return self._views.plot(self, signals, fig)
+
+    def report(self, directory: str | Path | None = None) -> Path:
+        """Write report.html into a directory, or into the one where the result is stored; returns its path."""
+        where = directory if directory is not None else self.directory
+        if where is None:
+            raise BadInput(f"report of {self.scene.name}", "no directory", "one, for a result that is not stored",
+                           "As in result.report('out').")
+        return self._views.report(self, where)
 
     def extremes(self, name: str) -> tuple[float, float, float]:
         """Smallest, largest and last value of a column of numbers, which has at least one row."""

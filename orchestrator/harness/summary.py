@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from html import escape
 from math import isfinite
 from typing import Any
+
+from ...components.core.errors import BadInput, nearest
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,25 @@ class SummaryRow:
 
 
 Summary = tuple[SummaryRow, ...]
+
+
+class SummaryTable(Summary):
+    """The rows of a run, which a terminal and a notebook show as a table."""
+
+    def value(self, name: str) -> float:
+        """The number of that name; raises `BadInput` with the near names."""
+        for row in self:
+            if row.name == name:
+                return row.value
+        raise BadInput("summary", repr(name), "a quantity of the run", nearest(name, [row.name for row in self]))
+
+    def __repr__(self) -> str:
+        width = max((len(row.name) for row in self), default=0)
+        return "\n".join(f"{row.name:{width}}  {row.value:.6g} {row.unit if row.unit != '1' else ''}".rstrip() for row in self)
+
+    def _repr_html_(self) -> str:
+        cells = "".join(f"<tr><td>{escape(r.name)}<td>{r.value:.6g}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self)
+        return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 
 def rows(unit: str, values: Mapping[str, float | None], texts: Mapping[str, tuple[str, str]]) -> Iterable[SummaryRow]:

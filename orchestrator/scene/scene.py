@@ -26,6 +26,17 @@ Keys = TypeVar("Keys", bound=AnalysisKeys)
 Models = Mapping[str, type[AnalysisKeys]]  # of [analysis], by the name of a system
 
 
+class KnownSystems(dict[str, type[AnalysisKeys]]):
+    """`Models` together with what sums up and draws results of these systems, which stands above scenes (`results.Views`)."""
+
+    def __init__(self, models: Models, views: Any):
+        super().__init__(models)
+        self.views = views
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return KnownSystems, (dict(self), self.views)
+
+
 class Scene(SceneSettings):
     """Units, connections and master settings; checked when read by `load_scene`, `read_scene` or `with_changes`."""
 
@@ -38,6 +49,11 @@ class Scene(SceneSettings):
         if self._coupling is None:
             self._coupling = resolve_coupling(self)
         return self._coupling
+
+    @property
+    def views(self) -> Any:
+        """What sums up and draws results of this scene: `results.Views`; None where it was read without knowledge of systems."""
+        return getattr(self._models, "views", None)
 
     def analysis_as(self, model: type[Keys]) -> Keys:
         """[analysis] with the keys of one system; where the scene has another, what all systems share and defaults."""

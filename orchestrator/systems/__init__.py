@@ -15,7 +15,7 @@ from ...components.core.errors import BadInput, nearest
 from ..scene import scene as scenes
 
 if TYPE_CHECKING:
-    from ..harness.summary import Summary
+    from ..harness.summary import SummaryTable
     from ..harness.system import Systems
     from ..harness.validation.case import Case, CaseResult
     from ..results import Result
@@ -23,7 +23,24 @@ if TYPE_CHECKING:
 
 NAMES = ("railway", "bearings", "rotor", "rov", "two_axis_joint", "wind_pump", "friction_drive", "pipe_robot", "wrist")
 SYSTEMS: Systems = {name: import_module(f".{name}", __name__).SYSTEM for name in NAMES}
-ANALYSIS = {name: system.keys for name, system in SYSTEMS.items()}
+
+
+class _Views:
+    """`results.Views` that know all systems."""
+
+    def summary(self, result: Result) -> SummaryTable:
+        return summary(result)
+
+    def report(self, result: Result, directory: str | Path) -> Path:
+        return write_report(result, directory)
+
+    def plot(self, result: Result, signals: str | Iterable[str] | None, fig: Any) -> Any:
+        from ..harness.charts.signals import signal_figure
+
+        return signal_figure(result, signals, fig=fig)
+
+
+ANALYSIS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.items()}, _Views())
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -80,13 +97,15 @@ def validate(names: Iterable[str], directory: str | Path, in_process: bool = Fal
     return run_cases([_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)
 
 
-def summary(result: Result) -> Summary:
+def summary(result: Result) -> SummaryTable:
     """Figures of a run in numbers, as its system has them: EN 50317 statistics, errors, energies ...; none of an unknown system.
 
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
+    from ..harness.summary import SummaryTable
+
     system = result.scene.analysis.system
-    return SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
+    return SummaryTable(SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ())
 
 
 def write_report(result: Result, directory: str | Path) -> Path:

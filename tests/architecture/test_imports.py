@@ -21,7 +21,7 @@ FLOORS = (
     ("orchestrator.engine",),
     ("orchestrator.scene",),
     ("orchestrator.results", "orchestrator.tables", "orchestrator.recording", "orchestrator.run", "orchestrator.run_info",
-     "orchestrator.checkpoint", "orchestrator.open_all", "orchestrator.native", "orchestrator.advice"),
+     "orchestrator.checkpoint", "orchestrator.open_all", "orchestrator.native", "orchestrator.advice", "orchestrator.views"),
     ("orchestrator.harness",),
     ("orchestrator.systems",),
     ("orchestrator.cli",),

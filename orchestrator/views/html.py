@@ -1,0 +1,80 @@
+"""A result in a notebook: what it is, how it ended, its warnings, its numbers, and small plots; some thousand characters."""
+
+from __future__ import annotations
+
+from collections import deque
+from html import escape
+
+import numpy as np
+
+from ...components.core.errors import BadInput
+from .recorded import Recorded
+from .sparkline import sparkline
+
+SIGNALS = 6  # with a plot
+WARNINGS = 3
+NUMBERS = 6  # of the summary
+LONGEST = 160  # characters of a warning
+COLOURS = {"done": "#007a5a"}
+OTHER = "#b34700"
+
+
+def result_html(result: Recorded) -> str:
+    """An HTML fragment without script; colours of text are those of the page around it."""
+    scene = result.scene
+    rows = f"{result.rows} rows" + (f" to t = {result.end:g} s" if result.rows else "")
+    parts = [f"<b>{escape(scene.title or scene.name)}</b><br>"
+             f'<b style="color:{COLOURS.get(result.outcome, OTHER)}">{escape(result.outcome)}</b> · {rows}']
+    if result.message:
+        parts.append(escape(_short(result.message)))
+    warnings = [str(w) for w in result.info.get("warnings", ())]
+    parts += [f'<span style="color:{OTHER}">warning:</span> {escape(_short(w))}' for w in warnings[:WARNINGS]]
+    if len(warnings) > WARNINGS:
+        parts.append(f"{len(warnings) - WARNINGS} more warnings: <code>.info['warnings']</code>")
+    return f"<div>{'<br>'.join(parts)}{_signals(result)}{_numbers(result)}</div>"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else text[: LONGEST - 2] + " …"
+
+
+def _signals(result: Recorded) -> str:
+    if result.rows < 2 or not result.held:
+        return ""
+    names = _spread(list(result.columns))
+    rows = ""
+    for name in names[:SIGNALS]:
+        values = np.asarray(result.columns[name], dtype=float)
+        low, high, last = result.extremes(name)
+        rows += (f"<tr><td>{escape(name)}<td>{sparkline(result.time, values)}<td>{low:.4g} … {high:.4g}<td>{last:.4g}"
+                 f"<td>{escape(result.measures.get(name, ''))}")
+    if not rows:
+        return ""
+    more = f"<br>{len(names) - SIGNALS} more signals: <code>.plot()</code>" if len(names) > SIGNALS else ""
+    return f"<table><tr><th>signal<th><th>range<th>end<th>unit{rows}</table>{more}"
+
+
+def _spread(names: list[str]) -> list[str]:
+    """Signals in turn from each unit, so that the first ones are of many."""
+    units: dict[str, deque[str]] = {}
+    for name in names:
+        units.setdefault(name.rpartition(".")[0], deque()).append(name)
+    turn, order = deque(units.values()), []
+    while turn:
+        signals = turn.popleft()
+        order.append(signals.popleft())
+        if signals:
+            turn.append(signals)
+    return order
+
+
+def _numbers(result: Recorded) -> str:
+    if not result.held or result.outcome != "done" or result.scene.views is None:
+        return ""
+    try:
+        numbers = result.summary
+    except BadInput as error:
+        return f"<br>no summary: {escape(_short(str(error)))}"
+    rows = "".join(f"<tr><td>{escape(r.name)}<td>{r.value:.4g}<td>{escape(r.unit)}" for r in numbers[:NUMBERS])
+    more = f"<br>{len(numbers) - NUMBERS} more: <code>.summary</code>" if len(numbers) > NUMBERS else ""
+    return f"<table><tr><th>in numbers<th>value<th>unit{rows}</table>{more}" if rows else ""
