@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from ..settings import UnitSettings
 
 DESCRIPTION = "modelDescription.xml"
-KINDS: dict[str, Kind] = {"Real": "real", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
-NEITHER = ("Binary", "Clock")  # types that are neither numbers nor texts
+KINDS: dict[str, Kind] = {"Real": "real", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration",
+                          "Binary": "binary"}
+TEXTS = ("String", "Binary")  # octets as FMI writes them, two hexadecimal digits each
+NEITHER = ("Clock",)  # types that are neither numbers nor texts
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ class Description:
     path: str
     model: ModelDescription
     scalars: Mapping[str, Scalar]
-    derives: bool  # the co-simulation interface gives directional derivatives
+    derives: Set[str]  # interfaces that give directional derivatives: "CoSimulation", "ModelExchange"
     texts: Mapping[str | None, Sequence[str]]  # start values of texts, which FMPy does not read of arrays
     requested: Set[str] = frozenset()  # inputs that the FMU asks for inside a step, by the intermediate update of FMI 3
     exchange: bool = False  # the interface for model exchange is used, not the one for co-simulation
@@ -80,7 +82,7 @@ class Description:
     @property
     def directional(self) -> bool:
         """Whether it gives directional derivatives."""
-        return self.interface.providesDirectionalDerivative if self.exchange else self.derives
+        return ("ModelExchange" if self.exchange else "CoSimulation") in self.derives
 
     @property
     def interpolates(self) -> bool:
@@ -99,8 +101,6 @@ class Description:
         if (model.modelExchange if exchange else model.coSimulation) is None:
             only = "co-simulation" if exchange else "model exchange"
             raise BadInput(f"{where}.interface", repr(wanted), "an interface of the FMU", f"It is for {only} only.")
-        if exchange and self.fmi3:
-            raise BadInput(f"{where}.fmu", "an FMU of FMI 3.0 for model exchange", "one for co-simulation, or of FMI 2.0")
         if settings.solver is not None and not exchange:
             raise BadInput(f"{where}.solver", repr(settings.solver), "none; an FMU for co-simulation has its own",
                            'Remove it, or write interface = "model-exchange".')
@@ -148,10 +148,10 @@ def _read(path: str, _changed: int, where: str) -> Description:
             raise BadInput(where, f"{path} with the clock {v.name!r}, which its importer has to tick",
                            "an FMU without such clocks; it would stand still")
     _check_numbers(model, where)
-    flags = [i.get("providesDirectionalDerivative" + plural) for i in root.findall("CoSimulation")
-             for plural in ("", "s")]  # FMPy knows that of FMI 2
+    derives = {i.tag for i in root if i.tag in ("CoSimulation", "ModelExchange")  # FMPy knows that of FMI 2
+               and any(is_true(i.get("providesDirectionalDerivative" + plural)) for plural in ("", "s"))}
     texts = {v.get("name"): [s.get("value") for s in v.findall("Start")] for v in root.find("ModelVariables")}
-    return Description(path, model, _scalars(model, {}, texts), any(f in ("true", "1") for f in flags), texts,
+    return Description(path, model, _scalars(model, {}, texts), derives, texts,
                        _requested(model, root))
 
 
@@ -182,7 +182,7 @@ def _check_numbers(model: ModelDescription, where: str) -> None:
                            f"a whole number from 0 to {MOST_REFERENCE}", "The FMU's model description is faulty.")
     for owner in (*model.modelVariables, *model.typeDefinitions):
         read_one = READERS.get(owner.type, int)
-        for attribute in ("start", "nominal", "min", "max") if owner.type not in ("String", *NEITHER) else ():
+        for attribute in ("start", "nominal", "min", "max") if owner.type not in (*TEXTS, *NEITHER) else ():
             words = str(getattr(owner, attribute, None) or "").split()
             try:
                 for word in words:
@@ -219,7 +219,7 @@ def _scalars(model: ModelDescription, sizes: Mapping[str, int], texts: Mapping[s
 
 def _starts(v: ModelVariable, size: int, texts: Sequence[str]) -> Sequence[Any]:
     """Start values of all elements; one value stands for all, and where their number does not fit, none is known."""
-    if v.type == "String":
+    if v.type in TEXTS:
         values: list[Any] = list(texts) or ([] if v.start is None else [v.start])
     else:
         values = [READERS.get(v.type, int)(word) for word in (v.start or "").split()]

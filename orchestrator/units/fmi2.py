@@ -130,7 +130,7 @@ class Fmi2CoSimulation(Fmi2Unit):
             known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
             if ended.value:
                 self._step_start, self._step_end = t, end
-                self._end_at(last.value if known else t)
+                self._end_at(min(max(last.value, t), end) if known else t)
                 return
             if known and last.value > t:
                 self._failed(status, f" and got to {last.value:.9g} s",

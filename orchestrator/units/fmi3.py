@@ -1,4 +1,4 @@
-"""Units made of co-simulation FMUs of FMI 3.0, with early return and event mode where the FMU has them.
+"""Units made of FMUs of FMI 3.0; those for co-simulation with early return and event mode where the FMU has them.
 
 An FMU with event mode handles its events inside `step`: it returns at the event, its discrete states are iterated, and
 it goes on to the end of the step. Where it announces the time of its next event, it is stepped exactly to it. Inputs that
@@ -16,42 +16,23 @@ import numpy as np
 from fmpy.fmi3 import FMU3Slave
 
 from ...components.core.errors import StepFailed
-from .fmu_unit import FmuUnit
+from .fmu_unit import DiscreteStates, FmuUnit
 from .inputs import WARNING, Others, Reals, Requested
 from .interface import SimulationEnded
 
 DISCARD = 2
 ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
-BOOLEAN, DOUBLE = ctypes.c_bool, ctypes.c_double
+BOOLEAN, DOUBLE, POINTER = ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
 
 
-class Fmi3CoSimulation(FmuUnit):
-    """An FMU of FMI 3.0 for co-simulation."""
+class Fmi3Unit(FmuUnit):
+    """What model exchange and co-simulation share."""
 
     prefix = "fmi3"
 
-    def _instantiate(self) -> Any:
-        interface, model = self._interface(), self.description.model
-        self._events = interface.hasEventMode
-        self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
-        fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
-                        modelIdentifier=interface.modelIdentifier)
-        asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
-        fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
-                        requiredIntermediateVariables=sorted(asked), intermediateUpdate=self._requested if asked else None,
-                        logMessage=lambda _environment, _status, _category, text: self.noted(text))
-        return fmu
-
-    def _requested(self, _environment: Any, t: float, wants_inputs: bool, _gives: bool, _finished: bool, _may_return: bool,
-                   early: Any, _when: Any) -> None:
-        """The FMU asks for its inputs inside a step."""
-        early[0] = False
-        if wants_inputs and isinstance(self._reals, Requested):
-            self._reals.move(t - self._origin)
-
-    def _make_reals(self, names: Sequence[str]) -> Reals:
-        return Requested(names, *self._common()) if set(names) <= self.description.requested else super()._make_reals(names)
+    def _logged(self, _environment: Any, _status: int, _category: bytes, text: bytes) -> None:
+        self.noted(text)
 
     def _set_values(self, values: Any) -> None:
         """Structural parameters first, in a mode of their own: they fix the sizes of arrays."""
@@ -70,14 +51,49 @@ class Fmi3CoSimulation(FmuUnit):
     def start(self) -> None:
         self._call("ExitInitializationMode")
         self._started = True
+
+    def _update_states(self) -> DiscreteStates:
+        """In event mode: one iteration of the discrete states."""
+        flags, when = np.zeros(5, dtype=np.uint8), DOUBLE()
+        places = [POINTER(flags.ctypes.data + k) for k in range(5)]
+        self._call("UpdateDiscreteStates", *places, ctypes.pointer(when))
+        again, ends, nominals, _, defined = flags.tolist()
+        return DiscreteStates(bool(again), bool(ends), bool(nominals), when.value if defined else inf)
+
+
+class Fmi3CoSimulation(Fmi3Unit):
+    """An FMU of FMI 3.0 for co-simulation."""
+
+    def _instantiate(self) -> Any:
+        interface, model = self._interface(), self.description.model
+        self._events = interface.hasEventMode
+        self._stops = self._events and interface.canHandleVariableCommunicationStepSize  # can be stepped to an event
+        fmu = FMU3Slave(instanceName=self.name, guid=model.guid, unzipDirectory=self._folder,
+                        modelIdentifier=interface.modelIdentifier)
+        asked = {self._scalars[n].variable.valueReference for n in self.description.requested}
+        fmu.instantiate(loggingOn=True, eventModeUsed=self._events, earlyReturnAllowed=True,
+                        requiredIntermediateVariables=sorted(asked), intermediateUpdate=self._requested if asked else None,
+                        logMessage=self._logged)
+        return fmu
+
+    def _requested(self, _environment: Any, t: float, wants_inputs: bool, _gives: bool, _finished: bool, _may_return: bool,
+                   early: Any, _when: Any) -> None:
+        """The FMU asks for its inputs inside a step."""
+        early[0] = False
+        if wants_inputs and isinstance(self._reals, Requested):
+            self._reals.move(t - self._origin)
+
+    def _make_reals(self, names: Sequence[str]) -> Reals:
+        return Requested(names, *self._common()) if set(names) <= self.description.requested else super()._make_reals(names)
+
+    def start(self) -> None:
+        super().start()
         if self._events:
             self._handle_events()
 
     def wire(self, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         super().wire(inputs, outputs)
-        pointer = ctypes.c_void_p
-        self._do_step = self._function("DoStep", DOUBLE, DOUBLE, BOOLEAN, pointer, pointer, pointer, pointer)
-        self._update_discrete = self._function("UpdateDiscreteStates", *[pointer] * 6)
+        self._do_step = self._function("DoStep", DOUBLE, DOUBLE, BOOLEAN, POINTER, POINTER, POINTER, POINTER)
         self._enter_event_mode, self._enter_step_mode = (self._function(n) for n in ("EnterEventMode", "EnterStepMode"))
         self._instance = self._fmu.component
         # event, termination, early return: three bytes that are looked at as one word
@@ -99,20 +115,17 @@ class Fmi3CoSimulation(FmuUnit):
 
     def _handle_events(self) -> None:
         """In event mode: find the discrete states, and go on to step mode."""
-        flags, when = np.zeros(5, dtype=np.uint8), DOUBLE()
-        places = [flags.ctypes.data + k for k in range(5)]
         for _ in range(ITERATIONS):
-            self._check(self._update_discrete(self._fmu.component, *places, ctypes.addressof(when)))
-            again, ends, _, _, defined = flags.tolist()
-            if ends:
+            states = self._update_states()
+            if states.ends:
                 self._end_at(self._time)
                 return
-            if not again:
+            if not states.again:
                 break
         else:
             raise StepFailed(self.name, self._time,
                              f"the discrete states do not converge in {ITERATIONS} iterations{self._log_lines()}")
-        self.next_event = when.value if defined else inf
+        self.next_event = states.next_event
         self._check(self._enter_step_mode(self._fmu.component))
 
     def step(self, t: float, h: float) -> None:

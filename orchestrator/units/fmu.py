@@ -21,9 +21,10 @@ def open_fmu(name: str, settings: UnitSettings) -> FmuUnit:
         given: dict[str, Any] = {f"effects.{e}": True for e in settings.effects}
         given |= checked_values(description, settings, where)
         if description.exchange:
-            from .model_exchange import Fmi2ModelExchange
+            from .model_exchange_versions import Fmi2ModelExchange, Fmi3ModelExchange
 
-            return Fmi2ModelExchange(name, description, given, settings.tolerance, settings.solver or "CVode")
+            exchange = Fmi3ModelExchange if description.fmi3 else Fmi2ModelExchange
+            return exchange(name, description, given, settings.tolerance, settings.solver or "CVode")
         return _class(description)(name, description, given, settings.tolerance)
     from ...fmus.build import built
     from .component import make

@@ -94,7 +94,7 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
 def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[str, Measure]) -> Signal:
     v, declared, kind = s.variable, s.variable.declaredType, s.kind
     unit = v.unit or (declared.unit if declared else None) or ""
-    start = (s.start or "") if kind == "string" else float(s.start or 0)
+    start = (s.start or "") if kind in ("string", "binary") else float(s.start or 0)
     return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, measures.get(unit))
 
 

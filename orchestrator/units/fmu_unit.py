@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import isfinite, ulp
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from .inputs import WARNING, Others, Reals, means
 from .interface import ARRAY_THRESHOLD, PortValues, SimulationEnded
 from .outputs import derivatives, reader
 from .states import State, States
-from .values import Block, blocks, decoded, same, signature
+from .values import Block, blocks, decoded, same
 
 if TYPE_CHECKING:
     from ...components.core.component import Component
@@ -35,6 +35,15 @@ FATAL = 4
 NEAR = 1e-6  # of a step
 STATUS = {2: "discarded the call", 3: "reported an error", 4: "reported a fatal error"}
 _once: set[str] = set()  # running FMUs that allow one instance in a process only
+
+
+class DiscreteStates(NamedTuple):
+    """What an FMU answers to an iteration of its discrete states; `next_event` in s."""
+
+    again: bool  # it needs another one
+    ends: bool  # it ends the simulation
+    nominals: bool  # nominal values of continuous states have changed
+    next_event: float
 
 
 class FmuUnit:
@@ -108,6 +117,14 @@ class FmuUnit:
         """What comes before the parameters and the initialization."""
 
     def _enter_initialization(self) -> None:
+        raise NotImplementedError
+
+    def _sizes(self) -> tuple[int, int]:
+        """Of model exchange: numbers of continuous states and of event indicators."""
+        raise NotImplementedError
+
+    def _update_states(self) -> DiscreteStates:
+        """In event mode: one iteration of the discrete states."""
         raise NotImplementedError
 
     def start(self) -> None:
@@ -245,12 +262,17 @@ class FmuUnit:
             self._last_texts = list(values)
 
     def text_reader(self, names: Sequence[str]) -> Callable[[], list[str]]:
-        (block,) = blocks([self._scalars[n] for n in names], self._fmi3)
-        return lambda: self._read(block)
+        by_type = blocks([self._scalars[n] for n in names], self._fmi3)
+
+        def read() -> list[str]:
+            texts = {row: text for block in by_type for row, text in zip(block.rows, self._read(block), strict=True)}
+            return [texts[row] for row in range(len(names))]
+
+        return read
 
     def _read(self, block: Block) -> list[Any]:
         """Present values of a block's scalars."""
-        self._check(self._function("Get" + block.type.suffix, *signature(self._fmi3))(self._fmu.component, *block.arguments))
+        self._check(self._function("Get" + block.type.suffix, *block.argument_types)(self._fmu.component, *block.arguments))
         return decoded(block)
 
     def _check(self, status: int) -> None:

@@ -120,13 +120,13 @@ class Others:
                  functions: Functions, failed: Callable[[int], None]):
         self._name, self._names, self._failed = name, names, failed
         self.blocks = blocks([scalars[n] for n in names], fmi3)
-        self._calls = [(functions("Set" + b.type.suffix, *signature(fmi3)), (instance, *b.arguments)) for b in self.blocks]
+        self._calls = [(functions("Set" + b.type.suffix, *b.argument_types), (instance, *b.arguments)) for b in self.blocks]
 
     def write(self, values: Sequence[Any], t: float) -> None:
         """The inputs have these values from t on; raises `StepFailed` for a number that the type cannot hold."""
         for block, (call, arguments) in zip(self.blocks, self._calls, strict=True):
             for row, at in zip(block.rows, block.at, strict=True):
-                block.buffer[at] = self._fitting(block, row, values[row], t)
+                block.put(at, self._fitting(block, row, values[row], t))
             status = call(*arguments)
             if status > WARNING:
                 self._failed(status)
@@ -138,4 +138,6 @@ class Others:
                 raise StepFailed(self._name, t, f"input {self._names[row]} cannot be {value:.9g}: it holds whole numbers "
                                                 f"from {type_.low} to {type_.high}")
             return int(value)
+        if type_.suffix == "Binary":
+            return value
         return value.encode() if isinstance(value, str) else bool(value) if type_.suffix == "Boolean" else value

@@ -12,7 +12,7 @@ from ...components.core.errors import StepFailed
 from ...components.core.measure import Unit as Measure
 
 PortValues = Any  # list[float], or an ndarray of more than ARRAY_THRESHOLD numbers
-Kind = Literal["real", "integer", "boolean", "enumeration", "string"]
+Kind = Literal["real", "integer", "boolean", "enumeration", "string", "binary"]
 ARRAY_THRESHOLD = 24  # numbers: more of them are handed over as arrays, fewer as lists
 
 
@@ -35,8 +35,8 @@ class Signal:
 
     @property
     def is_text(self) -> bool:
-        """Whether its values are texts."""
-        return self.kind == "string"
+        """Whether its values are texts; binary ones are, as FMI writes them: two hexadecimal digits for each octet."""
+        return self.kind in ("string", "binary")
 
 
 @dataclass(frozen=True)

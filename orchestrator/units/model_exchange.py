@@ -1,4 +1,4 @@
-"""An FMU of FMI 2.0 for model exchange as a unit: it gives equations and events, the integrator is ours.
+"""An FMU for model exchange as a unit: it gives equations and events, the integrator is ours.
 
 Inputs follow their polynomials wherever the integrator looks. A multistep integrator goes on across macro steps, and begins
 anew behind an event, where an input jumps by more than the tolerance, behind `restore`, and behind `pack`, so that a run that
@@ -12,21 +12,21 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from math import inf, isfinite, ulp
+from math import isfinite, ulp
 from typing import Any
 
 import numpy as np
-from fmpy.fmi2 import FMU2Model, fmi2EventInfo
 
 from ...components.core.errors import StepFailed
 from .description import Description
-from .fmi2 import DISCARD, Fmi2Unit
+from .fmu_unit import FmuUnit
 from .inputs import WARNING
 from .interface import PortValues, SimulationEnded
 from .solvers import AGAIN, DONE, FAILED, Solver, SolverFailed, make_solver
 from .states import State
 from .values import signature
 
+DISCARD = 2
 TOLERANCE = 1e-8  # relative, where neither scene nor FMU gives one; Van der Pol's oscillator over 20 s is then within 3e-6
 ITERATIONS = 100  # of the discrete states at an event
 EVENTS = 10_000  # in one step
@@ -34,17 +34,21 @@ ROUNDING = 32.0  # units in the last place: an event of time is within a step wh
 REAL, POINTER, SIZE = ctypes.c_double, ctypes.c_void_p, ctypes.c_size_t
 
 
-class Fmi2ModelExchange(Fmi2Unit):
-    """An FMU of FMI 2.0 for model exchange, with an integrator."""
+class ModelExchange(FmuUnit):
+    """What FMUs for model exchange share, whatever their version, with an integrator.
 
-    fmpy_class = FMU2Model
+    A version gives `_sizes` and `_update_states`, the names of two functions and C's type of its truth values.
+    """
+
+    truth_value: Any = ctypes.c_int
+    derivatives_function = "GetDerivatives"
 
     def __init__(self, name: str, description: Description, values: Mapping[str, Any], tolerance: float | None, method: str):
         experiment = description.model.defaultExperiment
         suggested = float(experiment.tolerance or 0.0) if experiment is not None else 0.0
         self.kind = f"FMU for model exchange with {method}"
         self._method, self._relative = method, tolerance or suggested or TOLERANCE
-        self._n, self._nz = len(description.model.derivatives), int(description.model.numberOfEventIndicators or 0)
+        self._n = self._nz = 0  # states and event indicators, known when the sizes of arrays are
         self._solver: Solver | None = None
         self._goes_on_at: float | None = None  # s, where a multistep integrator stands; None: it has to begin anew
         self._left_inputs = np.zeros(0)  # what the moving inputs were when it got there
@@ -61,34 +65,34 @@ class Fmi2ModelExchange(Fmi2Unit):
         self._origin = 0.0  # and when they begin
         self._last_held: list[Any] | None = None
         if self._reals is not None:
-            block = self._reals.block
+            block, moving = self._reals.block, len(self._rows[0])
             self._target = np.ctypeslib.as_array(block.buffer)
-            self._moving_at = np.array(block.at[: len(self._rows[0])])
+            self._moving_at = np.array(block.at[:moving])
             self._nominals = np.array([self._scalars[inputs[k]].nominal for k in self._rows[0]])
-            self._set_moving = self._function("SetReal", *signature(False))
-            self._moving_arguments = (self._instance, *block.first(len(self._rows[0])))
+            self._set_moving = self._function("Set" + block.type.suffix, *signature(self._fmi3))
+            companions = len(block.at) > moving  # "der(x)" behind them, which an integrator that asks for inputs does not need
+            self._moving_arguments = (self._instance, *(block.first(moving) if companions else block.arguments))
+        self._singles: tuple[np.ndarray, ...] | None = None  # the same of inputs of single precision
         if inputs:
             self.drive = self._drive
         self._set_time = self._function("SetTime", REAL)
         self._set_states = self._function("SetContinuousStates", POINTER, SIZE)
         self._get_states = self._function("GetContinuousStates", POINTER, SIZE)
-        self._get_derivatives = self._function("GetDerivatives", POINTER, SIZE)
+        self._get_derivatives = self._function(self.derivatives_function, POINTER, SIZE)
         self._get_indicators = self._function("GetEventIndicators", POINTER, SIZE)
-        self._tell_completed = self._function("CompletedIntegratorStep", ctypes.c_int, POINTER, POINTER)
-        self._needs_completed = not self._interface().completedIntegratorStepNotNeeded
-        self._flags = (ctypes.c_int * 2)()  # event mode wanted, end of the simulation wanted
+        self._tell_completed = self._function("CompletedIntegratorStep", self.truth_value, POINTER, POINTER)
+        self._needs_completed = self._interface().needsCompletedIntegratorStep
+        self._flags = (self.truth_value * 2)()  # event mode wanted, end of the simulation wanted
         flags = ctypes.addressof(self._flags)
-        self._flag_places = (flags, flags + ctypes.sizeof(ctypes.c_int))
-        self._info = fmi2EventInfo()
-        self._x, self._z, self._signs = np.zeros(self._n), np.zeros(self._nz), np.zeros(self._nz, dtype=bool)
+        self._flag_places = (flags, flags + ctypes.sizeof(self.truth_value))
 
     def _move_inputs(self, t: float) -> int:
         """The continuous inputs where their polynomials are at t."""
+        if self._singles is not None:
+            self._levels.write(_at(self._singles, t - self._origin).tolist(), t)
         if self._polynomial is None:
             return DONE
-        s = t - self._origin
-        values, slopes, halves = self._polynomial
-        self._target[self._moving_at] = values + s * (slopes + s * halves)
+        self._target[self._moving_at] = _at(self._polynomial, t - self._origin)
         return self._set_moving(*self._moving_arguments)
 
     def _at(self, t: float, x: int) -> int:
@@ -119,6 +123,8 @@ class Fmi2ModelExchange(Fmi2Unit):
 
     def start(self) -> None:
         super().start()
+        self._n, self._nz = self._sizes()
+        self._x, self._z, self._signs = np.zeros(self._n), np.zeros(self._nz), np.zeros(self._nz, dtype=bool)
         self._solver = make_solver(self._method, self._n, self._nz, self._f, self._g, self._relative)
         self._find_discrete_states(nominals=True)
 
@@ -130,19 +136,19 @@ class Fmi2ModelExchange(Fmi2Unit):
         self._find_discrete_states()
 
     def _find_discrete_states(self, nominals: bool = False) -> None:
-        info, self._goes_on_at = self._info, None
+        self._goes_on_at = None
         for _ in range(ITERATIONS):
-            self._call("NewDiscreteStates", ctypes.pointer(info))
-            if info.terminateSimulation:
+            states = self._update_states()
+            if states.ends:
                 self._end_at(self._time)
                 return
-            nominals = nominals or bool(info.nominalsOfContinuousStatesChanged)
-            if not info.newDiscreteStatesNeeded:
+            nominals = nominals or states.nominals
+            if not states.again:
                 break
         else:
             reason = f"discrete states that do not converge in {ITERATIONS} iterations"
             raise StepFailed(self.name, self._time, reason + self._log_lines())
-        self.next_event = info.nextEventTime if info.nextEventTimeDefined else inf
+        self.next_event = states.next_event
         self._call("EnterContinuousTimeMode")
         assert self._solver is not None
         if nominals and self._n:
@@ -177,13 +183,14 @@ class Fmi2ModelExchange(Fmi2Unit):
     # Inputs
 
     def _drive(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None, h: float) -> None:
-        moving, _, held = self._rows
+        moving, singles, held = self._rows
         if held:
             self._hold([values[k] for k in held])
+        rows = [np.zeros(len(values)) if row is None else np.asarray(row, dtype=float) for row in (values, slopes, halves)]
         if moving:
-            none = np.zeros(len(moving))
-            rows = [none if row is None else np.asarray(row, dtype=float)[moving] for row in (values, slopes, halves)]
-            self._polynomial = tuple(rows)
+            self._polynomial = tuple(row[moving] for row in rows)
+        if singles:
+            self._singles = tuple(row[singles] for row in rows)
 
     def _hold(self, values: list[Any]) -> None:
         """Inputs that change at instants only; after the initialization they do it in event mode, and only where they change."""
@@ -220,6 +227,7 @@ class Fmi2ModelExchange(Fmi2Unit):
             raise StepFailed(self.name, self._time, f"{self._method} cannot go on: {error}{self._log_lines()}",
                              "A smaller macro step or another solver may help") from None
         finally:
+            self._singles = None
             if self._polynomial is not None:  # the FMU keeps the inputs of the end
                 self._left_inputs, self._polynomial = self._target[self._moving_at], None
 
@@ -279,7 +287,7 @@ class Fmi2ModelExchange(Fmi2Unit):
     def restore(self, state: State) -> None:
         super().restore(state)
         self._goes_on_at = None
-        self._polynomial, self._signs = None, self._present_signs()
+        self._polynomial, self._singles, self._signs = None, None, self._present_signs()
         self._last_held = [None] * len(self._rows[2])
         for block in self._held.blocks:
             for row, value in zip(block.rows, self._read(block), strict=True):
@@ -305,3 +313,9 @@ class Fmi2ModelExchange(Fmi2Unit):
         super().close()
         if self._solver is not None:
             self._solver.close()
+
+
+def _at(polynomial: tuple[np.ndarray, ...], s: float) -> np.ndarray:
+    """Values + slopes s + halves s²."""
+    values, slopes, halves = polynomial
+    return values + s * (slopes + s * halves)

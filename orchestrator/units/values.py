@@ -39,7 +39,7 @@ FMI2 = {"Real": CType("Real", ctypes.c_double), "Integer": _whole("Integer", cty
         "String": CType("String", ctypes.c_char_p)}
 FMI3 = {"Float64": CType("Float64", ctypes.c_double), "Float32": CType("Float32", ctypes.c_float),
         "Boolean": CType("Boolean", ctypes.c_bool), "String": CType("String", ctypes.c_char_p),
-        "Enumeration": _whole("Int64", ctypes.c_int64)}
+        "Binary": CType("Binary", ctypes.c_void_p), "Enumeration": _whole("Int64", ctypes.c_int64)}
 FMI3 |= {name: _whole(name, getattr(ctypes, "c_" + name.lower()))
          for name in ("Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")}
 
@@ -68,12 +68,23 @@ class Block:
         # addresses cost ctypes less than arrays; the attributes above keep the memory alive
         references, buffer = ctypes.addressof(self.references), ctypes.addressof(self.buffer)
         self.arguments = (references, len(offsets), buffer, size) if fmi3 else (references, size, buffer)
+        self.argument_types = signature(fmi3)
+        if type_.suffix == "Binary":
+            self.lengths, self.octets = (ctypes.c_size_t * size)(), [b""] * size  # of the values, and what the buffer points to
+            self.arguments = (references, len(offsets), ctypes.addressof(self.lengths), buffer, size)
+            self.argument_types = (*signature(fmi3)[:2], ctypes.c_void_p, *signature(fmi3)[2:])
+
+    def put(self, at: int, value: Any) -> None:
+        """Write a value into the buffer."""
+        if self.type.suffix == "Binary":
+            self.octets[at] = octets = bytes.fromhex(value)
+            self.lengths[at], value = len(octets), ctypes.cast(ctypes.c_char_p(octets), ctypes.c_void_p)
+        self.buffer[at] = value
 
     def first(self, n: int) -> tuple[int, ...]:
         """Arguments for the first n variables only, all of them scalars."""
         references, _, buffer, *rest = self.arguments
         return (references, n, buffer, n) if rest else (references, n, buffer)
-
 
     @classmethod
     def of_derivatives(cls, scalars: Sequence[Scalar], fmi3: bool) -> Block:
@@ -86,6 +97,8 @@ def decoded(block: Block) -> list[Any]:
     values = [block.buffer[k] for k in block.at]
     if block.type.suffix == "String":
         return [(text or b"").decode(errors="replace") for text in values]
+    if block.type.suffix == "Binary":
+        return [ctypes.string_at(block.buffer[k], block.lengths[k]).hex() if block.lengths[k] else "" for k in block.at]
     return values
 
 
@@ -141,11 +154,13 @@ def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scal
     kind, variable = scalar.kind, scalar.variable
     if kind == "enumeration" and isinstance(value, str):
         return _member(where, scalar, value)
-    wanted: Any = {"real": (int, float), "boolean": bool, "string": str}.get(kind, int)
+    wanted: Any = {"real": (int, float), "boolean": bool, "string": str, "binary": str}.get(kind, int)
     if not isinstance(value, wanted) or (isinstance(value, bool) and kind != "boolean"):
         raise BadInput(where, f"{name} = {value!r}", f"a value of type {variable.type}")
     if kind in ("boolean", "string"):
         return value
+    if kind == "binary":
+        return _octets(where, name, value)
     if kind == "real" and not (isfinite(value) and (variable.type != "Float32" or abs(value) <= FLOAT32)):
         raise BadInput(where, f"{name} = {value!r}", "a finite number")
     if kind == "enumeration" and (items := members(scalar)) and value not in items.values():
@@ -155,6 +170,13 @@ def _checked_value(where: str, name: str, value: Any, scalars: Mapping[str, Scal
         span = ", ".join(f"{bound:.9g}" if isinstance(bound, float) else str(bound) for bound in (low, high))
         raise BadInput(where, f"{name} = {value!r}", f"a value in [{span}]")
     return value
+
+
+def _octets(where: str, name: str, text: str) -> str:
+    try:
+        return bytes.fromhex(text).hex()
+    except ValueError:
+        raise BadInput(where, f"{name} = {text!r}", 'octets in hexadecimal digits, such as "666f6f"') from None
 
 
 def _wrong_shape(where: str, name: str, actual: str, elements: Sequence[str]) -> BadInput:

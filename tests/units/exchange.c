@@ -3,6 +3,7 @@
    events, a counter of u's passages through 0.5, and events of completed steps that put x back to 0. With BARE: no states.
    It is strict: a call in a wrong mode and a state taken back after it was given up are errors, which its log explains. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -70,7 +70,7 @@ MODELS: dict[str, list[V]] = {
         V("Float32_continuous_output", 2, "Float32", "output", "continuous", None, "", (), (1,)),
         *(v for k, name in enumerate(SMALL) for v in _both(name, 11 + 2 * k, name, "0")),
         *_both("Boolean", 27, "Boolean", "false"), *_both("String", 29, "String", "Set me!"),
-        V("Binary_input", 31, "Binary", "input", "discrete", "666f6f"),
+        *_both("Binary", 31, "Binary", "666f6f"),
         *_both("Enumeration", 33, "Enumeration", "1", 'declaredType="Option"')],
     "integrator": [V("u", 1, "Float64", "input", "continuous", "0"), V("x", 2, "Float64", "output", "continuous"),
                    V("z", 3, "Float64", "output", "continuous")],

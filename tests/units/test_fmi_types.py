@@ -116,7 +116,7 @@ def test_whole_numbers_that_floats_cannot_tell_apart_are_refused():
     ({"Int8_in": 128}, ["Int8_in = 128", "[-128, 127]"]), ({"UInt16_in": -1}, ["[0, 65535]"]), ({"Int32_in": 1.0}, ["Int32"]),
     ({"Float32_continuous_input": 1e39}, ["finite"]), ({"Boolean_in": 1}, ["Boolean"]), ({"String_in": 1}, ["String"]),
     ({"Enumeration_in": "tow"}, ["'tow'", "'two'"]), ({"Enumeration_in": 3}, ["one (1), two (2), far (7)"]),
-    ({"Binary_input": "00"}, ["'Binary_input'"]), ({"UInt64_in": -1}, ["[0, 18446744073709551615]"]),
+    ({"Binary_in": "0"}, ["Binary_in = '0'", "hexadecimal"]), ({"UInt64_in": -1}, ["[0, 18446744073709551615]"]),
 ])
 def test_bad_values_of_parameters_name_what_the_type_holds(parameters, named):
     with pytest.raises(BadInput) as caught:
@@ -169,7 +169,8 @@ def test_kinds_are_connected_through_a_run_of_two_versions_of_fmi():
 
 
 @pytest.mark.parametrize(("connection", "named"), [
-    ("a.Float64_continuous_output -> b.Binary_input", "b.Binary_input, a Binary"),
+    ("a.Float64_continuous_output -> b.Binary_in", "a real output for a binary input"),
+    ("a.String_out -> b.Binary_in", "a string output for a binary input"),
     ("a.Float64_continuous_output -> b.Int32_in", "a real output for an integer input"),
     ("a.String_out -> b.Int32_in", "a string output for an integer input"),
 ])

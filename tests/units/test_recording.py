@@ -95,9 +95,17 @@ def test_texts_of_a_run_that_is_resumed_are_those_of_the_whole_one(tmp_path):
     assert resumed["b.String_out"].tolist() == whole["b.String_out"].tolist() == [SAID] * 11
 
 
-def test_binaries_are_refused_by_name():
-    with pytest.raises(BadInput, match=r"f\.Binary_input, a Binary; expected a number, a truth value or a text"):
-        read_scene(scene(native_fmu("feedthrough", 3), {"signals": ["f.Binary_input"]}))
+@pytest.mark.parametrize("isolation", ["none", "process"])
+@pytest.mark.parametrize("octets", ["00ff00", "", "666F6F"])
+def test_binaries_go_from_unit_to_unit_beside_texts_and_are_recorded_as_fmi_writes_them(octets, isolation):
+    said = {"fmu": native_fmu("feedthrough", 3), "parameters": {"String_in": SAID, "Binary_in": octets}, "isolation": isolation}
+    result = run(read_scene({
+        "stop_time": 0.3, "units": {"a": said, "b": {"fmu": native_fmu("feedthrough", 3)}}, "master": {"step": 0.1},
+        "connections": ["a.Binary_out -> b.Binary_in", "a.String_out -> b.String_in"],
+        "record": {"signals": ["b.Binary_out", "b.String_out", "b.Int8_out"]}}))
+    assert result.outcome == "done", result.message
+    assert result["b.Binary_out"].tolist() == [octets.lower()] * 4
+    assert result["b.String_out"].tolist() == [SAID] * 4
 
 
 def test_an_empty_list_of_signals_is_refused():

@@ -2,7 +2,7 @@
 #define ABSENT(name) int name(void) { return 3; }
 void *fmi3InstantiateModelExchange(void) { return 0; }
 void *fmi3InstantiateScheduledExecution(void) { return 0; }
-ABSENT(fmi3GetBinary) ABSENT(fmi3GetClock) ABSENT(fmi3SetBinary) ABSENT(fmi3SetClock)
+ABSENT(fmi3GetClock) ABSENT(fmi3SetClock)
 ABSENT(fmi3GetNumberOfVariableDependencies) ABSENT(fmi3GetVariableDependencies) ABSENT(fmi3GetAdjointDerivative)
 ABSENT(fmi3GetIntervalDecimal) ABSENT(fmi3GetIntervalFraction) ABSENT(fmi3GetShiftDecimal) ABSENT(fmi3GetShiftFraction)
 ABSENT(fmi3SetIntervalDecimal) ABSENT(fmi3SetIntervalFraction) ABSENT(fmi3SetShiftDecimal) ABSENT(fmi3SetShiftFraction)

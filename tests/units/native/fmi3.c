@@ -139,6 +139,29 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference referen
     return fmi3OK;
 }
 
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference references[], size_t n, size_t lengths[],
+                         fmi3Binary values[], size_t total) {
+    ALLOWED(INITIALIZATION | EVENT | STEP) outputs(&unit->now.data);
+    for (size_t i = 0; i < n; i++) {
+        const Slot *s = slot(references[i], BINARY);
+        if (!s) return complain(unit, "no such Binary");
+        Octets *octets = (Octets *)((char *)&unit->now.data + s->offset);
+        lengths[i] = octets->length, values[i] = octets->octets;
+    }
+    return fmi3OK;
+}
+fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference references[], size_t n, const size_t lengths[],
+                         const fmi3Binary values[], size_t total) {
+    ALLOWED(INSTANTIATED | INITIALIZATION | EVENT | STEP)
+    for (size_t i = 0; i < n; i++) {
+        const Slot *s = slot(references[i], BINARY);
+        if (!s || !settable(unit, s) || lengths[i] > TEXT) return complain(unit, "Binary cannot be set now");
+        Octets *octets = (Octets *)((char *)&unit->now.data + s->offset);
+        octets->length = lengths[i], memcpy(octets->octets, values[i], lengths[i]);
+    }
+    return fmi3OK;
+}
+
 static Outcome settle_events(Unit *unit) {
     Outcome outcome = {0};
     event(&unit->now.data, &outcome);

@@ -9,13 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum Type { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOLEAN, STRING };
+enum Type { FLOAT64, FLOAT32, INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, BOOLEAN, STRING, BINARY };
 #if FMI == 2
 typedef int Truth;
 #else
 typedef bool Truth;
 #endif
 #define TEXT 64
+typedef struct { size_t length; uint8_t octets[TEXT]; } Octets;
 
 typedef struct { bool again, ends, announced; double next; } Outcome; /* of the update of discrete states */
 typedef struct Data Data;
