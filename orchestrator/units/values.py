@@ -67,7 +67,7 @@ class Block:
         self.straight = self.at == list(range(size))  # and in their order
         # addresses cost ctypes less than arrays; the attributes above keep the memory alive
         references, buffer = ctypes.addressof(self.references), ctypes.addressof(self.buffer)
-        self.arguments = (references, len(offsets), buffer, size) if fmi3 else (references, size, buffer)
+        self.arguments: tuple[int, ...] = (references, len(offsets), buffer, size) if fmi3 else (references, size, buffer)
         self.argument_types = signature(fmi3)
         if type_.suffix == "Binary":
             self.lengths, self.octets = (ctypes.c_size_t * size)(), [b""] * size  # of the values, and what the buffer points to
