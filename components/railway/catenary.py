@@ -11,23 +11,16 @@ from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
-from .contact import (
-    FURTHER,
-    at_contact,
-    contact_columns,
-    contact_compliance,
-    contact_count,
-    heights_around,
-    in_range,
-    wire_height,
-)
+from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
+from .line.layout import uniform
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
+FURTHER = 6  # contact points that `further_pantographs` can have
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
 
 
@@ -232,24 +225,25 @@ class Catenary(Component):
         if p.substep > self._limit:
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {self._limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
-        N, contacts_of = self.mesh.mass.size, (e.second_pantograph, e.further_pantographs)
-        loads = [tuple(self.u[0, list(contact_columns(k, *contacts_of))]) for k in range(contact_count(*contacts_of))]
-        for position, _ in loads:
+        N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
+        self._points = contact_points(e)
+        loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
+        for position, *_ in loads:
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
         q, taut, residual = loaded_equilibrium(self.mesh, loads, e.dropper_slackening is not None)
         # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
-        contacts = [value for position, _ in loads for value in (position, 0.0)]
-        edges = [1.0, N // 2 - 2.0] if e.moving_window is not None else []
+        contacts = [value for position, *_ in loads for value in (position, 0.0)]
+        edges = [1.0, N // W - 2.0] if e.moving_window is not None else []
         self.x = np.concatenate((q, np.zeros(2 * N), contacts, taut if implicit else [], edges))
         if e.moving_window is not None:
-            rear, front = min(loads)[0], max(loads)[0]
-            _, hi = move_window(front, rear, self.x, self.mesh, e.moving_window)
-            self.x[2 * hi + 2 : N] = 0.0
+            positions = [position for position, *_ in loads]
+            _, hi = move_window(max(positions), min(positions), self.x, self.mesh, e.moving_window)
+            self.x[W * hi + W : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
         self._work = np.zeros((5, N))
         if implicit:
-            self._stiffness = stiffness_of_wires(self.mesh, 7 if e.bending_stiffness is not None else 5)
+            self._stiffness = stiffness_of_wires(self.mesh, 3 if e.bending_stiffness is not None else 2)
             self._band, self._factors = np.zeros((2, *self._stiffness.shape))
             self._factored = np.full(taut.size, -1.0)
             self._prepared = np.zeros(1)
@@ -260,24 +254,23 @@ class Catenary(Component):
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched,
+            return advance_explicit(h, n, self.x, self.u, self.y, self._points, *self._packed, self._work, self.counts, watched,
                                     e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.second_pantograph, e.further_pantographs, e.moving_window, e.wire_profile)
-        return advance_implicit(h, n, self.x, self.u, self.y, *self._packed, self._work, self.counts, watched, p.spectral_radius,
-                                self._prepared, self._stiffness, self._band, self._factors, self._factored, e.dropper_slackening,
-                                e.bending_stiffness, e.damping, e.second_pantograph, e.further_pantographs, e.wire_profile)
+                                    e.damping, e.moving_window, e.wire_profile)
+        return advance_implicit(h, n, self.x, self.u, self.y, self._points, *self._packed, self._work, self.counts, watched,
+                                p.spectral_radius, self._prepared, self._stiffness, self._band, self._factors, self._factored,
+                                e.dropper_slackening, e.bending_stiffness, e.damping, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
-        refresh_outputs(self.x, self.u[0], self.y, *self._packed, p.first_watched_support, e.second_pantograph,
-                        e.further_pantographs, e.wire_profile)
+        refresh_outputs(self.x, self.u[0], self.y, self._points, *self._packed, p.first_watched_support, e.wire_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
         mesh, N = self.mesh, self.mesh.mass.size
         q, v, mass = self.x[:N], self.x[N : 2 * N], np.where(np.isinf(mesh.mass), 0.0, mesh.mass)
-        total = 0.5 * q @ (banded_product(stiffness_of_wires(mesh, 7), q) + mesh.ground * q) + 0.5 * v @ (mass * v)
-        stretch = q[2 * mesh.dropper + 1] - q[2 * mesh.dropper]
+        total = 0.5 * q @ (banded_product(stiffness_of_wires(mesh, 3), q) + mesh.ground * q) + 0.5 * v @ (mass * v)
+        stretch = q[mesh.upper] - q[mesh.lower]
         tension = mesh.preload + mesh.dropper_stiffness * stretch
         if "dropper_slackening" in self.on:
             tension = np.maximum(tension, 0.0)
@@ -285,8 +278,7 @@ class Catenary(Component):
 
     def left_range(self) -> str:
         """The contact points, their speeds, and the part of the wire on which they may be."""
-        contacts_of = self.arguments[1].second_pantograph, self.arguments[1].further_pantographs
-        columns = [contact_columns(k, *contacts_of)[0] for k in range(contact_count(*contacts_of))]
+        columns = dict.fromkeys(self._points[:, 0].tolist())
         points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
         low, high = self.mesh.position[[1, -2]]
         return f"{', '.join(points)}, expected from {low:g} to {high:g} m"
@@ -309,8 +301,8 @@ class Catenary(Component):
             h2 = min(p.substep**2, 0.7 * element_time**2)
             implicit = self.parameters["method"] == "implicit"
             time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
-            self._mesh = build_mesh(p, e.dropper_slackening, e.bending_stiffness, e.gravity_sag, e.pre_sag, e.damping,
-                                    e.steady_arm, e.level_support, *time_errors)
+            layout = uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
+            self._mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
             self._limit = math.inf if implicit else self._explicit_limit(self._mesh, e.damping)
             self._mesh_key = key
         return self._mesh
@@ -318,7 +310,7 @@ class Catenary(Component):
     @staticmethod
     def _explicit_limit(mesh, damping) -> float:
         """(omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of everything and of the wires alone."""
-        wires = stiffness_of_wires(mesh, 7)
+        wires = stiffness_of_wires(mesh, 3)
         taut = wires.copy()
         taut[:, 0] += mesh.ground
         add_droppers(taut, mesh, 1.0)
@@ -331,8 +323,9 @@ class Catenary(Component):
 
 def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
     """Largest omega², 1/s², by power iteration; 2 % are added for what is still missing."""
-    x = (-1.0) ** (np.arange(mesh.mass.size) // 2) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
-    x[1::2] *= -1.0  # the wires swing against each other: droppers take part
+    W = mesh.bending_gradient.size
+    x = (-1.0) ** (np.arange(mesh.mass.size) // W) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
+    x[1::W] *= -1.0  # the wires swing against each other: droppers take part
     value = 0.0
     for _ in range(60):
         y = mesh.inverse_mass * banded_product(stiffness, x)
@@ -342,81 +335,80 @@ def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
 
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
-HEIGHT, VELOCITY, COMPLIANCE, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices(
-    "wire_height", "wire_velocity", "contact_compliance", "static_residual", "support_uplift[1]"
-)
+HEIGHT, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices("wire_height", "static_residual", "support_uplift[1]")
+
+
+def contact_points(e) -> np.ndarray:
+    """Of each contact point its position and force in u, its first output in y and how far the next ones are, its contact wire.
+
+    (p, 5) int; e: effects. Points of `further_pantographs` beyond their number do not take part.
+    """
+    points = [(POSITION, FORCE, HEIGHT, 1, 0)]
+    if e.second_pantograph is not None:
+        second = e.second_pantograph
+        points.append((second.u, second.u + 1, second.y, 1, 0))
+    if e.further_pantographs is not None:
+        more = e.further_pantographs
+        points += [(more.u + i, more.u + FURTHER + i, more.y + i, FURTHER, 0) for i in range(int(more.count))]
+    return np.array(points, dtype=np.int64)
 
 
 @kernel
-def catenary_outputs(x, u, y, mesh, watched, second, further, profile):
+def catenary_outputs(x, u, y, points, mesh, watched, profile):
     """Outputs for the state x and the present inputs u, (m,)."""
-    N = mesh.mass.size
+    N, W = mesh.mass.size, mesh.bending_gradient.size
     q, v = x[:N], x[N : 2 * N]
-    position = u[POSITION]
-    y[HEIGHT] = wire_height(position, q, mesh)
-    y[VELOCITY] = at_contact(position, v, mesh)
-    y[COMPLIANCE] = contact_compliance(x[3 * N + 1], mesh)
+    for k in range(points.shape[0]):
+        position, i, next_one, wire = u[points[k, 0]], points[k, 2], points[k, 3], points[k, 4]
+        y[i] = wire_height(position, q, wire, mesh)
+        y[i + next_one] = at_contact(position, v, wire, mesh)
+        y[i + 2 * next_one] = contact_compliance(x[3 * N + 2 * k + 1], position, wire, mesh)
     for k in range(WATCHED):
-        y[UPLIFT + k] = q[2 * mesh.support[min(watched + k, mesh.support.size - 1)]]
-    if second is not None:
-        y[second.y] = wire_height(u[second.u], q, mesh)
-        y[second.y + 1] = at_contact(u[second.u], v, mesh)
-        y[second.y + 2] = contact_compliance(x[3 * N + 3], mesh)
-    if further is not None:
-        for i in range(int(further.count)):
-            y[further.y + i] = wire_height(u[further.u + i], q, mesh)
-            y[further.y + FURTHER + i] = at_contact(u[further.u + i], v, mesh)
-            y[further.y + 2 * FURTHER + i] = contact_compliance(x[3 * N + 5 + 2 * i], mesh)
+        y[UPLIFT + k] = q[W * mesh.support[min(watched + k, mesh.support.size - 1)]]
     if profile is not None:
-        heights_around(position, q, mesh, y[profile.y : profile.y + PROFILE])
+        heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
 
 
 @kernel
-def follow_contact(h, contact, position, mesh):
-    """contact: place m, speed m/s; a jump faster than the wire's waves is no motion."""
-    speed = (position - contact[0]) / h
-    contact[0] = position
-    if abs(speed) <= mesh.fastest:
-        contact[1] = speed
+def follow_contacts(h, x, u, points, mesh):
+    """End of a step of length h: the inputs are held, and place (m) and speed (m/s) of the contact points are remembered.
 
-
-@kernel
-def follow_contacts(h, x, u, mesh, second, further):
-    """End of a step of length h: the inputs are held, and place and speed of the contact points are remembered.
-
-    The speed from two places, not from an input's slope, which partners that hand over bare values do not give.
+    The speed from two places, not from an input's slope, which partners that hand over bare values do not give. A jump faster
+    than the wire's waves is no motion.
     """
     hold_inputs(u, h)
-    for k in range(contact_count(second, further)):
-        at, _ = contact_columns(k, second, further)
-        here = 3 * mesh.mass.size + 2 * k
-        follow_contact(h, x[here : here + 2], u[0, at], mesh)
+    fastest = mesh.fastest.max()
+    for k in range(points.shape[0]):
+        i, position = 3 * mesh.mass.size + 2 * k, u[0, points[k, 0]]
+        speed = (position - x[i]) / h
+        x[i] = position
+        if abs(speed) <= fastest:
+            x[i + 1] = speed
 
 
 @kernel
-def refresh_outputs(x, u, y, numbers, indices, watched, second, further, profile):
+def refresh_outputs(x, u, y, points, numbers, indices, watched, profile):
     """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(x, u, y, unpacked(numbers, indices), watched, second, further, profile)
+    catenary_outputs(x, u, y, points, unpacked(numbers, indices), watched, profile)
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, numbers, indices, work, counts, watched, slack, bending, damping, second, further, window,
-                     profile):
+def advance_explicit(h, n, x, u, y, points, numbers, indices, work, counts, watched, slack, bending, damping, window, profile):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = explicit_steps(h, n, x, u, mesh, work, counts, slack, bending, damping, second, further, window)
-    follow_contacts(h, x, u, mesh, second, further)
-    catenary_outputs(x, u[0], y, mesh, watched, second, further, profile)
+    status = explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, damping, window)
+    follow_contacts(h, x, u, points, mesh)
+    catenary_outputs(x, u[0], y, points, mesh, watched, profile)
     return status
 
 
 @kernel
-def advance_implicit(h, n, x, u, y, numbers, indices, work, counts, watched, radius, prepared, stiffness, band, factors, factored,
-                     slack, bending, damping, second, further, profile):
+def advance_implicit(h, n, x, u, y, points, numbers, indices, work, counts, watched, radius, prepared, stiffness, band, factors,
+                     factored, slack, bending, damping, profile):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending,
-                            damping, second, further)
-    follow_contacts(h, x, u, mesh, second, further)
-    catenary_outputs(x, u[0], y, mesh, watched, second, further, profile)
+    status = implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
+                            bending, damping)
+    follow_contacts(h, x, u, points, mesh)
+    catenary_outputs(x, u[0], y, points, mesh, watched, profile)
     return status

@@ -7,8 +7,6 @@ both do the same work.
 
 The waves beyond the mesh, k > pi / h, follow the force without delay: a compliance in series with the contact spring,
 `contact_compliance`, and in series with droppers and supports, `node_compliance`.
-
-Contact points are numbered: 0 is the component's own, 1 that of `second_pantograph`, 2 and up those of `further_pantographs`.
 """
 
 from __future__ import annotations
@@ -22,7 +20,6 @@ from ..core.kernels import kernel, kernel_tuple
 
 SPEEDS = 33  # points of the table of the compliance
 FASTEST = 0.98  # of the wave speed: end of the table
-FURTHER = 6  # contact points that `further_pantographs` can have
 
 
 @kernel
@@ -42,8 +39,14 @@ def in_range(position, mesh):
 
 
 @kernel
-def shape_weights(position, mesh):
-    """Element i of a position and the weights of the nodes i - 1 to i + 2.
+def wire_kind(i, wire, mesh):
+    """Which of the different contact wires element i of contact wire 0 or 1 belongs to."""
+    return mesh.kind[wire * mesh.position.size + i]
+
+
+@kernel
+def shape_weights(position, wire, mesh):
+    """Element i of a position and the weights of the nodes i - 1 to i + 2 of a contact wire, 0 or 1.
 
     Linear between the nodes i and i + 1, less sharpness s (1 - s) L² u''/2, u'' the mean of the second differences at both
     nodes: 0 takes two nodes, 1 makes a cubic through four. A little less than 1 takes back what the step in time adds.
@@ -54,90 +57,68 @@ def shape_weights(position, mesh):
     if i < 1 or i > mesh.position.size - 3:
         return i, 0.0, 1.0 - s, s, 0.0
     left, right = here / mesh.length[i - 1], here / mesh.length[i + 1]
-    bubble = 0.25 * mesh.sharpness * s * (1.0 - s)
+    bubble = 0.25 * mesh.sharpness[wire_kind(i, wire, mesh)] * s * (1.0 - s)
     at_left, at_right = 2.0 * bubble / (1.0 + 1.0 / left), 2.0 * bubble / (1.0 + 1.0 / right)
     outer_left, outer_right = at_left * left, at_right * right
     return (i, -outer_left, 1.0 - s + at_left + outer_left - at_right, s + at_right + outer_right - at_left, -outer_right)
 
 
 @kernel
-def at_contact(position, u, mesh):
-    """Displacement or velocity of the contact wire, u (N,), at a position."""
-    i, a, b, c, d = shape_weights(position, mesh)
-    value = b * u[2 * i] + c * u[2 * i + 2]
+def at_contact(position, u, wire, mesh):
+    """Displacement or velocity of a contact wire, u (N,), at a position."""
+    i, a, b, c, d = shape_weights(position, wire, mesh)
+    W = mesh.bending_gradient.size
+    j = W * i + 2 * wire
+    value = b * u[j] + c * u[j + W]
     if a != 0.0:
-        value += a * u[2 * i - 2] + d * u[2 * i + 4]
+        value += a * u[j - W] + d * u[j + 2 * W]
     return value
 
 
 @kernel
-def add_contact(position, load, force, mesh):
-    """Add a point load on the contact wire to the nodes around it, N; the position is in range."""
-    i, a, b, c, d = shape_weights(position, mesh)
-    force[2 * i - 2] += a * load
-    force[2 * i] += b * load
-    force[2 * i + 2] += c * load
-    force[2 * i + 4] += d * load
+def add_contact(position, load, force, wire, mesh):
+    """Add a point load on a contact wire to the nodes around it, N; the position is in range."""
+    i, a, b, c, d = shape_weights(position, wire, mesh)
+    W = mesh.bending_gradient.size
+    j = W * i + 2 * wire
+    force[j - W] += a * load
+    force[j] += b * load
+    force[j + W] += c * load
+    force[j + 2 * W] += d * load
 
 
 @kernel
-def contact_count(second, further):
-    """Number of contact points."""
-    if further is not None:
-        return 2 + int(further.count)
-    if second is not None:
-        return 2
-    return 1
-
-
-@kernel
-def contact_columns(k, second, further):
-    """Columns of the inputs that hold position and force of contact point k."""
-    if further is not None and k > 1:
-        return further.u + k - 2, further.u + FURTHER + k - 2
-    if second is not None and k == 1:
-        return second.u, second.u + 1
-    return 0, 1
-
-
-@kernel
-def add_contacts(s, u, force, mesh, second, further):
-    """Add the loads of all contact points at s within the step; the positions are in range."""
-    for k in range(contact_count(second, further)):
-        at, load = contact_columns(k, second, further)
-        add_contact(u[0, at] + s * (u[1, at] + s * u[2, at]), u[0, load] + s * (u[1, load] + s * u[2, load]), force, mesh)
-
-
-@kernel
-def wire_height(position, q, mesh):
-    """Height of the contact wire at a position, m: static shape plus displacement."""
+def wire_height(position, q, wire, mesh):
+    """Height of a contact wire at a position, m: static shape plus displacement."""
     i = element_at(position, mesh)
     s = (position - mesh.position[i]) / mesh.length[i]
-    shape = (1.0 - s) * mesh.height[i] + s * mesh.height[i + 1] - s * (1.0 - s) * mesh.bow[i]
-    return shape + at_contact(position, q, mesh)
+    j = wire * mesh.position.size + i
+    shape = (1.0 - s) * mesh.height[j] + s * mesh.height[j + 1] - s * (1.0 - s) * mesh.bow[j]
+    return shape + at_contact(position, q, wire, mesh)
 
 
 @kernel
 def heights_around(position, q, mesh, heights):
-    """Heights of the contact wire at points 1 m apart, `position` in the middle and the wire's ends beyond them, m; heights (n,).
+    """Heights of the first contact wire at points 1 m apart, `position` in the middle, its ends' beyond them, m; heights (n,).
 
     As `wire_height`, for many points at once: nodes are passed in order, and few numbers are divided by others.
     """
-    n = mesh.position.size
+    n, W = mesh.position.size, mesh.bending_gradient.size
     first = position - heights.size // 2
     i = element_at(min(max(first, 0.0), mesh.position[n - 1]), mesh)
     for k in range(heights.size):
         x = min(max(first + k, 0.0), mesh.position[n - 1])
         while i < n - 2 and mesh.position[i + 1] <= x:
             i += 1
-        s = (x - mesh.position[i]) * mesh.inverse_length[2 * i]
-        here, there = q[2 * i], q[2 * i + 2]
+        j = W * i
+        s = (x - mesh.position[i]) * mesh.inverse_length[j]
+        here, there = q[j], q[j + W]
         value = (1.0 - s) * (mesh.height[i] + here) + s * (mesh.height[i + 1] + there) - s * (1.0 - s) * mesh.bow[i]
         if 0 < i < n - 2:
-            left, right = mesh.length[i] * mesh.inverse_length[2 * i - 2], mesh.length[i] * mesh.inverse_length[2 * i + 2]
-            bend_left = left / (1.0 + left) * (there - here - left * (here - q[2 * i - 2]))
-            bend_right = right / (1.0 + right) * (right * (q[2 * i + 4] - there) - there + here)
-            value -= 0.5 * mesh.sharpness * s * (1.0 - s) * (bend_left + bend_right)
+            left, right = mesh.length[i] * mesh.inverse_length[j - W], mesh.length[i] * mesh.inverse_length[j + W]
+            bend_left = left / (1.0 + left) * (there - here - left * (here - q[j - W]))
+            bend_right = right / (1.0 + right) * (right * (q[j + 2 * W] - there) - there + here)
+            value -= 0.5 * mesh.sharpness[mesh.kind[i]] * s * (1.0 - s) * (bend_left + bend_right)
         heights[k] = value
 
 
@@ -211,9 +192,10 @@ def node_compliance(wire: WireOnMesh) -> float:
 
 
 @kernel
-def contact_compliance(speed, mesh):
-    """Compliance for a contact point that moves at a speed, m/N: linear in the table, its last value beyond."""
-    table = mesh.compliance
-    place = min(abs(speed) / mesh.fastest, 1.0) * (table.size - 1)
+def contact_compliance(speed, position, wire, mesh):
+    """Compliance for a contact point that moves at a speed, m/N: linear in the wire's table, its last value beyond."""
+    kind = wire_kind(element_at(position, mesh), wire, mesh)
+    table = mesh.compliance[kind * SPEEDS : (kind + 1) * SPEEDS]
+    place = min(abs(speed) / mesh.fastest[kind], 1.0) * (table.size - 1)
     j = min(int(place), table.size - 2)
     return table[j] + (place - j) * (table[j + 1] - table[j])

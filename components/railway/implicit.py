@@ -7,9 +7,10 @@ import math
 from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
-from .contact import add_contacts, contact_columns, contact_count, element_at, in_range
-from .wires import WHISPER, tension_and_bending
+from .contact import add_contact, element_at, in_range
+from .wires import WHISPER, add_jumps, tension_and_bending
 
+RIGID_CLAMP = 1e10  # N/m, of a clamp between two wires; 1e5 times the stiffness of an element
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
 
 
@@ -24,35 +25,41 @@ def effective_band(method, stiffness, mesh, alpha, beta, band):
             band[i, j] = (c * beta + k) * stiffness[i, j]
         mass = 0.0 if math.isinf(mesh.mass[i]) else mesh.mass[i]
         band[i, 0] += (m + c * alpha) * mass + c * mesh.ground_damping[i] + k * mesh.ground[i]
+    for i in range(mesh.clamped.size):
+        a, b = mesh.clamped[i], mesh.clamp[i]
+        band[a, 0] += k * RIGID_CLAMP
+        band[b, 0] += k * RIGID_CLAMP
+        band[min(a, b), abs(a - b)] -= k * RIGID_CLAMP
 
 
 @kernel
 def factor_with_droppers(band, factors, taut, weight, first, mesh):
     """Factors of `band` plus the taut droppers' stiffness times `weight`, rows from `first` on; taut: (d,) 0 or 1."""
-    N = band.shape[0]
-    for i in range(first, N - 2):  # element by element: a copy of arrays that might overlap would allocate
+    N, W = band.shape[0], mesh.bending_gradient.size
+    for i in range(first, N - W):  # element by element: a copy of arrays that might overlap would allocate
         for j in range(band.shape[1]):
             factors[i, j] = band[i, j]
     for k in range(mesh.dropper.size):
-        j = 2 * mesh.dropper[k]
-        if j >= first and taut[k] > 0.0:
+        a, b = mesh.lower[k], mesh.upper[k]
+        if min(a, b) >= first and taut[k] > 0.0:
             stiffness = weight * mesh.dropper_stiffness[k]
-            factors[j, 0] += stiffness
-            factors[j + 1, 0] += stiffness
-            factors[j, 1] -= stiffness
-    factor_band(factors, 2, first, N - 2)
+            factors[a, 0] += stiffness
+            factors[b, 0] += stiffness
+            factors[min(a, b), abs(a - b)] -= stiffness
+    factor_band(factors, W, first, N - W)
 
 
 @kernel
-def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending, damping,
-                   second, further):
+def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending,
+                   damping):
     """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, contacts, taut (d,).
 
-    radius: spectral, of `generalized_alpha`.  prepared: (1,) the step that `band` was computed for, s.
+    points: as of `contact_points`.  radius: spectral, of `generalized_alpha`.
+    prepared: (1,) the step that `band` was computed for, s.
     factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
     """
-    N, droppers = mesh.mass.size, mesh.dropper.size
+    N, droppers, W = mesh.mass.size, mesh.dropper.size, mesh.bending_gradient.size
     q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[x.size - droppers :]
     z, base, w, kink, b = work[0], work[1], work[2], work[3], work[4]
     d = h / n
@@ -69,44 +76,52 @@ def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, 
     a_v, a_a = -(1.0 - am) / (beta_n * d), am - (1.0 - am) * (0.5 / beta_n - 1.0)
     for step in range(n):
         s = (step + 1.0 - af) * d
-        position = u[0, 0] + s * (u[1, 0] + s * u[2, 0])
-        for k in range(contact_count(second, further)):
-            at, _ = contact_columns(k, second, further)
-            if not (in_range(u[0, at] + s * (u[1, at] + s * u[2, at]), mesh) and in_range(u[0, at], mesh)):
+        for k in range(points.shape[0]):
+            i = points[k, 0]
+            position = u[0, i] + s * (u[1, i] + s * u[2, i])
+            if not (in_range(position, mesh) and in_range(u[0, i], mesh)):
                 return OUT_OF_RANGE
-        for j in range(2, N - 2):
+        for j in range(W, N - W):
             velocity = v_v * v[j] + v_a * a[j]
             inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
             base[j] = WHISPER - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
             z[j] = q[j] + beta * velocity
         tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
-        for j in range(2, N - 2):
-            base[j] += mesh.inverse_length[j] * (w[j + 2] - w[j]) - mesh.inverse_length[j - 2] * (w[j] - w[j - 2])
-        add_contacts(s, u, base, mesh, second, further)
+        for j in range(W, N - W):
+            base[j] += mesh.inverse_length[j] * (w[j + W] - w[j]) - mesh.inverse_length[j - W] * (w[j] - w[j - W])
+        add_jumps(z, base, 0, mesh.jump.size, mesh)
+        for k in range(mesh.clamped.size):
+            pull = RIGID_CLAMP * (q[mesh.clamp[k]] - q[mesh.clamped[k]])
+            base[mesh.clamped[k]] += pull
+            base[mesh.clamp[k]] -= pull
+        for k in range(points.shape[0]):
+            i, f = points[k, 0], points[k, 1]
+            load = u[0, f] + s * (u[1, f] + s * u[2, f])
+            add_contact(u[0, i] + s * (u[1, i] + s * u[2, i]), load, base, points[k, 4], mesh)
 
         for _ in range(MAX_ITERATIONS):
             first = N
             for k in range(droppers):
                 if taut[k] != factored[k]:
-                    first = min(first, 2 * mesh.dropper[k]) if factored[k] >= 0.0 else 2
+                    first = min(first, mesh.lower[k], mesh.upper[k]) if factored[k] >= 0.0 else W
                     factored[k] = taut[k]
             if first < N:
                 factor_with_droppers(band, factors, taut, 1.0 - af, first, mesh)
                 counts[2] += 1
-            for j in range(2, N - 2):
+            for j in range(W, N - W):
                 b[j] = base[j]
             for k in range(droppers):
-                j = 2 * mesh.dropper[k]
-                change = mesh.dropper_stiffness[k] * (q[j + 1] - q[j]) if taut[k] > 0.0 else -mesh.preload[k]
-                b[j] += change
-                b[j + 1] -= change
-            solve_band(factors, b, 2, N - 2)
+                i, j = mesh.lower[k], mesh.upper[k]
+                change = mesh.dropper_stiffness[k] * (q[j] - q[i]) if taut[k] > 0.0 else -mesh.preload[k]
+                b[i] += change
+                b[j] -= change
+            solve_band(factors, b, W, N - W)
             counts[1] += 1
             changed = 0
             if slack is not None:
                 for k in range(droppers):
-                    j = 2 * mesh.dropper[k]
-                    stretch = q[j + 1] - q[j] + (1.0 - af) * (b[j + 1] - b[j])
+                    i, j = mesh.lower[k], mesh.upper[k]
+                    stretch = q[j] - q[i] + (1.0 - af) * (b[j] - b[i])
                     now = 1.0 if mesh.preload[k] + mesh.dropper_stiffness[k] * stretch > 0.0 else 0.0
                     if now != taut[k]:
                         taut[k] = now
@@ -115,12 +130,12 @@ def implicit_steps(h, n, x, u, mesh, work, counts, radius, prepared, stiffness, 
                 break
         if changed > 0:
             return NOT_CONVERGED
-        for j in range(2, N - 2):
+        for j in range(W, N - W):
             v_old, a_old = v[j], a[j]
             q[j] += b[j]
             v[j] = gamma / (beta_n * d) * b[j] + (1.0 - gamma / beta_n) * v_old + d * (1.0 - 0.5 * gamma / beta_n) * a_old
             a[j] = b[j] / (beta_n * d * d) - v_old / (beta_n * d) - (0.5 / beta_n - 1.0) * a_old
     counts[0] += n
-    if not math.isfinite(q[2 * element_at(position, mesh)]):
+    if not math.isfinite(q[W * element_at(position, mesh)]):
         return NOT_FINITE
     return DONE

@@ -2,55 +2,60 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import StepFailed
 from .contact import add_contact, contact_compliance, wire_height
-from .mesh import GRAVITY, Mesh, add_droppers, stiffness_band, stiffness_of_wires
+from .implicit import RIGID_CLAMP
+from .line.layout import GRAVITY
+from .mesh import Mesh, add_droppers, add_springs, stiffness_band, stiffness_of_wires
 
 
-def loaded_equilibrium(mesh: Mesh, loads: list[tuple[float, float]], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
-    """Displacements under point loads (position in m, force in N) on the contact wire.
+def loaded_equilibrium(mesh: Mesh, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
+    """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
 
     Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
     largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
     """
-    N = mesh.mass.size
-    stiffness = stiffness_of_wires(mesh, 7)
+    N, W = mesh.mass.size, mesh.bending_gradient.size
+    stiffness = stiffness_of_wires(mesh, 3)
     stiffness[:, 0] += mesh.ground
+    add_springs(stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
     force = np.zeros(N)
-    for position, load in loads:
-        add_contact(position, load, force, mesh)
-    at, k = 2 * mesh.dropper, mesh.dropper_stiffness
-    taut = np.ones(at.size)
+    for position, load, *wire in loads:
+        add_contact(position, load, force, wire[0] if wire else 0, mesh)
+    low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness
+    taut = np.ones(low.size)
     for _ in range(100):
         band, q = stiffness.copy(), force.copy()
         add_droppers(band, mesh, taut)
-        np.subtract.at(q, at, mesh.preload * (1.0 - taut))
-        np.add.at(q, at + 1, mesh.preload * (1.0 - taut))
-        q[:2], q[-2:] = 0.0, 0.0
-        factor_band(band, 2, 2, N - 2)
-        solve_band(band, q, 2, N - 2)
-        tension = mesh.preload + k * (q[at + 1] - q[at])
+        np.subtract.at(q, low, mesh.preload * (1.0 - taut))
+        np.add.at(q, up, mesh.preload * (1.0 - taut))
+        q[:W], q[-W:] = 0.0, 0.0
+        factor_band(band, W, W, N - W)
+        solve_band(band, q, W, N - W)
+        tension = mesh.preload + k * (q[up] - q[low])
         now = (tension > 0.0).astype(float) if unilateral else taut
         if np.array_equal(now, taut):
             change = np.where(taut > 0.0, tension, 0.0) - mesh.preload
             unbalanced = force - banded_product(stiffness, q)
-            np.add.at(unbalanced, at, change)
-            np.subtract.at(unbalanced, at + 1, change)
-            return q, taut, float(np.abs(unbalanced[2:-2]).max() / np.abs(mesh.preload).max())
+            np.add.at(unbalanced, low, change)
+            np.subtract.at(unbalanced, up, change)
+            return q, taut, float(np.abs(unbalanced[W:-W]).max() / np.abs(mesh.preload).max())
         taut = now
     raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge", "Check the contact force")
 
 
-def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True) -> np.ndarray:
-    """Static uplift per force at the given positions of the contact wire, (len(positions),) m/N."""
+def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True, wire: int = 0) -> np.ndarray:
+    """Static uplift per force at the given positions of a contact wire, 0 or 1, (len(positions),) m/N."""
     result = []
     for position in positions:
-        q, _, _ = loaded_equilibrium(mesh, [(position, force)], unilateral)
-        uplift = wire_height(position, q, mesh) - wire_height(position, 0.0 * q, mesh)
-        result.append(uplift / force + contact_compliance(0.0, mesh))
+        q, _, _ = loaded_equilibrium(mesh, [(position, force, wire)], unilateral)
+        uplift = wire_height(position, q, wire, mesh) - wire_height(position, 0.0 * q, wire, mesh)
+        result.append(uplift / force + contact_compliance(0.0, position, wire, mesh))
     return np.array(result)
 
 
@@ -73,7 +78,8 @@ def messenger_shape(p, bending, mesh: Mesh) -> np.ndarray:
     around = 0.5 * (L + np.roll(L, 1))
     weight = GRAVITY * p.messenger_mass * around
     weight[mesh.dropper] += GRAVITY * (p.messenger_clamp_mass + 0.5 * p.dropper_mass) + mesh.preload
-    band = stiffness_band(p.messenger_tension, (bending.messenger if bending is not None else 0.0) / around, 0.0, L)
+    EI = bending.messenger if bending is not None else 0.0
+    band = stiffness_band(np.full(L.size, p.messenger_tension), EI / around, 0.0, L)
     band[mesh.support[1:-1], 0] += p.support_stiffness
     y = -weight
     y[[0, -1]] = 0.0

@@ -1,4 +1,4 @@
-"""Forces of the two wires and their droppers: kernels."""
+"""Forces of the wires, their droppers, clamps and changes of tension: kernels."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ WHISPER = 1e-27
 
 @kernel
 def tension_and_bending(z, w, kink, tension, curvature, bending_gradient, inverse_length, bending):
-    """w = T z - C z_xx for displacements z of successive nodes, all (2 k,), whose second difference is the restoring force.
+    """w = T z - C z_xx for displacements z of successive nodes, all (W k,), whose second difference is the restoring force.
 
     C = EI + T h²/12 (`curvature`, over the mean length): T z_xx from five nodes, to the fourth order in h. Bending takes
-    h²/6 EI z_xxxx more (`bending_gradient`, (2,)), for the same order. The first and the last node bear no moment.
+    h²/6 EI z_xxxx more (`bending_gradient`, (W,)), for the same order. The first and the last node bear no moment.
     """
-    left, here, right = z[:-4], z[2:-2], z[4:]  # shifted views: plain indices, which LLVM can turn into vector code
-    over_left, over_right = inverse_length[:-4], inverse_length[2:-2]
-    inner, pull, stiffness = w[2:-2], tension[2:-2], curvature[2:-2]
-    for j in range(2):
+    W, n = bending_gradient.size, z.size
+    left, here, right = z[: n - 2 * W], z[W : n - W], z[2 * W :]  # shifted views: plain indices, which LLVM can vectorize
+    over_left, over_right = inverse_length[: n - 2 * W], inverse_length[W : n - W]
+    inner, pull, stiffness = w[W : n - W], tension[W : n - W], curvature[W : n - W]
+    for j in range(W):
         w[j] = tension[j] * z[j]
-        w[w.size - 2 + j] = tension[j] * z[z.size - 2 + j]
+        w[n - W + j] = tension[n - W + j] * z[n - W + j]
     if bending is None:
         for j in range(here.size):
             slope = over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
             inner[j] = pull[j] * here[j] - stiffness[j] * slope
     else:
-        kink_left, kink_here, kink_right = kink[:-4], kink[2:-2], kink[4:]
-        kink[:2] = 0.0
-        kink[-2:] = 0.0
+        kink_left, kink_here, kink_right = kink[: n - 2 * W], kink[W : n - W], kink[2 * W :]
+        kink[:W] = 0.0
+        kink[n - W :] = 0.0
         for j in range(here.size):
             kink_here[j] = over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
             inner[j] = pull[j] * here[j] - stiffness[j] * kink_here[j]
-        for j in range(0, here.size, 2):
-            inner[j] += bending_gradient[0] * (kink_left[j] - 2.0 * kink_here[j] + kink_right[j])
-            inner[j + 1] += bending_gradient[1] * (kink_left[j + 1] - 2.0 * kink_here[j + 1] + kink_right[j + 1])
+        for wire in range(W):
+            for j in range(wire, here.size, W):
+                inner[j] += bending_gradient[wire] * (kink_left[j] - 2.0 * kink_here[j] + kink_right[j])
 
 
 @kernel
 def dropper_tension(k, u, mesh, slack):
     """Tension of dropper k for displacements u, N; with `slack` (an effect or None) never below 0."""
-    j = 2 * mesh.dropper[k]
-    tension = mesh.preload[k] + mesh.dropper_stiffness[k] * (u[j + 1] - u[j])
+    tension = mesh.preload[k] + mesh.dropper_stiffness[k] * (u[mesh.upper[k]] - u[mesh.lower[k]])
     if slack is not None:
         tension = max(tension, 0.0)
     return tension
@@ -59,3 +59,34 @@ def first_at_or_after(nodes, node):
         else:
             high = middle
     return low
+
+
+@kernel
+def add_jumps(z, force, first, end, mesh):
+    """Where the tension of a wire changes at a node: `tension_and_bending` has there that of the left element, for both.
+
+    first, end: of the changes that take part.
+    """
+    W = mesh.bending_gradient.size
+    for k in range(first, end):
+        j = mesh.jump[k]
+        change = mesh.jump_change[k] * z[j] * mesh.inverse_length[j]
+        force[j] += change
+        force[j + W] -= change
+
+
+@kernel
+def follow_clamped(values, first, end, mesh):
+    """The end of a wire that is clamped to another one moves with it; first, end: of the clamps that take part."""
+    for k in range(first, end):
+        values[mesh.clamped[k]] = values[mesh.clamp[k]]
+
+
+@kernel
+def add_clamped(w, force, first, end, mesh):
+    """What the end of a wire pulls goes to the node it is clamped to, N."""
+    W = mesh.bending_gradient.size
+    for k in range(first, end):
+        j = mesh.clamped[k]
+        right, left = mesh.inverse_length[j], mesh.inverse_length[j - W]
+        force[mesh.clamp[k]] += force[j] + right * (w[j + W] - w[j]) - left * (w[j] - w[j - W])

@@ -131,7 +131,7 @@ def _closed_forms(scene: str) -> list[Row]:
     at_support, at_midspan = np.interp([span * middle, span * (middle + 0.5)], mesh.position, shape)
     gap = slice(n + n // 2, n + n // 2 + 2)  # the droppers beside the middle of the span
     between = positions[gap].mean()
-    hang = heights[gap].mean() - wire_height(between, np.zeros_like(mesh.mass), mesh)
+    hang = heights[gap].mean() - wire_height(between, np.zeros_like(mesh.mass), 0, mesh)
     return [
         _row(scene, "tension of the first dropper", "N", expected[0], measured[0]),
         _row(scene, "tension of the middle dropper", "N", expected[n // 2], measured[n // 2]),

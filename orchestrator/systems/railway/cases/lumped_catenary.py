@@ -60,7 +60,7 @@ def _static_row(distributed: Result, lumped: Result) -> Row:
     rest = resting_catenary("en50318-2002", {}, bending=False).mesh
     zero = np.zeros_like(rest.mass)
     x, height = _in_window(distributed)
-    uplift = height - np.array([wire_height(position, zero, rest) for position in x])
+    uplift = height - np.array([wire_height(position, zero, 0, rest) for position in x])
     difference = np.interp(x, *_in_window(lumped)) - uplift
     row = TableRow(
         "rms difference of the uplift at the contact point, lumped less distributed",
