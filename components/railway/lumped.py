@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,7 +38,7 @@ class LumpedCatenary(OdeComponent):
         m d'' + c d' + k(x) d = F - F_ref,   w = d + F_ref / k(x)         with `inerter`
 
     x = 0 at a support. The defaults are computed, not read: k(x) is fitted to the static elasticity of the
-    EN 50318:2002 catenary under 120 N (`lumped_parameters`). Mass and damping are a choice (inferred): the contact wire of
+    EN 50318:2002 catenary under 120 N (`from_line`). Mass and damping are a choice (inferred): the contact wire of
     one dropper interval, and the dashpot 2 sqrt(T m') as which a long wire answers. A mass of a whole span would put the
     span-passing frequency near resonance. Terms with dk/dx are dropped, as usual in this class.
     """
@@ -61,6 +63,11 @@ class LumpedCatenary(OdeComponent):
                          feedthrough=("contact_position",))  # through the static line of `inerter`
     wire_velocity = output("m/s", "vertical velocity of the wire at the contact point", nominal=0.1)
     wire_stiffness = output("N/m", "stiffness at the contact point", nominal=1e3, feedthrough=("contact_position",))
+
+    @classmethod
+    def from_line(cls, line, force: float, span: int | None = None, effects: Iterable[str] = ()) -> LumpedCatenary:
+        """A lumped catenary with the static elasticity of one span of a distributed one; arguments as of `fit_span`."""
+        return cls(effects, fit_span(line, force, span).parameters)
 
     def initial_state(self) -> np.ndarray:
         """Static equilibrium under the present force (x: height or deviation, its rate)."""
@@ -121,17 +128,50 @@ LumpedCatenary.advance = bind(rk4, __name__, derivatives=lumped_derivatives, out
 LumpedCatenary.output_kernel = lumped_outputs
 
 
-def lumped_parameters(catenary, force: float, harmonics: int = HARMONICS) -> dict[str, float]:
-    """Parameters of a `LumpedCatenary` that has the static elasticity of a distributed one.
+@dataclass(frozen=True)
+class SpanFit:
+    """Parameters of a `LumpedCatenary`, and how well its stiffness follows the static one of the span they were fitted to.
 
-    catenary: an initialised `Catenary` with at least three spans; force in N, at which the elasticity is taken.
+    rms, worst: differences of the stiffness over its mean.  asymmetry: share of the stiffness's swing about its mean that is odd
+    about the middle of the span, of which a series of cosines has nothing.
+    """
+
+    parameters: dict[str, float]
+    rms: float
+    worst: float
+    asymmetry: float
+
+
+def fit_span(line, force: float, span: int | None = None, harmonics: int = HARMONICS) -> SpanFit:
+    """Fit a `LumpedCatenary` to the static elasticity of one span of a distributed catenary.
+
+    line: an initialised component with a `mesh` and, where droppers can slacken, the effect `dropper_slackening` on.
+    force: N, at which the elasticity is taken.  span: counted from 1 at the start of the line; without it the middle one.
     Mass: contact wire of a mean dropper interval, kg; damping: 2 sqrt(T m') of the contact wire, N.s/m.
     """
-    p, mesh = catenary.arguments[0], catenary.mesh
-    x = np.arange(0.0, p.span_length, 0.5)
-    k = 1.0 / elasticity(mesh, p.span_length * (p.spans // 2) + x, force, "dropper_slackening" in catenary.on)
-    k0, a = stiffness_series(x, k, p.span_length, harmonics)
-    interval = float(np.diff(p.dropper_position[: p.droppers]).mean())
-    values = {"span_length": p.span_length, "mean_stiffness": k0, "mass": p.contact_wire_mass * interval,
-              "damping": 2.0 * math.sqrt(p.contact_wire_tension * p.contact_wire_mass)}
-    return values | {f"harmonic[{n + 1}]": float(a[n]) if n < harmonics else 0.0 for n in range(HARMONICS)}
+    mesh = line.mesh
+    supports = mesh.position[mesh.support]
+    spans = supports.size - 1
+    number = spans // 2 + 1 if span is None else span
+    if spans < 3:
+        raise BadInput(line.name, f"a line of {spans} spans", "at least three: the ends of a line are fixed", "Add spans.")
+    if not 1 < number < spans:
+        raise BadInput(f"{line.name}: span", str(number), f"2 to {spans - 1}: the first and the last one end at a fixed point")
+    if not (math.isfinite(force) and force > 0.0):
+        raise BadInput(f"{line.name}: force", f"{force:g} N", "a positive force, such as the mean contact force")
+    start, length = float(supports[number - 1]), float(supports[number] - supports[number - 1])
+    x = np.arange(0.0, length, 0.5)
+    k = 1.0 / elasticity(mesh, start + x, force, "dropper_slackening" in line.on)
+    k0, a = stiffness_series(x, k, length, harmonics)
+    left = k - k0 * (1.0 + np.cos(2.0 * np.pi * x[:, None] / length * np.arange(1, harmonics + 1)) @ a)
+    odd = 0.5 * (k - np.interp(length - x, np.append(x, length), np.append(k, k[0])))
+    droppers = mesh.position[mesh.dropper]
+    inside = droppers[(droppers > start) & (droppers < start + length)]
+    interval = float(np.diff(inside).mean()) if inside.size > 1 else length
+    node = 2 * mesh.support[number - 1]
+    tension, impedance = float(mesh.tension[node]), float(mesh.impedance[0])
+    values = {"span_length": length, "mean_stiffness": k0, "mass": impedance**2 / tension * interval, "damping": 2.0 * impedance}
+    values |= {f"harmonic[{n + 1}]": float(a[n]) if n < harmonics else 0.0 for n in range(HARMONICS)}
+    swing = float(np.std(k))
+    return SpanFit(values, float(np.sqrt(np.mean(left**2)) / k0), float(np.abs(left).max() / k0),
+                   float(np.sqrt(np.mean(odd**2)) / swing) if swing > 0.0 else 0.0)

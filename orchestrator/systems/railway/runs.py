@@ -21,12 +21,12 @@ WITHOUT_PICTURES: dict[str, Any] = {"record.snapshots": (), "record.snapshot_int
 FORCE_PER_MEAN = 1.09  # first guess of static force over mean force: the base spring takes about 8 % of the lift
 
 
-def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = None) -> Scene:
-    """The scene at another speed (km/h) over the same distance, with further changes."""
-    given = parameters(scene, "pantograph")["speed"]
+def at_speed(scene: Scene, speed: float, changes: Mapping[str, Any] | None = None, unit: str = "pantograph") -> Scene:
+    """The scene with its pantograph at another speed (km/h) over the same distance, with further changes."""
+    given = parameters(scene, unit)["speed"]
     steps = scene.stop_time * given / (speed * KMH) / scene.master.step
     stop = round(steps) * scene.master.step
-    always = {"units.pantograph.parameters.speed": speed * KMH, "stop_time": stop}
+    always = {f"units.{unit}.parameters.speed": speed * KMH, "stop_time": stop}
     return scene.with_changes({**always, **(changes or {})})
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
-from cosimo.components.railway.lumped import HARMONICS, LumpedCatenary, lumped_parameters
+from cosimo.components.railway.lumped import HARMONICS, LumpedCatenary, fit_span
 from cosimo.components.railway.statics import elasticity
 
 pytestmark = pytest.mark.interpreted
@@ -30,7 +30,7 @@ def carried(catenary: LumpedCatenary, speed: float, force: float, seconds: float
 def test_fit_gives_back_the_elasticity_of_the_distributed_catenary():
     distributed = Catenary(["dropper_slackening"], {"spans": 5, "method": "implicit", "first_watched_support": 0})
     distributed.initialize(0.0)
-    lumped = LumpedCatenary(parameters=lumped_parameters(distributed, 120.0))
+    lumped = LumpedCatenary.from_line(distributed, 120.0)
     x = np.linspace(0.0, 60.0, 61)
     exact = 1.0 / elasticity(distributed.mesh, 120.0 + x, 120.0)
     ratio = []
@@ -45,6 +45,32 @@ def test_fit_gives_back_the_elasticity_of_the_distributed_catenary():
     assert np.abs(ratio)[20:41].max() < 0.03
     # the defaults of the class are this fit
     assert lumped.parameters["mean_stiffness"] == pytest.approx(LumpedCatenary().parameters["mean_stiffness"], rel=1e-3)
+
+
+def test_fit_says_what_a_series_cannot_follow():
+    """A span with droppers to one side only: the odd part of its stiffness is named, and its own fit is worse for it."""
+    even, odd = ((3.0, 6.0, 9.0), (2.0, 4.0, 6.0))
+    fits = []
+    for within in (even, odd):
+        parameters = {f"dropper_position[{i + 1}]": x for i, x in enumerate(within)}
+        line = Catenary((), {"spans": 3, "span_length": 12.0, "droppers": 3, "element": 2.0,
+                             "first_watched_support": 0} | parameters)
+        line.initialize(0.0)
+        fits.append(fit_span(line, 100.0))
+        assert fits[-1].parameters["span_length"] == 12.0
+        assert fits[-1].parameters["mass"] == pytest.approx(1.35 * (within[1] - within[0]))
+        assert fits[-1].parameters["damping"] == pytest.approx(2.0 * np.sqrt(20e3 * 1.35))
+    assert fits[0].asymmetry < 1e-6
+    assert fits[1].asymmetry > 0.3
+    assert fits[1].rms > fits[0].rms
+
+
+@pytest.mark.parametrize(("spans", "span", "force"), [(2, None, 100.0), (3, 1, 100.0), (3, 3, 100.0), (3, None, 0.0)])
+def test_a_span_that_cannot_be_fitted_is_refused(spans, span, force):
+    line = Catenary((), {"spans": spans, "element": 30.0, "first_watched_support": 0})
+    line.initialize(0.0)
+    with pytest.raises(BadInput, match="expected"):
+        LumpedCatenary.from_line(line, force, span)
 
 
 def test_constant_stiffness_is_a_damped_oscillator():

@@ -1,0 +1,85 @@
+"""What concerns pantographs and overhead lines only: the lumped catenary of a line, a pantograph from its frequency response."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ...components.core.errors import BadInput
+from .common import app, listed, parameters_of, print_table, share, status_spinner, warn
+
+railway = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Pantographs and overhead lines.")
+app.add_typer(railway, name="railway")
+
+
+@railway.command()
+def lumped(
+    scene: Annotated[str, typer.Argument(help="name or file of a scene with one pantograph under a distributed catenary")],
+    speeds: Annotated[str, typer.Option("--speeds", metavar="KM/H[,...]", help="Speeds at which both are run.")] =
+        "20,50,100,150,200,250,300",
+    force: Annotated[float | None, typer.Option("--force", help=(
+        "Force at which the static elasticity is taken, N; without it the mean force at the lowest speed."))] = None,
+    span: Annotated[int | None, typer.Option("--span", help=(
+        "Span that is fitted, counted from 1; without it the middle one."))] = None,
+    inerter: Annotated[bool, typer.Option("--inerter", help="An inerter in the place of the mass.")] = False,
+    tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help="Error that is still allowed.")] = "10%",
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the scene, lumped.csv and the report.")] =
+        Path("lumped"),
+) -> None:
+    """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
+    from ..output import ensure_directory
+    from ..systems import load_scene
+    from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
+
+    allowed, loaded = share("--tolerance", tolerance), load_scene(scene)
+    try:
+        values = [float(text) for text in listed("--speeds", [speeds])]
+    except ValueError:
+        raise BadInput("--speeds", repr(speeds), "speeds in km/h separated by commas") from None
+    ensure_directory(output)  # now, not after many runs
+    with status_spinner() as on_message:
+        on_message("running the line and its lumped catenary")
+        domain = lumped_domain(loaded, values, force, span, inerter)
+    written = [*domain.save(output), report(domain, allowed, output)]
+    print_table(f"Errors of the lumped catenary of {domain.name}",
+                ("quantity", *(f"{v:g} km/h" for v in domain.speeds), f"within {tolerance} up to"),
+                [(text, *(f"{100.0 * e:+.3g} %" for e in domain.errors[name]), domain_text(domain, name, allowed))
+                 for name, text in ERRORS.items()])
+    print(f"wrote {', '.join(map(str, written))}")
+
+
+@railway.command("fit-pantograph")
+def fit_pantograph(
+    response: Annotated[Path, typer.Argument(help=(
+        "CSV file with a header that names columns and units: frequency [Hz], then real [m/N] and imaginary [m/N], or "
+        "magnitude [m/N] and phase [deg]."))],
+    masses: Annotated[int, typer.Option("--masses", help="2 or 3.")] = 3,
+    fixed: Annotated[list[str] | None, typer.Option("--fix", metavar="PARAMETER=VALUE", help=(
+        "A parameter that is known, such as lower_frame_stiffness=160; may be repeated."))] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for pantograph.toml, fit.csv and the report.")] =
+        Path("pantograph"),
+) -> None:
+    """Lumped parameters of a pantograph from its frequency response. Example: cosimo railway fit-pantograph head.csv -o out
+
+    The response is that of the head on a fixed base. Parameters that the data do not determine are named with the range that
+    explains the data as well.
+    """
+    from ..systems.railway.frequency_response import fit_pantograph as fit
+    from ..systems.railway.frequency_response import read_response, save
+
+    known = parameters_of(fixed or [])
+    for name, value in known.items():
+        if not isinstance(value, float):
+            raise BadInput(f"--fix {name}", repr(value), "a number")
+    result = fit(read_response(response), masses, known)
+    deviations = dict(zip(result.fit.names, result.fit.deviations, strict=True))
+    print_table(f"Pantograph of {masses} masses fitted to {response.name}", ("parameter", "value", "standard deviation"), [
+        (name, value, "given" if name in result.fixed else
+         f"{100.0 * deviations[name]:.2g} %" if name in result.identified else "not identified")
+        for name, value in result.values.items()])
+    written = save(result, output)
+    print(f"misfit {100.0 * result.magnitude:.3g} % of the magnitude, {result.phase:.3g} rad of the phase (rms); "
+          f"wrote {', '.join(map(str, written))}")
+    warn(result.messages)
