@@ -8,8 +8,8 @@ What stands here is the public interface; whatever it needs is imported when it 
     result = cosimo.run(scene, in_process=True)
     print(result["pantograph.contact_force"].max(), "N")
 
-Scenes and runs: `load_scene`, `read_scene`, `write_scene`, `Scene`, `run`, `Result`, `read_result`, `summary`,
-`write_report`, `sweep`.
+Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
+`summary`, `write_report`, `sweep`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`,
@@ -42,9 +42,10 @@ if TYPE_CHECKING:
     from .orchestrator.harness.sweep import sweep
     from .orchestrator.results import Result
     from .orchestrator.run import run
+    from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene
-    from .orchestrator.systems import load_scene, read_result, read_scene, summary, validate, write_report
+    from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -65,17 +66,19 @@ _PLACES = {
     "orchestrator.harness.sweep": ("sweep",),
     "orchestrator.results": ("Result",),
     "orchestrator.run": ("run",),
+    "orchestrator.scene.build": ("unit",),
     "orchestrator.scene.scene": ("Scene",),
     "orchestrator.scene.text": ("write_scene",),
-    "orchestrator.systems": ("load_scene", "read_result", "read_scene", "summary", "validate", "write_report"),
+    "orchestrator.systems": ("build_scene", "load_scene", "read_result", "read_scene", "summary", "validate", "write_report"),
 }
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
     "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
-    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "check", "choice", "component_class",
-    "effects", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output", "parameter", "read_result",
-    "read_scene", "run", "stability", "summary", "sweep", "validate", "write_report", "write_scene",
+    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "build_scene", "check", "choice",
+    "component_class", "effects", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output",
+    "parameter", "read_result", "read_scene", "run", "stability", "summary", "sweep", "unit", "validate", "write_report",
+    "write_scene",
 ]
 
 

@@ -68,14 +68,15 @@ def run(
     verify: Annotated[bool, typer.Option("--verify", help=(
         "With --accuracy: a second, finer run, and how far it differs."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
-        "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs."))] = False,
+        "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs; "
+        "with -o a drawing, too."))] = False,
 ) -> None:
     """Run a scene. Example: cosimo run scene.toml --set pantograph.speed=83.3 --effects pantograph.bump_stops -o out
 
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..output import locked
+    from ..output import ensure_directory, locked
     from ..run import run as run_scene
     from ..systems import load_scene
 
@@ -105,11 +106,12 @@ def run(
         if wanted and all(unit.fmu for unit in loaded.units.values()):
             raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
-        for option, value in (("-o", output), ("--checkpoint-every", checkpoint_every), ("--resume", resume),
-                              ("--native", native or None)):
+        for option, value in (("--checkpoint-every", checkpoint_every), ("--resume", resume), ("--native", native or None)):
             if value is not None:
                 raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
         _dry_run(loaded, in_process)
+        if output is not None:
+            print(f"wrote {loaded.show().save(ensure_directory(output) / 'scene.svg')}")
         return
     if checkpoint_every is not None and output is None:
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")

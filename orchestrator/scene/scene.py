@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import PrivateAttr, ValidationError
 
@@ -17,8 +18,12 @@ from ..loading import loading
 from ..settings import AnalysisKeys, SceneSettings
 from ..settings.messages import one_message
 from ..settings.study import wanted
+from .drawing import Arrow, Box, Drawing, draw
 from .files import SHIPPED, read_file, read_toml, scene_files, scene_path
 from .include import expanded
+
+if TYPE_CHECKING:
+    from .edit import SceneEdit
 
 __all__ = ["SHIPPED", "Scene", "load_scene", "read_scene", "read_toml", "scene_files"]
 Keys = TypeVar("Keys", bound=AnalysisKeys)
@@ -55,6 +60,30 @@ class Scene(SceneSettings):
         """What sums up and draws results of this scene: `results.Views`; None where it was read without knowledge of systems."""
         return getattr(self._models, "views", None)
 
+    def show(self) -> Drawing:
+        """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""
+        interfaces, signals = self.coupling.interfaces, {}
+        for link in (*self.coupling.links, *self.coupling.texts):
+            names = (link.source[1], link.target[1])
+            signals.setdefault((link.source[0], link.target[0]), []).append(
+                names[0] if names[0] == names[1] else " to ".join(names))
+        boxes = [Box(contact.name, (f"contact, {contact.law}",)) for contact in self.contacts]
+        for name, unit in self.units.items():
+            effects = [e for e, why in interfaces[name].effects.items() if why]
+            kind = unit.component.rpartition(":")[2] or Path(unit.fmu).name
+            hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
+            boxes.append(Box(name, (kind, ", ".join(effects)), hint))
+        return draw(boxes, (Arrow(*ends, tuple(names)) for ends, names in signals.items()), self.title or self.name)
+
+    def _repr_html_(self) -> str:
+        return f"<b>{escape(self.title or self.name)}</b><br>{self.show()}"
+
+    def __repr__(self) -> str:
+        return (f"<Scene {self.name}: {', '.join(self.units)}; {len(self.connections)} connections; "
+                f"{self.master.algorithm}, step {self.master.step:g} s, to {self.stop_time:g} s>")
+
+    __str__ = __repr__
+
     def analysis_as(self, model: type[Keys]) -> Keys:
         """[analysis] with the keys of one system; where the scene has another, what all systems share and defaults."""
         if isinstance(self.analysis, model):
@@ -82,6 +111,12 @@ class Scene(SceneSettings):
         if added := data["units"].keys() - self.units.keys():
             raise BadInput(f"{self.name}: change", f"unit {min(added)!r}", "a unit of the scene", nearest(min(added), self.units))
         return read_scene(data, self.name, remarks=self.remarks, analysis=self._models)
+
+    def edit(self) -> SceneEdit:
+        """Changes as assignments, which an interpreter completes: `edit.units.pantograph.speed = 83.3`, then `edit.scene`."""
+        from .edit import SceneEdit
+
+        return SceneEdit(self)
 
     def _place(self, place: str) -> list[str]:
         """Keys down to a setting: names of units may hold dots, and those of parameters do."""

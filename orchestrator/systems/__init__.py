@@ -53,6 +53,20 @@ def read_scene(data: Mapping[str, Any], name: str = "scene", folder: Path | None
     return scenes.read_scene(data, name, folder, remarks, ANALYSIS)
 
 
+def build_scene(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[str, str] = (), *, stop_time: float, step: float,
+                name: str = "scene", folder: Path | None = None, master: Mapping[str, Any] | None = None, **tables: Any) -> Scene:
+    """A scene written in Python, checked down to every connection. Faults are one `BadInput`.
+
+    units: by name, of `unit(...)`, or a class, a name of a component or a path.
+    connections: "unit.output -> unit.input", or {"unit.output": "unit.input"}.
+    stop_time, step: s; step: the macro step.  master: what else its table says, such as {"algorithm": "jacobi"}.
+    tables: whatever else a scene may say: title, record, contacts, faults, analysis ...
+    """
+    from ..scene.build import scene_data
+
+    return read_scene(scene_data(units, connections, stop_time, step, master or {}, tables), name, folder)
+
+
 def read_result(directory: str | Path) -> Result:
     """The result that a run has written into a directory; of one that was killed, its rows up to the last chunk."""
     from ..results import Result

@@ -140,7 +140,13 @@ def test_dry_run_says_for_what_it_knows_no_limit(tmp_path, capsys):
     assert "does not tell which outputs follow inputs: " in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("option", [("-o", "out"), ("--checkpoint-every", "1"), ("--resume", "file")])
+def test_dry_run_draws_the_scene_where_it_has_a_directory(scene, tmp_path, capsys):
+    assert cosimo("run", scene, "--dry-run", "-o", tmp_path / "new") == 0
+    assert [p.name for p in (tmp_path / "new").iterdir()] == ["scene.svg"]
+    assert (tmp_path / "new" / "scene.svg").read_text().startswith("<svg ")
+
+
+@pytest.mark.parametrize("option", [("--native",), ("--checkpoint-every", "1"), ("--resume", "file")])
 def test_options_without_effect_on_a_dry_run_are_refused(scene, option, capsys):
     assert cosimo("run", scene, "--dry-run", *option) == 2
     assert "no effect" in capsys.readouterr().err

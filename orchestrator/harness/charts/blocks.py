@@ -18,6 +18,15 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Sketch:
+    """A drawing as the text of an SVG element, made here and not by whoever wrote the scene."""
+
+    title: str
+    svg: str
+    kind: str = "sketch"
+
+
+@dataclass(frozen=True)
 class Text:
     """Paragraphs of plain text. tone: "", "note" or "warning"."""
 
@@ -76,4 +85,4 @@ class Ranges:
     kind: str = "ranges"
 
 
-Block = Figure | Text | Facts | Cells | Ranges
+Block = Figure | Sketch | Text | Facts | Cells | Ranges

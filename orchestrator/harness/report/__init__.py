@@ -46,7 +46,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
     sections += [Section("How it was computed", computed)] if computed else []
-    sections.append(Section("Settings", generic.run_blocks(result)))
+    sections.append(Section("Settings", [*generic.units_and_connections(result), *generic.run_blocks(result)]))
     title = scene.title or scene.name
     lead = generic.run_line(result)
     return write_page(Page(title, lead, sections), Path(directory) / "report.html")

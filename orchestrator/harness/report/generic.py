@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges
+from ....components.core.errors import BadInput
+from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.style import CYCLE, axis, layout, line, number, thin_out
 
@@ -150,6 +151,14 @@ def run_blocks(result: Result) -> list[Facts]:
     }
     effects = [Facts("Effects", effect_rows(result.info["effects"]))] if result.info.get("effects") else []
     return effects + [Facts(title, flattened(result.info[key]), True) for key, title in titles.items() if result.info.get(key)]
+
+
+def units_and_connections(result: Result) -> list[Sketch | Text]:
+    """The scene as a drawing; of one that is read back, without the files that it names, a sentence."""
+    try:
+        return [Sketch("Units and connections", result.scene.show())]
+    except BadInput as error:
+        return [Text([f"No drawing of units and connections: {error}"], "note")]
 
 
 def run_line(result: Result) -> str:

@@ -1,0 +1,47 @@
+"""Scenes written in Python: units from classes, names and files, as plain data that `read_scene` checks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ...components.catalogue import CATALOGUE
+from ...components.core.component import Component
+from ...components.core.errors import BadInput
+
+
+def component_name(cls: type[Component]) -> str:
+    """What a scene calls a class: its name in the catalogue, or "module:Class". Raises `BadInput` for one inside a function."""
+    if cls.__module__.endswith(f".components.{CATALOGUE.get(cls.__name__, '?')}"):
+        return cls.__name__
+    if "." in cls.__qualname__:
+        raise BadInput("unit", f"class {cls.__qualname__}", "a class of a module, not of a function or another class",
+                       "Worker processes and FMUs look it up by its name.")
+    return f"{cls.__module__}:{cls.__name__}"
+
+
+def unit(what: str | Path | type[Component], *, effects: Iterable[str] = (), preset: str = "",
+         settings: Mapping[str, Any] | None = None, **parameters: Any) -> dict[str, Any]:
+    """A unit of `build_scene`: a component by its class, its name or "module:Class"; an FMU or another scene by its path.
+
+    parameters: by name, those of an effect as a table: `bump_stops={"travel": 0.04}`; arrays as lists.
+    settings: what else a unit of a scene may say, such as {"every": 2, "isolation": "process"}.
+    """
+    text = component_name(what) if isinstance(what, type) else str(what)
+    if text.endswith((".toml", ".ssd", ".ssp")):
+        kind = "scene"
+    else:
+        kind = "fmu" if text.endswith(".fmu") else "component"
+    given = {"effects": list(effects), "preset": preset, "parameters": parameters}
+    return {kind: text, **{key: value for key, value in given.items() if value}, **(settings or {})}
+
+
+def scene_data(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[str, str], stop_time: float, step: float,
+               master: Mapping[str, Any], tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Plain data of a scene; arguments as of `build_scene`."""
+    if isinstance(connections, Mapping):
+        connections = [f"{source} -> {target}" for source, target in connections.items()]
+    entries = {name: entry if isinstance(entry, Mapping) else unit(entry) for name, entry in units.items()}
+    return {"stop_time": float(stop_time), "units": entries, "connections": list(connections),
+            "master": {**master, "step": float(step)}, **tables}
