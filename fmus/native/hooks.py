@@ -16,6 +16,7 @@ import inspect
 import textwrap
 import types
 from collections.abc import Callable
+from operator import itemgetter
 from typing import Any, cast
 
 import numpy as np
@@ -38,6 +39,13 @@ class Hooks:
         self.messages: list[str] = []  # of status FIRST_RAISED + position
         self._done: dict[Any, tuple[str, Method]] = {}
         self._functions: dict[str, Any] = {}
+        self._identity: list[Any] = []
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What the machine code of the functions generated so far follows from: their text, with all places in the block, and
+        the kernels and types that they name. Values of the component are no part of it."""
+        return (type(self.component), *self._identity)
 
     def entry(self, name: str, kind: type[Method] | None = None) -> Any:
         """The compiled function of the method `name`: its arguments, then the address of the block."""
@@ -114,6 +122,9 @@ class Method(ast.NodeTransformer):
             plain = isinstance(value, types.FunctionType) and str(value.__module__).partition(".")[0] == package
             if used not in self.hooks._functions and (hasattr(value, "py_func") or plain):
                 scope[used] = self.hooks.clone(value)
+        named = [(used, getattr(value, "py_func", value)) for used, value in sorted(self.names.items(), key=itemgetter(0))
+                 if used not in self.hooks._functions]
+        self.hooks._identity += [ast.unparse(tree), *named]
         exec(compile(tree, self.file, "exec"), scope)
         return scope[name]
 

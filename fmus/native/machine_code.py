@@ -13,6 +13,7 @@ import re
 import types
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from ...components.core.errors import BadInput
@@ -25,6 +26,9 @@ ENTRIES = {"start": "double %t", "step": "double %t, double %h", "outputs": "dou
 INITIAL_STATE = "initial_state"
 NATIVE = "kernels that allocate nothing and call only functions of libm"
 RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
+# Machine code of this process by what it follows from (`Hooks.identity`), the oldest first: six thrusters are compiled once.
+_LINKED: dict[Any, str] = {}
+KEPT = 32
 ALLOWED = {
     "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc",
     "exp", "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p",
@@ -162,17 +166,24 @@ def _compile(component: Any, start: str, counted: bool) -> Code:
 
     compiler, block = _Compiler(counted), Block(component)
     hooks = Hooks(component, block, compiler.clone, compiler.compiled, helpers())
-    texts = {}
-    for entry, arguments in ENTRIES.items():
+    entries = {}
+    for entry in ENTRIES:
         if entry == "start" and not start:
             continue
         method = start if entry == "start" else f"_{entry}"
-        function = hooks.entry(method, InitialState if method == INITIAL_STATE else None)
-        signature = (t.float64,) * arguments.count("double") + (t.int64,)
-        function.compile(signature)
-        texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
-    text = _linked(component, texts, [k.py_func.__name__ for k, _ in compiler.kernels.values()])
-    return Code(text, tuple(hooks.messages), block, start)
+        entries[entry] = hooks.entry(method, InitialState if method == INITIAL_STATE else None)
+    identity = (start, *hooks.identity)
+    if identity not in _LINKED:
+        texts = {}
+        for entry, function in entries.items():
+            arguments = ENTRIES[entry]
+            signature = (t.float64,) * arguments.count("double") + (t.int64,)
+            function.compile(signature)
+            texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
+        if len(_LINKED) >= KEPT:
+            del _LINKED[next(iter(_LINKED))]
+        _LINKED[identity] = _linked(component, texts, [k.py_func.__name__ for k, _ in compiler.kernels.values()])
+    return Code(_LINKED[identity], tuple(hooks.messages), block, start)
 
 
 def start_of(component: Any) -> str:
@@ -263,9 +274,14 @@ def _optimize(module: Any, target: Target) -> Any:
 
 def object_code(code: Code, target: str) -> bytes:
     """The object file for a target; its entries are hidden from other libraries of the process."""
+    return _object(code.text, target)
+
+
+@lru_cache(maxsize=KEPT)
+def _object(text: str, target: str) -> bytes:
     import llvmlite.binding as llvm
 
-    module = llvm.parse_assembly(code.text)
+    module = llvm.parse_assembly(text)
     machine = _optimize(module, TARGETS[target])
     for function in module.functions:
         if function.name.startswith("model_"):
