@@ -223,15 +223,16 @@ class Component:
         if name not in self.on:
             return None
         effect = type(self).effects[name]
-        fields = [self._value(_prefixed(v, name)) for v in effect.variables if v.causality is Causality.PARAMETER]
+        fields = [self._value(v, name + ".") for v in effect.variables if v.causality is Causality.PARAMETER]
         for names in (self.outputs, self.inputs):
             fields[:0] = [i for i, n in enumerate(names) if n.startswith(name + ".")][:1]
         return effect.Values(*(fields or [True]))
 
-    def _value(self, variable: Variable) -> Any:
+    def _value(self, variable: Variable, owner: str = "") -> Any:
+        """The value of a declared parameter; owner: of an effect, its name and a dot."""
         if variable.size:
-            return np.array([self.parameters[s.name] for s in variable.scalars])
-        value = self.parameters[variable.name]
+            return np.array([self.parameters[owner + s.name] for s in variable.scalars])
+        value = self.parameters[owner + variable.name]
         return variable.choices.index(value) if variable.choices else value
 
     # -- the run -----------------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def sources_digest(*files: str) -> str:
 
 
 @lru_cache(maxsize=1)
-def _root() -> Path | None:
+def private_root() -> Path | None:
     """A folder for machine code that belongs to the user and can be written; None where there is none.
 
     NUMBA_CACHE_DIR, or `kernels` in the cache of cosimo, or a folder in that for temporary files. What lies there is executed:
@@ -176,7 +176,7 @@ class KernelCache(FunctionCache):
         if self._opened is None:
             self._opened = NullCache()
             with suppress(OSError, SyntaxError, ValueError):  # a function of no file, as one of an interactive session
-                if (root := _root()) is not None:
+                if (root := private_root()) is not None:
                     self._opened = _OpenCache(self._py_func, root, sources_digest(*self._files))
         return self._opened
 

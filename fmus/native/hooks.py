@@ -122,9 +122,8 @@ class Method(ast.NodeTransformer):
             plain = isinstance(value, types.FunctionType) and str(value.__module__).partition(".")[0] == package
             if used not in self.hooks._functions and (hasattr(value, "py_func") or plain):
                 scope[used] = self.hooks.clone(value)
-        named = [(used, getattr(value, "py_func", value)) for used, value in sorted(self.names.items(), key=itemgetter(0))
-                 if used not in self.hooks._functions]
-        self.hooks._identity += [ast.unparse(tree), *named]
+        named = {used: value for used, value in self.names.items() if used not in self.hooks._functions}
+        self.hooks._identity += [ast.unparse(tree), *sorted(named.items(), key=itemgetter(0))]
         exec(compile(tree, self.file, "exec"), scope)
         return scope[name]
 

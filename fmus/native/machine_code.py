@@ -21,14 +21,12 @@ from ...components.core.kernels import OPTIONS
 from .block import Block
 from .hooks import Hooks
 from .initial_state import InitialState
+from .kept_code import digest_of, load, save
 
 ENTRIES = {"start": "double %t", "step": "double %t, double %h", "outputs": "double %t"}
 INITIAL_STATE = "initial_state"
 NATIVE = "kernels that allocate nothing and call only functions of libm"
 RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
-# Machine code of this process by what it follows from (`Hooks.identity`), the oldest first: six thrusters are compiled once.
-_LINKED: dict[Any, str] = {}
-KEPT = 32
 ALLOWED = {
     "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc",
     "exp", "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p",
@@ -83,6 +81,12 @@ class _Compiler:
 
     def _kernel(self, value: Any) -> Any:
         return self.clone(value) if is_kernel(value, "") else value
+
+
+def called_kernels(function: Any) -> dict[str, Any]:
+    """The kernels that a function names, by these names."""
+    named = {name: function.__globals__.get(name) for name in set(_names(function.__code__))}
+    return {name: value for name, value in named.items() if is_kernel(value, function.__module__.partition(".")[0])}
 
 
 def is_kernel(value: Any, package: str) -> bool:
@@ -172,18 +176,20 @@ def _compile(component: Any, start: str, counted: bool) -> Code:
             continue
         method = start if entry == "start" else f"_{entry}"
         entries[entry] = hooks.entry(method, InitialState if method == INITIAL_STATE else None)
-    identity = (start, *hooks.identity)
-    if identity not in _LINKED:
+    kernels = [function for _, function in compiler.kernels.values()]
+    digest = digest_of((start, *hooks.identity), called_kernels, kernels, type(component))
+    text = load(digest) if digest else None
+    if text is None:
         texts = {}
         for entry, function in entries.items():
             arguments = ENTRIES[entry]
             signature = (t.float64,) * arguments.count("double") + (t.int64,)
             function.compile(signature)
             texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
-        if len(_LINKED) >= KEPT:
-            del _LINKED[next(iter(_LINKED))]
-        _LINKED[identity] = _linked(component, texts, [k.py_func.__name__ for k, _ in compiler.kernels.values()])
-    return Code(_LINKED[identity], tuple(hooks.messages), block, start)
+        text = _linked(component, texts, [k.__name__ for k in kernels])
+        if digest:
+            save(digest, text)
+    return Code(text, tuple(hooks.messages), block, start)
 
 
 def start_of(component: Any) -> str:
@@ -277,7 +283,7 @@ def object_code(code: Code, target: str) -> bytes:
     return _object(code.text, target)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=16)
 def _object(text: str, target: str) -> bytes:
     import llvmlite.binding as llvm
 

@@ -1,0 +1,95 @@
+"""Machine code of components on disk, so that another process, and other parameter values, compile nothing.
+
+It is found by a digest of all that it follows from: the text of the generated functions, the kernels that they reach with what
+these enclose, the import closures of their sources, and the versions of what compiles.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+import sys
+import types
+import zlib
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
+VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
+
+
+class _Unknown(Exception):
+    """Something enclosed in a kernel of which there is no digest."""
+
+
+def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any]], kernels: Iterable[Any],
+              component: type) -> str | None:
+    """Digest of what machine code follows from; None where part of it is known to this process only.
+
+    identity: texts, and functions and types with their names (`Hooks.identity`). reached: the kernels that a function names.
+    kernels: all functions that become part of the code, beside the hooks of the component's class.
+    """
+    from ...components.core.kernel_cache import sources_digest
+
+    known: dict[int, str] = {}
+
+    def described(value: Any) -> str:
+        if value is None or isinstance(value, bool | int | float | str):
+            return repr(value)
+        if isinstance(value, tuple):
+            return f"({', '.join(map(described, value))})"
+        if isinstance(value, type):
+            return f"{value.__module__}.{value.__qualname__} {getattr(value, '_fields', '')}"
+        function = getattr(value, "py_func", value)
+        if not isinstance(function, types.FunctionType):
+            raise _Unknown(type(value).__name__)
+        if id(function) not in known:
+            known[id(function)] = f"{function.__module__}.{function.__qualname__}"  # where it calls itself
+            cells = tuple(cell.cell_contents for cell in function.__closure__ or ())
+            parts = (known[id(function)], described(cells), *(n + described(k) for n, k in sorted(reached(function).items())))
+            known[id(function)] = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+        return known[id(function)]
+
+    functions = [getattr(k, "py_func", k) for k in kernels]
+    try:
+        parts = [described(part) for part in identity]
+        parts += sorted(map(described, functions))
+        files = {inspect.getfile(cls) for cls in component.__mro__[:-1]} | {f.__code__.co_filename for f in functions}
+        parts.append(sources_digest(*sorted({__file__, *files})))
+    except (_Unknown, OSError, TypeError, SyntaxError, ValueError):  # all but the first: no file, as in an interactive session
+        return None
+    parts += [sys.version, *(f"{name} {version(name)}" for name in VERSIONS)]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def _file(digest: str) -> Path | None:
+    from ...components.core.kernel_cache import private_root
+
+    root = private_root()
+    return None if root is None else root / "native" / f"{digest}.ll"
+
+
+def load(digest: str) -> str | None:
+    """The code of a digest; None where it is missing or damaged."""
+    with suppress(OSError, zlib.error):
+        if (file := _file(digest)) is not None:
+            content = file.read_bytes()
+            if hashlib.sha256(content[DIGEST:]).digest() == content[:DIGEST]:
+                return zlib.decompress(content[DIGEST:]).decode()
+    return None
+
+
+def save(digest: str, text: str) -> None:
+    """Keep code by its digest; not done where nothing can be written."""
+    with suppress(OSError):
+        if (file := _file(digest)) is not None:
+            file.parent.mkdir(mode=0o700, exist_ok=True)
+            content = zlib.compress(text.encode(), 1)
+            part = file.with_suffix(f".{uuid4().hex[:8]}.part")
+            part.write_bytes(hashlib.sha256(content).digest() + content)
+            os.replace(part, file)

@@ -1,0 +1,89 @@
+"""Machine code of native FMUs on disk: what it follows from decides whether it is taken, and a damaged file never is."""
+
+import importlib.util
+import sys
+
+import pytest
+from cosimo.components.core import kernel_cache
+from cosimo.fmus.native import machine_code
+from cosimo.fmus.native.image import initialized
+
+SOURCE = '''
+from cosimo.components.core.kernels import kernel
+from cosimo.components.core.stateless import StatelessComponent
+from cosimo.components.core.variables import input_, output, parameter
+
+FACTOR = {factor}
+
+
+def kernel_of(power):
+    @kernel
+    def weighed(u, y, gain):
+        y[0] = gain * FACTOR * u[0] ** power
+
+    return weighed
+
+
+KERNELS = {{1: kernel_of(1), 2: kernel_of(2)}}
+
+
+class Weighed(StatelessComponent):
+    """A component of one kernel."""
+
+    gain = parameter(2.0, "1", "factor")
+    power = parameter(1.0, "1", "1 or 2")
+    first = input_(3.0, "1", "a number")
+    total = output("1", "its product")
+
+    def _initialize(self, t):
+        self.weigh = KERNELS[int(self.parameters["power"])]
+        return super()._initialize(t)
+
+    def _outputs(self, t):
+        self.weigh(self.u[0], self.y, self.get("gain"))
+'''
+
+
+@pytest.fixture
+def compiled(tmp_path, monkeypatch):
+    """A function that gives (code, whether it was compiled) of a component written with a factor."""
+    monkeypatch.setattr(kernel_cache, "private_root", lambda: tmp_path)
+    done = []
+    monkeypatch.setattr(machine_code, "_linked", lambda *a, linked=machine_code._linked: done.append(1) or linked(*a))
+
+    def code(factor=2.0, **parameters):
+        file = tmp_path / f"copy{len(list(tmp_path.glob('copy*')))}" / "weighed.py"  # another module, as in another process
+        file.parent.mkdir()
+        file.write_text(SOURCE.format(factor=factor))
+        spec = importlib.util.spec_from_file_location("weighed", file)
+        module = importlib.util.module_from_spec(spec)
+        monkeypatch.setitem(sys.modules, "weighed", module)
+        spec.loader.exec_module(module)
+        component = module.Weighed((), parameters)
+        before = len(done)
+        return machine_code.compile_entries(initialized(component)).text, len(done) > before
+
+    return code
+
+
+def test_other_values_take_the_same_code_and_other_code_is_compiled(compiled):
+    first, anew = compiled(gain=2.0)
+    assert anew
+    assert compiled(gain=-5.5) == (first, False)
+    for other in ({"power": 2.0}, {"factor": 3.0}):  # another kernel, and a constant of the module
+        text, anew = compiled(**other)
+        assert anew, other
+        assert text != first, other
+
+
+@pytest.mark.full
+def test_a_damaged_file_is_compiled_again(compiled, tmp_path):
+    compiled()
+    (file,) = (tmp_path / "native").glob("*.ll")
+    whole = file.read_bytes()
+    for damaged in (whole[:-7], whole[:100] + b"xy" + whole[102:]):
+        file.write_bytes(damaged)
+        text, anew = compiled()
+        assert anew
+        assert compiled() == (text, False)
+    assert not list((tmp_path / "native").glob("*.part"))
