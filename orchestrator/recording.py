@@ -18,8 +18,9 @@ from typing import IO, Any
 
 import numpy as np
 
-from .engine.stepping.observers import BatchObserver, Recorder, TextRecorder
+from .engine.stepping.observers import BatchObserver
 from .output import HOLDER, UNFINISHED, write_json
+from .recorders import Recorder, TextRecorder
 from .tables import INTERNAL, StoredTable, Table, joined, prepare
 
 TABLE, CSV, INFO, SNAPSHOTS = "result.parquet", "result.csv", "run.json", "snapshots"

@@ -28,9 +28,11 @@ from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
-from .engine.stepping.observers import ExtrapolationError, Interrupt, Progress, Recorder, TextRecorder, reading
+from .engine.stepping.observers import ExtrapolationError
 from .open_all import open_units, read_in_every_step
 from .output import UNFINISHED, locked, not_written
+from .progress import Interrupt, Progress
+from .recorders import Recorder, TextRecorder, reading
 from .recording import OutputFailed, ResultFiles, Spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info

@@ -24,8 +24,8 @@ import numpy as np
 
 from ...components.core.errors import BadInput, nearest
 from ..checkpoint import digest
-from ..engine.stepping.observers import Interrupt
 from ..output import write_table
+from ..progress import Interrupt
 from ..results import Result
 from ..run import run
 from ..scene.scene import Scene

@@ -12,18 +12,18 @@ from .values import blocks
 
 HELD, COMPANIONS, DERIVATIVES, MEAN = range(4)  # ways to give an FMU inputs that change over a step, see `inputs`
 IN_MEMORY = 4  # a component's inputs are written where they lie
-FUNCTIONS = ("GetReal", "SetReal", "SetRealInputDerivatives", "DoStep")
+FUNCTIONS = {"get": "GetReal", "set": "SetReal", "set_derivatives": "SetRealInputDerivatives", "do_step": "DoStep"}
+# what `CallTable.calls` has: of an FMU addresses of functions, the instance, the references of inputs and outputs, and the orders
+# 1 ... 1, 2 ... 2 of inputs; of a component functions with their arguments, and the distance of two rows of inputs, bytes
+OF_FMU = (*FUNCTIONS, "instance", "input_references", "output_references", "orders")
+OF_COMPONENT = ("outputs", "outputs_argument", "step", "step_argument", "row")
 
 
 @dataclass(frozen=True)
 class CallTable:
-    """Addresses: of `FUNCTIONS`, the instance, the references of inputs and outputs, the orders 1 ... 1, 2 ... 2 of inputs.
+    """Addresses by name, and where the driven inputs and the read outputs of a component lie."""
 
-    Of a component: 0, function of the outputs and its argument, function of the step and its argument, distance of two rows of
-    inputs, 0, 0; and where the driven inputs and the read outputs lie.
-    """
-
-    calls: tuple[int, ...]
+    calls: Mapping[str, int]
     way: int
     alive: tuple[Any, ...]  # the memory that addresses point to
     inputs_at: tuple[int, ...]
@@ -40,7 +40,7 @@ def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequ
         return None
     orders = (ctypes.c_int * (2 * len(inputs)))(*[1] * len(inputs), *[2] * len(inputs))
     references = [ctypes.addressof(part[0].references) if part else 0 for part in parts]
-    calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS]
+    calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS.values()]
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    return CallTable((*calls, instance, *references, ctypes.addressof(orders)), way if inputs else HELD, (parts, orders),
-                     (0,) * len(inputs), (0,) * len(outputs))
+    addresses = dict(zip(OF_FMU, (*calls, instance, *references, ctypes.addressof(orders)), strict=True))
+    return CallTable(addresses, way if inputs else HELD, (parts, orders), (0,) * len(inputs), (0,) * len(outputs))

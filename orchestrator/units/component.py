@@ -14,7 +14,7 @@ from ...components.core.component import Component
 from ...components.core.errors import BadInput, StepFailed, nearest
 from ...components.core.kernels import DONE
 from ..settings import UnitSettings
-from .call_table import IN_MEMORY, CallTable
+from .call_table import IN_MEMORY, OF_COMPONENT, CallTable
 from .entries import RAISED, Entry
 from .hook_calls import KernelCall, PythonInHook, output_calls, step_calls
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
@@ -151,8 +151,8 @@ class ComponentUnit:
         outputs = self._hook(lambda: output_calls(c), refresh)
         step = self._hook(lambda: step_calls(c, h), c.step)
         self._hooks = outputs, step
-        calls = (0, outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0], 0, 0)
-        return CallTable(calls, IN_MEMORY, self._hooks, *self._at)
+        calls = (outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0])
+        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at)
 
     def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | _Callback:
         try:

@@ -53,7 +53,7 @@ def measured(scene, steps: int) -> tuple[float, float]:
         master = master_of(scene, units, scene.coupling)
         master.initialize(0.0)
         loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), h * np.arange(steps)
-        coupled = best(lambda: loop.run(times[:1000], h))
+        coupled = best(lambda: loop.run(times[:1000], h, np.zeros(0, dtype=np.int64)))
         entries = [Entry(step_calls(unit.component, h)) for unit in units.values()]
         functions, arguments = (np.array([getattr(e, n) for e in entries]) for n in ("function", "argument"))
         physics(functions, arguments, times[:1], h)

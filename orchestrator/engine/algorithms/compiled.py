@@ -2,72 +2,42 @@
 
 The same steps as `Jacobi.step` and `GaussSeidel.step`, in the same order and to the last bit, without Python between the units.
 Their functions are called by address; addresses are data, so one compiled loop serves every unit. Inputs and outputs of a
-component are written and read where they lie in memory.
+component are written and read where they lie in memory. Units and links are records: functions get them by one pointer each.
 Everything stands in this one file, because Numba looks at no other one to see whether its machine code on disk is fresh.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from ....components.core.kernels import kernel, kernel_tuple
-from ...units.call_table import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN
+from ....components.core.kernels import kernel
+from ...units.call_table import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN, OF_COMPONENT, OF_FMU
 
-GET, SET, SET_DERIVATIVES, DO_STEP, INSTANCE, INPUT_REFERENCES, OUTPUT_REFERENCES, ORDERS = range(8)
-FIRST_LINK, LINKS, FIRST_SIGNAL, SIGNALS, WAY, LATE, LED = range(7)
 WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU
-OUTPUTS, OUTPUTS_ARGUMENT, ROW = SET, SET_DERIVATIVES, INPUT_REFERENCES  # of a component, in the same places
+UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
+AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
 part = partial(kernel, inner=True)
 POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
-
-@kernel_tuple
-class LoopLayout(NamedTuple):
-    """What stays the same over a run. U units in the order of stepping, L links sorted by unit, P passes, D direct links."""
-
-    calls: np.ndarray  # (U, 8) addresses; in the row of a component, from a row of its inputs to the next, bytes
-    shape: np.ndarray  # (U, 7)
-    inputs_at: np.ndarray  # (L,) addresses of the values of components' inputs
-    outputs_at: np.ndarray  # (S,) addresses of components' outputs
-    source: np.ndarray  # (L,) positions in the table of signals
-    factor: np.ndarray  # (L,)
-    offset: np.ndarray  # (L,)
-    converted: np.ndarray  # (L,) bool
-    feedthrough_schedule: np.ndarray  # (P,) units whose outputs follow their inputs within an instant
-    direct: np.ndarray  # (D, 2) unit, link counted within the unit
-    change: np.ndarray  # (D,) relative change of an input that is none
-    inverse: np.ndarray  # (S,) 1 / nominal of every signal
-    bonded: np.ndarray  # (B,) links whose polynomials are noted for the energy account
-    watched: np.ndarray  # (W,) addresses of outputs of components that observers want of every step
-    degree: int
-    sequential: bool
-
-
-@kernel_tuple
-class LoopState(NamedTuple):
-    """What changes: the table of signals and the histories of all links."""
-
-    signals: np.ndarray  # (S,)
-    present: np.ndarray  # (L,)
-    before: np.ndarray  # (L,)
-    earlier: np.ndarray  # (L,)
-    reached: np.ndarray  # (L,)
-    known: np.ndarray  # (L,)
-    inputs: np.ndarray  # (3 L,) what is handed to the FMUs
-    given: np.ndarray  # (L, 4) value, slope, half of the second derivative, degree over the last step
-    samples: np.ndarray  # (U,) in the history
-    spacing: np.ndarray  # (U, 2) s
-    interpolates: np.ndarray  # (U,) bool: inputs were interpolated to values known already
-    no_return: np.ndarray  # (U,) int32, as of `call_step`
-    taken: np.ndarray  # (U,) steps
-    time: np.ndarray  # (U,) s, that each unit has reached
+INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "degree",
+            "smoothing", "samples", "interpolates", "no_return", "taken")
+# Units in the order of stepping. Addresses as in `CallTable`; first_link, links, late: the unit's links, of which the first
+# `late` are extrapolated; led: all of them are interpolated to values that are known; first_signal, signals: in the table of
+# signals; degree, samples, h1, h2: of the history; interpolates: what the last step did; taken: steps; time: s, reached.
+UNIT = np.dtype([(name, np.int64) for name in INTEGERS] + [(name, np.float64) for name in ("h1", "h2", "time")])
+# Links sorted by unit. at: address of a component's input; source: in the table of signals; direct: an output follows it within
+# an instant; held: it jumps between steps; fault: whether it is altered, by `alteration`; change: relative, that is none;
+# present, before, earlier: samples; known: what it is led to; value, slope, half of the second derivative, degree: given in the
+# last step; reached: its end.
+LINK = np.dtype([(name, np.int64) for name in ("at", "source", "converted", "direct", "held", "fault")] + [
+    (name, np.float64) for name in ("factor", "offset", "alteration", "change", "present", "before", "earlier", "known", "value",
+                                    "slope", "half", "degree", "reached")])
 
 
 def _call(builder, address, kinds, arguments):
@@ -133,207 +103,222 @@ def store(typing, address, value):
 
 
 @part
-def _gather(plan, now, unit, values):
-    """Present values of a unit's inputs, into values[first link ...]."""
-    first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
-    for k in range(first, first + n):
-        v = now.signals[plan.source[k]]
-        values[k] = plan.factor[k] * v + plan.offset[k] if plan.converted[k] else v
+def _given(link, signals):
+    """What a link hands over at this instant."""
+    v = signals[link.source]
+    if link.converted != 0:
+        v = link.factor * v + link.offset
+    if link.fault != UNALTERED:
+        v = v + link.alteration if link.fault == SHIFTED else link.alteration
+    return v
 
 
 @part
-def _terms(plan, now, unit, late, h):
-    """Inputs over the coming step, into now.inputs (values, slopes, halves one behind the other); returns their degree."""
-    first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
-    count, h1, h2 = now.samples[unit], now.spacing[unit, 0], now.spacing[unit, 1]
-    value, slope, half = 3 * first, 3 * first + n, 3 * first + 2 * n
-    highest = 0
-    for k in range(n):
-        i = first + k
-        present, degree, s, c = now.present[i], 0, 0.0, 0.0
-        if k < late:
-            if count >= 2:
-                degree, s = 1, (present - now.before[i]) / h1
-            if count >= 3:
-                older = (now.before[i] - now.earlier[i]) / h2
-                c = (s - older) / (h1 + h2)
-                degree, s = 2, s + h1 * c
-        elif plan.degree == 0:
-            present = now.known[i]
+def _ahead(unit, link):
+    """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
+    v = link.present
+    if unit.samples < 2 or link.held != 0:
+        return v, 0.0, 0.0
+    s = (v - link.before) / unit.h1
+    if unit.samples < 3:
+        return v, s, 0.0
+    c = (s - (link.before - link.earlier) / unit.h2) / (unit.h1 + unit.h2)
+    return v, s + unit.h1 * c, c
+
+
+@part
+def _towards(unit, link, h):
+    """As `History.towards` the known value."""
+    v = link.present
+    if link.held != 0:
+        return v, 0.0, 0.0
+    if unit.degree == 0:
+        return link.known, 0.0, 0.0
+    s = (link.known - v) / h
+    if unit.degree == 1 or unit.samples < 2:
+        return v, s, 0.0
+    c = (s - (v - link.before) / unit.h1) / (h + unit.h1)
+    return v, s + -h * c, c
+
+
+@part
+def _drive(unit, links, signals, buffer, h):
+    """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
+    first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
+    degree = unit.samples - 1 if unit.late > 0 else 0
+    if unit.late < unit.links and unit.degree > 0:
+        degree = max(degree, 2 if unit.degree == 2 and unit.samples > 1 else 1)
+    held, smooth = degree == 0, unit.smoothing == SMOOTH
+    if smooth:
+        degree = max(degree, 1)
+    for i in range(first, behind):
+        link = links[i]
+        if i < extrapolated:
+            v, s, c = _ahead(unit, link)
         else:
-            degree, s = 1, (now.known[i] - present) / h
-            if plan.degree == 2 and count > 1:
-                older = (present - now.before[i]) / h1
-                c = (s - older) / (h + h1)
-                degree, s = 2, s + -h * c
-        now.inputs[value + k], now.inputs[slope + k], now.inputs[half + k] = present, s, c
-        highest = max(highest, degree)
-    return highest
-
-
-@part
-def _drive(plan, now, unit, degree, h):
-    """Hand the polynomials of `_terms` to the unit; returns the status of an FMU."""
-    calls, shape = plan.calls[unit], plan.shape[unit]
-    first, n, way = shape[FIRST_LINK], shape[LINKS], shape[WAY]
-    base, address = 3 * first, now.inputs.ctypes.data
-    for k in range(n):
-        i = first + k
-        v, s, c = now.inputs[base + k], now.inputs[base + n + k], now.inputs[base + 2 * n + k]
-        now.given[i, 0], now.given[i, 1], now.given[i, 2], now.given[i, 3] = v, s, c, degree
-        if way == IN_MEMORY:
-            store(plan.inputs_at[i], v)
-            if degree > 0:
-                store(plan.inputs_at[i] + calls[ROW], s)
-            if degree > 1:
-                store(plan.inputs_at[i] + 2 * calls[ROW], c)
+            link.known = _given(link, signals)
+            v, s, c = _towards(unit, link, h)
+        if smooth and link.held == 0:
+            back = (v - link.reached) / h
+            v, s = link.reached, back if held else s + back
+        link.value, link.slope, link.half, link.degree = v, s, c, degree
         if degree == 2:
-            now.reached[i] = v + h * (s + h * c)
-            now.inputs[base + 2 * n + k] = 2.0 * c
+            link.reached = v + h * (s + h * c)
         else:
-            now.reached[i] = v + h * s if degree == 1 else v
+            link.reached = v + h * s if degree == 1 else v
+        if unit.way == IN_MEMORY:
+            store(link.at, v)
+            if degree > 0:
+                store(link.at + unit.row, s)
+            if degree > 1:
+                store(link.at + 2 * unit.row, c)
+    unit.interpolates = unit.led
+    if unit.smoothing == JUMPED:
+        unit.smoothing = SMOOTH
+    return 0 if unit.way == IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h)
+
+
+@part
+def _drive_fmu(unit, links, buffer, degree, h):
+    """Hand an FMU the polynomials of its links; returns its status."""
+    first, n, way = unit.first_link, unit.links, unit.way
+    values = buffer.ctypes.data + 24 * first
+    for k in range(n):
+        link = links[first + k]
+        v, s, c = link.value, link.slope, link.half
         if way == MEAN and degree > 0:
-            now.inputs[base + k] = v + h * (s / 2.0 + h * c / 3.0)
-    if way == IN_MEMORY:
-        return 0
-    references, values = calls[INPUT_REFERENCES], address + 8 * base
+            v = v + h * (s / 2.0 + h * c / 3.0)
+        buffer[3 * first + k], buffer[3 * first + n + k], buffer[3 * first + 2 * n + k] = v, s, 2.0 * c
     if way == COMPANIONS:
-        return call_values(calls[SET], calls[INSTANCE], references, n * (degree + 1), values)
-    status = call_values(calls[SET], calls[INSTANCE], references, n, values)
+        return call_values(unit.set, unit.instance, unit.input_references, n * (degree + 1), values)
+    status = call_values(unit.set, unit.instance, unit.input_references, n, values)
     if way == DERIVATIVES:
         for order in range(degree):
             if status <= WARNING:
-                status = call_derivatives(calls[SET_DERIVATIVES], calls[INSTANCE], references, n, calls[ORDERS] + 4 * order * n,
-                                          values + 8 * (order + 1) * n)
+                status = call_derivatives(unit.set_derivatives, unit.instance, unit.input_references, n,
+                                          unit.orders + 4 * order * n, values + 8 * (order + 1) * n)
     return status
 
 
 @part
-def _step(plan, now, unit, t, h):
+def _step(unit, t, h):
     """Step one unit; returns its status."""
-    calls = plan.calls[unit]
-    now.taken[unit] += 1
-    if plan.shape[unit, WAY] != IN_MEMORY:
-        return call_step(calls[DO_STEP], calls[INSTANCE], t, h, now.no_return[unit])
-    status = FAILED * call_hook(calls[DO_STEP], t, h, calls[INSTANCE])
+    unit.taken += 1
+    if unit.way != IN_MEMORY:
+        return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
+    status = FAILED * call_hook(unit.step, t, h, unit.step_argument)
     if status == 0:
-        now.time[unit] = t + h
+        unit.time = t + h
     return status
 
 
 @part
-def _read(plan, now, unit):
+def _read(unit, outputs_at, signals):
     """Outputs of a unit into the table of signals; returns the status of an FMU."""
-    first, n = plan.shape[unit, FIRST_SIGNAL], plan.shape[unit, SIGNALS]
-    if plan.shape[unit, WAY] == IN_MEMORY:
+    first, n = unit.first_signal, unit.signals
+    if unit.way == IN_MEMORY:
         for k in range(first, first + n):
-            now.signals[k] = load(plan.outputs_at[k])
+            signals[k] = load(outputs_at[k])
         return 0
-    if n == 0:
-        return 0
-    calls = plan.calls[unit]
-    return call_values(calls[GET], calls[INSTANCE], calls[OUTPUT_REFERENCES], n, now.signals.ctypes.data + 8 * first)
+    return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
 
 
 @part
-def _stands(plan, now, unit):
-    """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are in now.known."""
-    if now.interpolates[unit]:
-        return False
-    for d in range(plan.direct.shape[0]):
-        if plan.direct[d, 0] == unit:
-            i = plan.shape[unit, FIRST_LINK] + plan.direct[d, 1]
-            if not abs(now.known[i] - now.reached[i]) <= plan.change[d] * abs(now.known[i]):
-                return False
-    return True
+def _stands(unit, links, signals):
+    """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are noted as known."""
+    stands = unit.interpolates == 0
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        link.known = v = _given(link, signals)
+        if link.direct != 0 and not abs(v - link.reached) <= link.change * abs(v):
+            stands = False
+    return stands
 
 
 @part
-def _follow(plan, now):
-    """Outputs follow their inputs within the instant, unit by unit; returns (a unit that failed, its status)."""
-    updated = False
-    for unit in plan.feedthrough_schedule:
-        if now.interpolates[unit] and not updated:
-            continue
-        _gather(plan, now, unit, now.known)
-        if _stands(plan, now, unit):
-            continue
-        first, n, calls = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS], plan.calls[unit]
-        if plan.shape[unit, WAY] == IN_MEMORY:
-            for i in range(first, first + n):
-                store(plan.inputs_at[i], now.known[i])
-            status = FAILED * call_hook(calls[OUTPUTS], now.time[unit], 0.0, calls[OUTPUTS_ARGUMENT])
-        else:
-            for k in range(n):
-                now.inputs[3 * first + k] = now.known[first + k]
-            status = call_values(calls[SET], calls[INSTANCE], calls[INPUT_REFERENCES], n, now.inputs.ctypes.data + 24 * first)
-        if status <= WARNING:
-            status = _read(plan, now, unit)
-        if status > WARNING:
-            return unit, status
-        updated = True
-    return -1, 0
-
-
-@part
-def _push(plan, now, h):
-    """Keep the inputs of the new instant."""
-    for unit in range(plan.shape.shape[0]):
-        first, n = plan.shape[unit, FIRST_LINK], plan.shape[unit, LINKS]
+def _update(unit, links, outputs_at, signals, buffer):
+    """Bring the outputs of a unit up to date for its known inputs; returns the status."""
+    first, n = unit.first_link, unit.links
+    if unit.way == IN_MEMORY:
         for i in range(first, first + n):
-            now.earlier[i], now.before[i] = now.before[i], now.present[i]
-        _gather(plan, now, unit, now.present)
-        now.spacing[unit, 1] = now.spacing[unit, 0]
-        now.spacing[unit, 0] = h
-        if now.samples[unit] <= plan.degree:
-            now.samples[unit] += 1
+            store(links[i].at, links[i].known)
+        status = FAILED * call_hook(unit.outputs, unit.time, 0.0, unit.outputs_argument)
+    else:
+        for k in range(n):
+            buffer[3 * first + k] = links[first + k].known
+        status = call_values(unit.set, unit.instance, unit.input_references, n, buffer.ctypes.data + 24 * first)
+    return _read(unit, outputs_at, signals) if status <= WARNING else status
+
+
+@part
+def _push(unit, links, signals, h):
+    """Keep the inputs of the new instant."""
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        link.earlier = link.before
+        link.before = link.present
+        link.present = _given(link, signals)
+    unit.h2 = unit.h1
+    unit.h1 = h
+    if unit.samples <= unit.degree:
+        unit.samples += 1
 
 
 @kernel
-def run_steps(plan, now, times, h, limit, halt, rows, given, inputs, outputs):
-    """Macro steps of length h from each of `times` (n,); the signals behind each go to rows (n, S), `bonded` to given (n, B, 4),
-    all inputs and where they were led to to inputs (n, 2, L), `watched` to outputs (n, W).
+def run_steps(units, links, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h, limit, halt,
+              looks, rows, given, inputs, outputs):
+    """Macro steps of length h from each of `times` (n,), for U `UNIT`s and L `LINK`s.
+
+    following: (P,) units whose outputs follow their inputs within an instant; outputs_at: (S,) addresses of components' outputs;
+    inverse: (S,) 1 / nominal of every signal; bonded: (B,) links whose polynomials are noted for the energy account; watched:
+    (W,) addresses of outputs of components that observers want of every step; signals: (S,), the table; buffer: (3 L,), what is
+    handed to FMUs. The signals behind each step go to rows (n, S), what bonded inputs were given to given (n, B, 4), `watched`
+    to outputs (n, W); behind the steps `looks` (m,), all inputs and where they were led to go to inputs (m, 2, L).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
     left `limit`.
     """
-    units = plan.shape.shape[0]
+    look = 0
     for step in range(times.size):
-        for unit in range(units):
-            shape = plan.shape[unit]
-            if shape[LINKS] > 0:
-                now.interpolates[unit] = plan.sequential and shape[LED] == 1
-                if plan.sequential and shape[LATE] < shape[LINKS]:
-                    _gather(plan, now, unit, now.known)
-                status = _drive(plan, now, unit, _terms(plan, now, unit, shape[LATE], h), h)
-                if status > WARNING:
-                    return step, unit, status
-            status = _step(plan, now, unit, times[step], h)
-            if status <= WARNING and plan.sequential:
-                status = _read(plan, now, unit)
+        for k in range(units.size):
+            unit = units[k]
+            status = _drive(unit, links, signals, buffer, h) if unit.links > 0 else 0
+            if status <= WARNING:
+                status = _step(unit, times[step], h)
+            if status <= WARNING and sequential:
+                status = _read(unit, outputs_at, signals)
             if status > WARNING:
-                return step, unit, status
-        if not plan.sequential:
-            for unit in range(units):
-                status = _read(plan, now, unit)
+                return step, k, status
+        if not sequential:
+            for k in range(units.size):
+                status = _read(units[k], outputs_at, signals)
                 if status > WARNING:
-                    return step, unit, status
-        unit, status = _follow(plan, now)
-        if status > WARNING:
-            return step, unit, status
-        _push(plan, now, h)
-        for i in range(plan.source.size):
-            inputs[step, 0, i], inputs[step, 1, i] = now.present[i], now.reached[i]
-        for k in range(plan.bonded.size):
-            for d in range(4):
-                given[step, k, d] = now.given[plan.bonded[k], d]
-        for k in range(plan.watched.size):
-            outputs[step, k] = load(plan.watched[k])
+                    return step, k, status
+        updated = False
+        for k in following:
+            unit = units[k]
+            if (updated or unit.interpolates == 0) and not _stands(unit, links, signals):
+                status = _update(unit, links, outputs_at, signals, buffer)
+                if status > WARNING:
+                    return step, k, status
+                updated = True
+        for k in range(units.size):
+            _push(units[k], links, signals, h)
+        if look < looks.size and looks[look] == step:
+            for i in range(links.size):
+                inputs[look, 0, i], inputs[look, 1, i] = links[i].present, links[i].reached
+            look += 1
+        for k in range(bonded.size):
+            link = links[bonded[k]]
+            given[step, k, 0], given[step, k, 1] = link.value, link.slope
+            given[step, k, 2], given[step, k, 3] = link.half, link.degree
+        for k in range(watched.size):
+            outputs[step, k] = load(watched[k])
         total = 0.0
-        for k in range(now.signals.size):
-            rows[step, k] = now.signals[k]
-            total += now.signals[k] * plan.inverse[k]
+        for k in range(signals.size):
+            rows[step, k] = signals[k]
+            total += signals[k] * inverse[k]
         if not abs(total) < limit:
             return step + 1, -2, 0
         if halt[0] != 0:

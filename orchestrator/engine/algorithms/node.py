@@ -12,6 +12,26 @@ from .polynomial import History, Terms
 from .rows import Rows
 
 
+class Alteration:
+    """What faults make of a unit's inputs on their way."""
+
+    def __init__(self, changes: Sequence[tuple[int, float | None, float]]):
+        """`changes`, one after the other: position of the input, value in its place (None: an offset), offset."""
+        self._changes = changes
+        together: dict[int, tuple[bool, float]] = {}
+        alike = True
+        for k, value, offset in changes:
+            replaced, before = together.get(k, (False, None))
+            alike &= value is not None or before is None or replaced  # a sum of two offsets could differ in the last digit
+            together[k] = (True, value) if value is not None else (replaced, offset if before is None else before + offset)
+        self.together = together if alike else None  # position -> (whether it is replaced, by what, or its offset)
+
+    def __call__(self, values: PortValues) -> PortValues:
+        for k, value, offset in self._changes:
+            values[k] = values[k] + offset if value is None else value
+        return values
+
+
 class Node:
     """One unit in the graph: where its inputs come from and where its outputs go in the table of signals."""
 

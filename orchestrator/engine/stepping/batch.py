@@ -15,9 +15,8 @@ from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount, Meter
 from ..algorithms.gauss_seidel import GaussSeidel
 from ..algorithms.jacobi import Jacobi
-from ..algorithms.multirate import MultirateUnit
+from ..algorithms.multirate import Mixed, MultirateUnit
 from ..algorithms.node import Node
-from ..algorithms.polynomial import History
 from .clock import Clock
 from .loop import Observer, Steppable, Stepping, Stops, lengths
 
@@ -65,14 +64,16 @@ class BatchStepping(Stepping):
         times = self.clock.times(ticks)
         self._stretch.prepare(h)
         begun = perf_counter()
-        rows, failure = self._stretch.run(times[:-1], h)
+        looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
+        rows, failure = self._stretch.run(times[:-1], h, looks)
         self._pace = max((perf_counter() - begun) / n, 1e-7)
         self._halt[0] = 0
         done = len(rows)
         unseen = done if failure is not None else done - 1
         if unseen > 0:
             for observe in observers:
-                observe.observe_ends(self._stretch.inputs[:unseen], self._stretch.outputs[:unseen])
+                at = looks[looks < unseen]
+                observe.observe_ends(at, self._stretch.inputs[: at.size], self._stretch.outputs[:unseen])
                 observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]
         if failure is not None:
@@ -110,7 +111,7 @@ def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[
             yield f"units.{unit.name}.every"
         elif not (isinstance(unit, ComponentUnit) or (isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None)):
             yield f"units.{unit.name}, a {unit.kind}" + (" that a fault can take away" if hasattr(unit, "lost") else "")
-        if type(node) is not Node:
-            yield "master.smoothing"
-        elif type(node.history) is not History:
-            yield f"units.{unit.name}, an input of which is discrete or comes from a unit with `every`"
+        if isinstance(node.history, Mixed):
+            yield f"units.{unit.name}, an input of which comes from a unit with `every`"
+        elif node.held and not isinstance(unit, ComponentUnit):
+            yield f"units.{unit.name}, a {unit.kind} of which an input is discrete"

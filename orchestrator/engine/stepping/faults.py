@@ -15,6 +15,7 @@ from ...units import Unit
 from ...units.interface import PortValues
 from ..algorithms import Master
 from ..algorithms.multirate import MultirateUnit
+from ..algorithms.node import Alteration
 from ..coupling import Coupling
 from .clock import Clock
 from .loop import Action
@@ -134,10 +135,4 @@ class Faults:
             for (node, k), value in zip(self._places[i], self._values[i], strict=True):
                 changes.setdefault(id(node), []).append((k, value, self.faults[i].value or 0.0))
         for node in self._master.nodes:
-            node.alter = partial(_changed, changes[id(node)]) if id(node) in changes else None
-
-
-def _changed(changes: list[tuple[int, float | None, float]], values: PortValues) -> PortValues:
-    for k, value, offset in changes:
-        values[k] = values[k] + offset if value is None else value
-    return values
+            node.alter = Alteration(changes[id(node)]) if id(node) in changes else None

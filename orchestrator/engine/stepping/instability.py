@@ -86,9 +86,13 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`; up to the end of a block, where they are judged."""
         return LOOKS * self._every - 1 - self._calls % (LOOKS * self._every)
 
-    def observe_ends(self, inputs: np.ndarray, outputs: np.ndarray) -> None:
+    def looks(self, n: int) -> range:
         """As in `BatchObserver`."""
-        looks = inputs[self._every - 1 - self._calls % self._every :: self._every][:, :, self._columns]
+        return range(self._every - 1 - self._calls % self._every, n, self._every)
+
+    def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
+        """As in `BatchObserver`."""
+        looks = inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns]
         self._looks += len(looks)
         extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
         missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)

@@ -1,0 +1,90 @@
+"""What a user at a terminal sees of a run, and how it is stopped from there."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+from .engine.stepping.observers import BatchObserver
+from .units.channel import STOPPING
+
+
+class Interrupt(BatchObserver):
+    """Lets Ctrl-C, SIGTERM and SIGHUP end a run between two macro steps.
+
+    Inside one they would hit an FMU's own Python and look like its failure. A second one takes effect at once. A SIGHUP that
+    this process ignores stays ignored, as nohup wants it.
+    """
+
+    taken: signal.Signals | None = None  # what has ended the run between two steps
+
+    def __init__(self, halt: Callable[[], None]):
+        """`halt`: makes the stepping call its observers at the next step."""
+        self._halt = halt
+        self._wanted: signal.Signals | None = None
+        self._previous: dict[signal.Signals, Any] = {}
+
+    def __enter__(self) -> Interrupt:
+        if threading.current_thread() is threading.main_thread():  # only there handlers can be set
+            for one in STOPPING:
+                if one == signal.SIGINT or signal.getsignal(one) is not signal.SIG_IGN:
+                    self._previous[one] = signal.signal(one, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for one, handler in self._previous.items():
+            signal.signal(one, handler)
+
+    def _note(self, number: int, frame: object) -> None:
+        self._wanted = signal.Signals(number)
+        self._halt()
+        for one in self._previous:
+            signal.signal(one, signal.default_int_handler if one == signal.SIGINT else signal.SIG_DFL)
+
+    @property
+    def wanted(self) -> signal.Signals | None:
+        """The signal that has come, if any."""
+        return self._wanted
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._wanted is not None:
+            self.taken = self._wanted
+            raise KeyboardInterrupt
+
+
+class Progress(BatchObserver):
+    """Simulated time, speed against real time and time left; silent when stderr is no terminal."""
+
+    REFRESH = 0.1  # s
+
+    def __init__(self, title: str, stop: float, start: float = 0.0):
+        """`start`: s, where a run that is resumed goes on."""
+        self._title, self._stop, self._start, self._next = title, stop, start, 0.0
+        self._bar: Any = None
+
+    def __enter__(self) -> Progress:
+        self._begin = perf_counter()
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(TextColumn("{task.description}"), BarColumn(),
+                            TextColumn("{task.completed:.2f} of {task.total:g} s, {task.fields[speed]:.2g} x real time, left"),
+                            TimeRemainingColumn(), console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._title, total=self._stop, completed=self._start, speed=0.0)
+            self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, tick: int, t: float) -> None:
+        if self._bar is not None and (now := perf_counter()) >= self._next:
+            self._next = now + self.REFRESH
+            self._bar.update(self._task, completed=t, speed=(t - self._start) / (now - self._begin))
