@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-TYPES = {"real": "Real", "integer": "Integer", "choice": "String"}
+TYPES = {"real": "Real", "integer": "Integer", "choice": "String", "text": "String"}
 
 
 @dataclass(frozen=True)

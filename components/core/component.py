@@ -21,7 +21,7 @@ import numpy as np
 
 from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
-from .variables import Causality, Variable
+from .variables import Causality, Kind, Variable
 
 
 def _inherited(cls: type, kind: type) -> dict[str, Any]:
@@ -232,6 +232,8 @@ class Component:
         """The value of a declared parameter; owner: of an effect, its name and a dot."""
         if variable.size:
             return np.array([self.parameters[owner + s.name] for s in variable.scalars])
+        if variable.kind is Kind.TEXT:
+            return 0
         value = self.parameters[owner + variable.name]
         return variable.choices.index(value) if variable.choices else value
 

@@ -28,6 +28,7 @@ class Kind(enum.Enum):
     REAL = "real"
     INTEGER = "integer"
     CHOICE = "choice"
+    TEXT = "text"
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,10 @@ class Variable:
             if value not in self.choices:
                 raise BadInput(where, actual, "one of " + ", ".join(self.choices))
             return value
+        if self.kind is Kind.TEXT:
+            if not isinstance(value, str):
+                raise BadInput(where, actual, "a text", self.text[:1].upper() + self.text[1:] + ".")
+            return value
         number = isinstance(value, Real) and not isinstance(value, bool)
         if not number or (self.kind is Kind.INTEGER and not float(value).is_integer()):
             raise BadInput(where, actual, "a whole number" if self.kind is Kind.INTEGER else f"a number in {self.unit}")
@@ -90,6 +95,11 @@ def integer(start: int | tuple[int, ...], text: str, **limits) -> Variable:
 def choice(start: str, choices: tuple[str, ...], text: str) -> Variable:
     """One of a few names, fixed before the run."""
     return Variable(Causality.PARAMETER, Kind.CHOICE, start, "1", text, choices=choices)
+
+
+def text(start: str, what: str) -> Variable:
+    """A table as text, fixed before the run; kernels do not get it. A scene may name the file that holds it."""
+    return Variable(Causality.PARAMETER, Kind.TEXT, start, "1", what)
 
 
 def input_(start: float, unit: str, text: str, **more) -> Variable:

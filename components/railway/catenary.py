@@ -10,11 +10,13 @@ from ..core.banded import banded_product
 from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
-from ..core.variables import choice, input_, integer, output, parameter
+from ..core.variables import choice, input_, integer, output, parameter, text
 from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
+from .line.form import formed_layout
 from .line.layout import uniform
+from .line.table import read_line
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
@@ -121,6 +123,43 @@ class MovingWindow(Effect):
     behind = parameter(180.0, "m", "length of the window behind the last contact point", low=1.0)
 
 
+SIX_SPANS = """title = "Six unequal spans, all else as the parameters say"
+[[sections]]
+spans = [50.0, 65.0, 55.0, 45.0, 60.0, 50.0]
+"""
+
+
+class LineTable(Effect):
+    """A line from a table instead of uniform spans: sections, spans, droppers, supports, stitch wires (docs/own-line.md).
+
+    What the table leaves out comes from the parameters; span_length, spans, droppers and dropper_position have no part.
+    """
+
+    explicit_only = True
+    excludes = ("pre_sag", "level_support", "steady_arm")
+
+    table = text(SIX_SPANS, "table of the line, as TOML text; a scene may name its file")
+
+
+class SecondWire(Effect):
+    """Contacts with a second contact wire: of a twin, or where sections overlap.
+
+    Elements count the contact points: 1 is the own one, 2 that of second_pantograph, 3 and up those of further_pantographs. Where
+    there is no second wire its height is 10 m, out of reach.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    contact_force = input_(0.0, "N", "force on the second contact wire, positive upwards", nominal=100.0, size=2 + FURTHER)
+    wire_height = output("m", "height of the second contact wire at a contact point", nominal=0.05, size=2 + FURTHER,
+                         feedthrough=("contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the second contact wire at a contact point", nominal=0.1,
+                           size=2 + FURTHER, feedthrough=("contact_position",))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at a contact point of the second contact wire",
+                                nominal=1e-6, size=2 + FURTHER)
+
+
 class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
 
@@ -159,6 +198,8 @@ class Catenary(Component):
     second_pantograph = SecondPantograph
     further_pantographs = FurtherPantographs
     moving_window = MovingWindow
+    line_table = LineTable
+    second_wire = SecondWire
     wire_profile = WireProfile
 
     spans = integer(10, "number of spans", low=1, high=1000)
@@ -301,7 +342,15 @@ class Catenary(Component):
             h2 = min(p.substep**2, 0.7 * element_time**2)
             implicit = self.parameters["method"] == "implicit"
             time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
-            layout = uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
+            if e.line_table is not None:
+                line = read_line(self.parameters["line_table.table"], f"{self.name}: line_table.table")
+                layout = formed_layout(line, p, e.bending_stiffness)
+            else:
+                layout = uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
+            if len(layout.contact_lanes) > 1 and e.second_wire is None:
+                raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
+                               "the effect second_wire", "Switch it on, here and at the pantographs.")
+            self.layout = layout
             self._mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
             self._limit = math.inf if implicit else self._explicit_limit(self._mesh, e.damping)
             self._mesh_key = key
@@ -350,6 +399,9 @@ def contact_points(e) -> np.ndarray:
     if e.further_pantographs is not None:
         more = e.further_pantographs
         points += [(more.u + i, more.u + FURTHER + i, more.y + i, FURTHER, 0) for i in range(int(more.count))]
+    if e.second_wire is not None:
+        wide = 2 + FURTHER
+        points += [(points[k][0], e.second_wire.u + k, e.second_wire.y + k, wide, 1) for k in range(len(points))]
     return np.array(points, dtype=np.int64)
 
 

@@ -17,7 +17,7 @@ from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
 from .contact import FASTEST, SPEEDS, WireOnMesh, compliance_table, node_compliance
-from .line.layout import GRAVITY, SECOND, Layout, Wire
+from .line.layout import GRAVITY, Layout, Wire
 
 
 @kernel_tuple
@@ -163,7 +163,7 @@ def build_mesh(layout: Layout, element: float, slack, gravity_sag, damping, time
         unresolved[a : b + 1, wire.lane] = node_compliance(on_mesh)
     holds = layout.holds
     at_hold = node_at(x, holds.position), holds.lane
-    share = np.where(np.isin(holds.lane, (0, SECOND)), 1.0, 1.0 / (1.0 + unresolved[at_hold] * holds.stiffness))
+    share = np.where(np.isin(holds.lane, layout.contact_lanes), 1.0, 1.0 / (1.0 + unresolved[at_hold] * holds.stiffness))
     np.add.at(ground, at_hold, share * holds.stiffness)
     np.add.at(ground_damping, at_hold, share**2 * holds.damping)
     np.add.at(mass, at_hold, holds.mass)
@@ -178,12 +178,12 @@ def build_mesh(layout: Layout, element: float, slack, gravity_sag, damping, time
     inverse_mass = np.divide(1.0, mass, out=np.zeros((n, W)), where=mass > 0.0)
     mass[[0, -1]], inverse_mass[[0, -1]] = np.inf, 0.0
 
-    contacts = 1 + any(w.lane == SECOND for w in layout.wires)
+    contacts = len(layout.contact_lanes)
     height, bow, kind = np.full((contacts, n), NO_WIRE), np.zeros((contacts, n)), np.zeros((contacts, n), dtype=np.int64)
     preload = np.zeros(at_dropper.size)
     kinds: list[WireOnMesh] = []
     for wire, on_mesh in zip(layout.wires, wires, strict=True):
-        if not wire.is_contact:
+        if wire.lane not in layout.contact_lanes:
             continue
         a, b = node_at(x, np.array([wire.start, wire.end]))
         part, lane, c = slice(a, b + 1), wire.lane, wire.lane // 2
@@ -216,8 +216,8 @@ def build_mesh(layout: Layout, element: float, slack, gravity_sag, damping, time
     stiffness = 1.0 / (1.0 / layout.droppers.stiffness + (unresolved[at_dropper, lower] + unresolved[at_dropper, upper]))
     inverse_length = np.repeat(np.append(1.0 / L[:-1], 0.0), W)
     tables = np.zeros((len(kinds), SPEEDS))
-    for row, wire in zip(tables, kinds, strict=True):
-        compliance_table(wire, row)
+    for row, one in zip(tables, kinds, strict=True):
+        compliance_table(one, row)
     fastest = np.array([FASTEST * math.sqrt(w.tension / w.mass) for w in kinds])
     jumps.sort()
     clamps.sort()

@@ -47,18 +47,25 @@ def read_file(path: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
         return read_toml(path), ()
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """The file's tables; a missing file or a syntax error is one `BadInput` with file and line."""
+def read_text(path: Path, where: str = "scene") -> str:
+    """The text of a TOML file; one that is missing, too long or no text is one `BadInput`."""
     try:
         if (size := path.stat().st_size) > MOST_TOML:
             raise BadInput(str(path), f"a file of {size} bytes", f"at most {MOST_TOML} bytes")
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise BadInput("scene", repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
+        raise BadInput(where, repr(str(path)), "a file that can be read", f"{error.strerror}.") from None
     except UnicodeDecodeError:
         raise BadInput(str(path), "bytes that are no UTF-8", "a TOML file in UTF-8") from None
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The file's tables; a missing file or a syntax error is one `BadInput` with file and line."""
+    text = read_text(path)
+    try:
+        data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        text, line = str(error), re.search(r"line (\d+)", str(error))
-        raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {text}", "TOML") from None
+        line = re.search(r"line (\d+)", str(error))
+        raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML") from None
     check_depth(data, str(path))
     return data

@@ -13,7 +13,7 @@ from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_FILES
 from ..settings import SceneSettings, SubsystemSettings
 from ..settings.messages import one_message
-from .files import read_file, scene_path
+from .files import read_file, read_text, scene_path
 
 PLACEHOLDER = 1.0  # s, for the stop time and step of a file that is a subsystem only; nothing runs by them
 
@@ -96,7 +96,24 @@ def _touching(contact: Mapping[str, Any], entry: str) -> dict[str, Any]:
 
 
 def _located(unit: Any, folder: Path | None) -> Any:
-    if folder is not None and isinstance(unit, Mapping) and isinstance(unit.get("fmu"), str):
+    """A unit with absolute paths, and with the contents of the files that parameters name."""
+    if folder is None or not isinstance(unit, Mapping):
+        return unit
+    if isinstance(unit.get("fmu"), str):
         return {**unit, "fmu": str(folder.resolve() / unit["fmu"])}
+    if isinstance(parameters := unit.get("parameters"), Mapping):
+        return {**unit, "parameters": _with_contents(parameters, folder)}
     return unit
+
+
+def _with_contents(parameters: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Parameters, those that name a table's file by its ending .toml replaced by its text."""
+    def content(key: str, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return _with_contents(value, folder)
+        if isinstance(value, str) and value.endswith(".toml") and "\n" not in value:
+            return read_text(folder / value, key)
+        return value
+
+    return {key: content(key, value) for key, value in parameters.items()}
 

@@ -38,6 +38,8 @@ def test_starts_are_within_their_limits(component):
     for name, variable in component_class(component).variables.items():
         if variable.kind is Kind.CHOICE:
             assert variable.start in variable.choices, name
+        elif variable.kind is Kind.TEXT:
+            assert isinstance(variable.start, str), name
         else:
             assert variable.low <= variable.start <= variable.high, name
             assert math.isfinite(variable.start), name
@@ -115,7 +117,8 @@ def test_values_outside_the_limits_are_refused(component):
     for name, variable in cls.variables.items():
         if variable.causality is not Causality.PARAMETER or name not in made.parameters:
             continue
-        wrong = ["nonsense"] if variable.kind is Kind.CHOICE else [math.nan, math.inf, "1", True, None, [1.0]]
+        wrong = {Kind.CHOICE: ["nonsense"], Kind.TEXT: [1.0, None]}.get(
+            variable.kind, [math.nan, math.inf, "1", True, None, [1.0]])
         wrong += [variable.start + 0.5] if variable.kind is Kind.INTEGER else []
         if math.isfinite(variable.low):
             wrong.append(variable.low - 1.0)

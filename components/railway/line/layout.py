@@ -45,12 +45,6 @@ class Wire:
     masses: tuple[Stretch, ...] = ()
     clamped_to: int | None = None
 
-    @property
-    def is_contact(self) -> bool:
-        """Whether a pantograph may touch it."""
-        return self.lane in (0, SECOND)
-
-
 @dataclass(frozen=True)
 class Holds:
     """Springs to the ground: supports and steady arms. All (k,).
@@ -92,6 +86,7 @@ class Layout:
     wires: tuple[Wire, ...]
     droppers: Droppers
     holds: Holds
+    contact_lanes: tuple[int, ...] = (0,)
     lateral: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4): contact wire, position, stagger, force
 
     @property
@@ -134,6 +129,12 @@ def uniform(p: Any, bending: Any, pre_sag: Any, arm: Any, level: Any) -> Layout:
     droppers = Droppers(positions, np.zeros(d, int), np.ones(d, int), np.full(d, p.dropper_stiffness),
                         np.full(d, p.contact_clamp_mass + half), np.full(d, p.messenger_clamp_mass + half), height)
     return Layout(2, supports, wires, droppers, holds)
+
+
+def lateral_position(position: float, wire: int, layout: Layout) -> float:
+    """Lateral position of a contact wire, 0 or 1, m: straight from support to support."""
+    rows = layout.lateral[layout.lateral[:, 0] == wire]
+    return float(np.interp(position, rows[:, 1], rows[:, 2])) if rows.size else 0.0
 
 
 def parabola(x: np.ndarray, first: float, last: float, depth: float) -> np.ndarray:

@@ -1,0 +1,263 @@
+"""The layout of a line from its table, with what it leaves out from the parameters of `Catenary`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import BadInput
+from .layout import GRAVITY, SECOND, Droppers, Holds, Layout, Stretch, Wire, parabola
+from .table import MOST_SPANS, DropperData, Line, Section, Span, Stitch, Support, WireData, over
+
+FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
+SYSTEM_HEIGHT = 1.2  # m, of that model, recalled
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A section with all of its spans and supports, nothing left out. x: positions of the supports, (s,) m."""
+
+    name: str
+    section: Section
+    spans: tuple[Span, ...]
+    supports: tuple[Support, ...]
+    x: np.ndarray
+
+
+def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
+    """All sections with their spans and supports in place."""
+    sections, end = [], 0.0
+    for i, section in enumerate(line.sections, 1):
+        at = f"{where}.sections[{i}]"
+        spans = tuple(_repeated(section, at))
+        if not spans:
+            raise BadInput(f"{at}.spans", "none", "at least one span", "Write spans = [length, ...].")
+        if section.supports and len(section.supports) != len(spans) + 1:
+            raise BadInput(f"{at}.supports", f"{len(section.supports)} for {len(spans)} spans", f"{len(spans) + 1}, or none")
+        base = Support(contact_height=0.0, system_height=SYSTEM_HEIGHT, contact_stiffness=0.0, stagger=0.0, held=False,
+                       stitch=Stitch(half_length=0.0))
+        given = section.supports or (Support(),) * (len(spans) + 1)
+        supports = tuple(over(s, section.support, Support(stitch=section.stitch), base) for s in given)
+        start = end if section.start is None else section.start
+        if i == 1 and start != 0.0:
+            raise BadInput(f"{at}.start", f"{start:g} m", "0 for the first section: positions count from its first support")
+        x = start + np.concatenate(([0.0], np.cumsum([s.length for s in spans])))
+        if sections and not sections[-1].x[0] < x[0] <= sections[-1].x[-1]:
+            raise BadInput(f"{at}.start", f"{x[0]:g} m", f"a position in section {i - 1}, up to {sections[-1].x[-1]:g} m")
+        if len(sections) > 1 and x[0] < sections[-2].x[-1]:
+            raise BadInput(f"{at}.start", f"{x[0]:g} m", f"at least {sections[-2].x[-1]:g} m: a third contact wire has no place")
+        sections.append(Resolved(at, section, spans, supports, x))
+        end = float(x[-1])
+    return tuple(sections)
+
+
+def support_positions(line: Line) -> np.ndarray:
+    """Positions of all supports, (s,) m."""
+    return np.unique(np.concatenate([s.x for s in resolved_sections(line)]).round(9))
+
+
+def _repeated(section: Section, where: str) -> Iterator[Span]:
+    total = 0
+    for k, span in enumerate(section.spans, 1):
+        full = over(span, section.span)
+        if full.length is None:
+            raise BadInput(f"{where}.spans[{k}]", "no length", "a length in m")
+        count = full.repeat or 1.0
+        if not float(count).is_integer():
+            raise BadInput(f"{where}.spans[{k}].repeat", f"{count:g}", "a whole number")
+        total += int(count)
+        if total > MOST_SPANS:
+            raise BadInput(f"{where}.spans", f"more than {MOST_SPANS} spans", "fewer")
+        yield from (replace(full, repeat=None) for _ in range(int(count)))
+
+
+def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None) -> Layout:
+    """Layout of a line. p: parameters of `Catenary`; bending: its effect or None.
+
+    lengths: (d,) m, of the droppers, on which masses and stiffnesses given per length depend; left out, 1 m.
+    """
+    sections = resolved_sections(line)
+    reference = line.reference_height
+    if reference is None:
+        reference = sections[0].supports[0].contact_height
+    two = any(s.section.second_contact_wire.tension is not None for s in sections)
+    if two and len(sections) > 1:
+        raise BadInput("line.sections", "two contact wires in a line of several sections", "one section",
+                       "Overlaps of sections with two contact wires each are not modelled.")
+    stitched = any(support.stitch.half_length for s in sections for support in s.supports[1:-1])
+    contacts = 2 if two or len(sections) > 1 else 1
+    first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, min(len(sections), 2)]
+    lanes = first_stitch + (min(len(sections), 2) if stitched else 0)
+    wires, droppers, holds, lateral = [], [], [], []
+    for i, s in enumerate(sections):
+        lane = SECOND * (i % 2)
+        parts = _Section(s, p, bending, reference, lane, lane + 1, first_stitch + i % 2)
+        wires += parts.wires()
+        droppers += parts.droppers()
+        holds += parts.holds()
+        lateral += parts.lateral()
+    droppers.sort(key=lambda d: d[:2])
+    columns = [np.array(c) for c in zip(*droppers, strict=True)] if droppers else [np.zeros(0)] * 10
+    if not droppers:
+        raise BadInput("line.sections", "no dropper", "at least one")
+    position, lower, upper, stiffness, axial, mass, per_length, below, above, height = columns
+    L = np.ones(position.size) if lengths is None else lengths
+    k = np.where(axial > 0.0, axial / L, stiffness)
+    half = 0.5 * (mass + per_length * L)
+    rows = Droppers(position, lower.astype(int), upper.astype(int), k, below + half, above + half, height)
+    held = [np.array(c) for c in zip(*holds, strict=True)] if holds else [np.zeros(0)] * 7
+    springs = Holds(held[0], held[1].astype(int), *held[2:])
+    supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
+    contact_lanes = tuple(range(0, 2 * contacts, 2))
+    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4))
+
+
+class _Section:
+    """Wires, droppers and springs of one section in its lanes."""
+
+    def __init__(self, s: Resolved, p: Any, bending: Any, reference: float, contact: int, messenger: int, stitch: int):
+        self.s, self.p, self.reference = s, p, reference
+        self.contact, self.messenger, self.stitch = contact, messenger, stitch
+        EI = (bending.contact_wire, bending.messenger) if bending is not None else (None, None)
+        own = WireData(p.contact_wire_tension, p.contact_wire_mass, EI[0] or 0.0)
+        self.wire = over(s.section.contact_wire, own)
+        self.second = over(s.section.second_contact_wire, self.wire) if s.section.second_contact_wire.tension else None
+        self.upper = over(s.section.messenger, WireData(p.messenger_tension, p.messenger_mass, EI[1] or 0.0))
+        if bending is None:
+            self.wire, self.upper = replace(self.wire, bending=0.0), replace(self.upper, bending=0.0)
+            self.second = self.second and replace(self.second, bending=0.0)
+        self.z = np.array([support.contact_height for support in s.supports]) - reference
+        self.stitches = [(x, support.stitch) for x, support in zip(s.x[1:-1], s.supports[1:-1], strict=True)
+                         if support.stitch.half_length]
+        for x, own_stitch in self.stitches:
+            if own_stitch.tension is None or own_stitch.mass is None:
+                raise BadInput(f"{s.name}.stitch", f"a stitch at {x:g} m without tension or mass", "both")
+        reaches = [(x - t.half_length, x + t.half_length) for x, t in self.stitches]
+        inside = all(a >= s.x[0] and b <= s.x[-1] for a, b in reaches)
+        if not inside or any(b > a for (_, b), (a, _) in pairwise(reaches)):
+            raise BadInput(f"{s.name}.stitch", "stitch wires that meet or leave the section", "shorter ones")
+
+    def wires(self) -> list[Wire]:
+        """Contact wires, messenger, stitch wires."""
+        s, a, b = self.s, float(self.s.x[0]), float(self.s.x[-1])
+        worn = tuple(Stretch(float(x), float(x + span.length), 1.0 - span.wear)
+                     for x, span in zip(s.x[:-1], s.spans, strict=True) if span.wear)
+        ends = (float(self.z[0]), float(self.z[-1]))
+        tops = tuple(float(z + support.system_height) for z, support in zip(ends, (s.supports[0], s.supports[-1]), strict=True))
+        less = tuple(Stretch(x - t.half_length, x + t.half_length, -t.tension) for x, t in self.stitches)
+        w, m = self.wire, self.upper
+        wires = [Wire(self.contact, a, b, w.tension, w.mass, w.bending, ends, (), worn),
+                 Wire(self.messenger, a, b, m.tension, m.mass, m.bending, tops, less)]
+        if self.second is not None:
+            w = self.second
+            wires.append(Wire(SECOND, a, b, w.tension, w.mass, w.bending, ends, (), worn))
+        wires += [Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, clamped_to=self.messenger)
+                  for x, t in self.stitches]
+        return wires
+
+    def droppers(self) -> list[tuple[float, ...]]:
+        """Rows of position, lower and upper lane, stiffness, EA, mass, mass per length, clamps below and above, height."""
+        p = self.p
+        base = DropperData(FIRST, GAP, None, None, None, None, p.contact_clamp_mass, p.messenger_clamp_mass)
+        rows: list[tuple[float, ...]] = []
+        for k, (x, span) in enumerate(zip(self.s.x[:-1], self.s.spans, strict=True)):
+            where = f"{self.s.name}.spans[{k + 1}]"
+            d = over(span.droppers, self.s.section.droppers, base)
+            own = (d.stiffness or p.dropper_stiffness, d.axial_stiffness or 0.0, _first(d.mass, p.dropper_mass if
+                   d.mass_per_length is None else 0.0), d.mass_per_length or 0.0, d.contact_clamp, d.messenger_clamp)
+            for lane, positions in ((self.contact, span.positions), (SECOND, span.second_positions)):
+                if lane == SECOND != self.contact and self.second is None:
+                    if positions is not None:
+                        raise BadInput(f"{where}.second_positions", "droppers of a second contact wire", "none",
+                                       "Give second_contact_wire a tension.")
+                    continue
+                at = _positions(positions, span, d, where)
+                heights = self._heights(k, span, at, where)
+                rows += [(round(float(x + xi), 9), lane, self._hangs_from(x + xi), *own, z)
+                         for xi, z in zip(at, heights, strict=True)]
+                if self.second is None:
+                    break
+        return rows
+
+    def _hangs_from(self, x: float) -> int:
+        under = any(abs(x - support) < t.half_length - 1e-6 for support, t in self.stitches)
+        return self.stitch if under else self.messenger
+
+    def _heights(self, k: int, span: Span, at: np.ndarray, where: str) -> np.ndarray:
+        if span.heights is not None:
+            if len(span.heights) != at.size:
+                raise BadInput(f"{where}.heights", f"{len(span.heights)} for {at.size} droppers", "one for each dropper")
+            return np.array(span.heights) - self.reference
+        chord = self.z[k] + (self.z[k + 1] - self.z[k]) * at / span.length
+        depth = _first(span.sag, (span.relative_sag or 0.0) * span.length)
+        return chord + (parabola(at, at[0], at[-1], depth) if depth and at.size > 1 else 0.0)
+
+    def lateral_forces(self) -> np.ndarray:
+        """Force by which each steady arm pulls the contact wire, (s,) N: 0 at the anchors. Source: statics of a string."""
+        b, L = np.array([support.stagger for support in self.s.supports]), np.diff(self.s.x)
+        slopes = np.diff(b) / L
+        return np.concatenate(([0.0], self.wire.tension * (slopes[:-1] - slopes[1:]), [0.0]))
+
+    def holds(self) -> list[tuple[float, ...]]:
+        """Rows of position, lane, stiffness, damping, mass, lift, height at rest."""
+        rows: list[tuple[float, ...]] = []
+        forces = self.lateral_forces()
+        lanes = [self.contact] if self.second is None else [self.contact, SECOND]
+        for k in range(1, len(self.s.supports) - 1):
+            x, support = round(float(self.s.x[k]), 9), self.s.supports[k]
+            rows.append((x, self.messenger, _first(support.stiffness, self.p.support_stiffness),
+                         _first(support.damping, self.p.support_damping), 0.0, 0.0, self.z[k] + support.system_height))
+            stiffness, mass, lift = arm_of(support, abs(forces[k]))
+            height = self.z[k] if support.held else math.nan
+            rows += [(x, lane, stiffness + support.contact_stiffness, 0.0, mass, lift, height) for lane in lanes]
+        return rows
+
+    def lateral(self) -> list[tuple[float, ...]]:
+        """Rows of contact wire, position, stagger, lateral force."""
+        forces = self.lateral_forces()
+        wires = [self.contact // 2] if self.second is None else [0, 1]
+        return [(wire, float(x), support.stagger, float(f)) for wire in wires
+                for x, support, f in zip(self.s.x, self.s.supports, forces, strict=True)]
+
+
+def arm_of(support: Support, force: float) -> tuple[float, float, float]:
+    """(vertical stiffness N/m, mass at the wire kg, lift on the wire N) of a steady arm that pulls sideways with `force`, N.
+
+    Arm of length l at angle phi below the horizontal, a rod with a hinge: V0 = F tan phi, k = F / (l cos³ phi), exact for
+    constant F. Without an angle V0 is half of the arm's weight, which it then just carries.
+    """
+    arm = support.arm
+    if arm.length is None:
+        return 0.0, 0.0, 0.0
+    mass = arm.mass or 0.0
+    hanging = 0.5 * GRAVITY * mass
+    if arm.angle is not None:
+        phi = math.radians(arm.angle)
+    else:
+        phi = math.atan2(hanging, force) if force > 0.0 else 0.0
+        if math.degrees(phi) > 80.0:
+            raise BadInput("arm", f"a lateral force of {force:.3g} N under an arm of {mass:g} kg",
+                           "a force that can carry the arm", "Give its angle, or a greater stagger.")
+    lift = force * math.tan(phi) - hanging if arm.angle is not None or force > 0.0 else 0.0
+    return force / (arm.length * math.cos(phi) ** 3), mass / 3.0, lift
+
+
+def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, where: str) -> np.ndarray:
+    if given is None:
+        room = span.length - 2.0 * d.first
+        if room < 0.0:
+            raise BadInput(where, f"a length of {span.length:g} m", f"more than twice the {d.first:g} m of the first dropper")
+        return d.first + np.linspace(0.0, room, math.ceil(room / d.gap - 1e-9) + 1)
+    at = np.array(given)
+    if at.size and not (np.all(np.diff(at) > 1e-3) and at[0] > 1e-3 and at[-1] < span.length - 1e-3):
+        raise BadInput(f"{where}.positions", f"{list(given)}", f"increasing positions inside the span of {span.length:g} m")
+    return at
+
+
+def _first(*values: Any) -> Any:
+    return next((v for v in values if v is not None), None)

@@ -1,0 +1,236 @@
+"""A line as a table: sections of one tension each, with their spans, droppers and supports; read from TOML text.
+
+A table says what it knows; what it leaves out comes from the section, then from the parameters of `Catenary`. All lengths in m,
+forces in N, masses in kg or kg/m, stiffnesses in N/m; heights above any level, which `reference_height` names.
+"""
+
+# ruff: noqa: RUF009 - calls of `field` by other names
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from ...core.errors import BadInput, nearest
+
+MOST_SPANS = 20_000
+Number = Any  # a float, or None where the table leaves it out
+
+
+def number(unit: str, text: str, low: float = -math.inf, high: float = math.inf) -> Any:
+    """A number that may be left out."""
+    return field(default=None, metadata={"kind": "number", "unit": unit, "text": text, "low": low, "high": high})
+
+
+def numbers(unit: str, text: str) -> Any:
+    """A list of numbers that may be left out."""
+    return field(default=None, metadata={"kind": "numbers", "unit": unit, "text": text, "low": -math.inf, "high": math.inf})
+
+
+def words(text: str) -> Any:
+    """Free text."""
+    return field(default="", metadata={"kind": "words", "text": text})
+
+
+def truth(text: str) -> Any:
+    """True or false, or left out."""
+    return field(default=None, metadata={"kind": "truth", "text": text})
+
+
+def table(kind: type, text: str) -> Any:
+    """A table inside."""
+    return field(default_factory=kind, metadata={"kind": "table", "of": kind, "text": text})
+
+
+def tables(kind: type, text: str, short: str = "") -> Any:
+    """A list of tables; short: the key that a bare number in the list stands for."""
+    return field(default=(), metadata={"kind": "tables", "of": kind, "text": text, "short": short})
+
+
+@dataclass(frozen=True)
+class WireData:
+    """One wire."""
+
+    tension: Number = number("N", "tension", 1.0)
+    mass: Number = number("kg/m", "mass per length, unworn", 1e-6)
+    bending: Number = number("N.m2", "bending stiffness EI, unworn; takes part with the effect bending_stiffness", 0.0)
+
+
+@dataclass(frozen=True)
+class Stitch:
+    """Stitch (Y) wire: clamped to the messenger on both sides of a support, which it passes below without touching."""
+
+    half_length: Number = number("m", "distance of its clamps from the support; 0 for none", 0.0)
+    tension: Number = number("N", "its tension H; the messenger between the clamps carries its own tension less H", 1.0)
+    mass: Number = number("kg/m", "mass per length", 1e-6)
+
+
+@dataclass(frozen=True)
+class DropperData:
+    """Droppers of a section or span. Positions follow from `first` and `gap` where no list is given."""
+
+    first: Number = number("m", "distance of the first and the last one from the supports", 0.0)
+    gap: Number = number("m", "longest distance of two, which are all equal", 0.01)
+    stiffness: Number = number("N/m", "stiffness in tension", 1.0)
+    axial_stiffness: Number = number("N", "EA, from which the stiffness follows by the length, instead", 1.0)
+    mass: Number = number("kg", "mass of one", 0.0)
+    mass_per_length: Number = number("kg/m", "mass per length, instead", 0.0)
+    contact_clamp: Number = number("kg", "mass of the clamp at the contact wire", 0.0)
+    messenger_clamp: Number = number("kg", "mass of the clamp at the messenger", 0.0)
+
+
+@dataclass(frozen=True)
+class Arm:
+    """Steady arm: a rod from a hinge to the contact wire, which pulls the wire sideways."""
+
+    length: Number = number("m", "length", 1e-3)
+    angle: Number = number("deg", "angle below the horizontal; left out, the arm carries its own weight only", 0.0, 80.0)
+    mass: Number = number("kg", "mass of the rod; a third of it moves with the wire, half of its weight hangs there", 0.0)
+
+
+@dataclass(frozen=True)
+class Support:
+    """One support. Both wires are anchored at the first and the last one of a section."""
+
+    contact_height: Number = number("m", "height of the contact wire")
+    system_height: Number = number("m", "height of the messenger above the contact wire", 0.0)
+    stiffness: Number = number("N/m", "vertical stiffness of the messenger's support", 0.0)
+    damping: Number = number("N.s/m", "damping of the messenger's support", 0.0)
+    held: bool | None = truth("the contact wire is at its height at rest; left out, it hangs free between the droppers")
+    contact_stiffness: Number = number("N/m", "vertical stiffness that the contact wire meets there, beside that of an arm", 0.0)
+    stagger: Number = number("m", "lateral position of the contact wire")
+    arm: Arm = table(Arm, "steady arm; its vertical stiffness follows from stagger, tension and geometry")
+    stitch: Stitch = table(Stitch, "stitch wire at this support")
+
+
+@dataclass(frozen=True)
+class Span:
+    """One span, or several alike."""
+
+    length: Number = number("m", "length", 1.0)
+    repeat: Number = number("1", "number of spans like this", 1.0, MOST_SPANS)
+    positions: tuple[float, ...] | None = numbers("m", "positions of the droppers from the left support; [] for none")
+    heights: tuple[float, ...] | None = numbers("m", "heights of the contact wire at the droppers; left out, straight less sag")
+    second_positions: tuple[float, ...] | None = numbers("m", "positions of the second contact wire's droppers")
+    sag: Number = number("m", "depth of the parabola of pre-sag between the first and the last dropper")
+    relative_sag: Number = number("1", "the same over the length of the span, instead", 0.0, 0.1)
+    wear: Number = number("1", "worn share of the contact wire's section; mass falls by it", 0.0, 0.5)
+    droppers: DropperData = table(DropperData, "droppers of this span")
+
+
+@dataclass(frozen=True)
+class Section:
+    """One tension length: its wires run from its first support to its last."""
+
+    start: Number = number("m", "position of its first support; left out, the end of the section before")
+    contact_wire: WireData = table(WireData, "contact wire")
+    second_contact_wire: WireData = table(WireData, "second contact wire, beside the first; with its tension there is one")
+    messenger: WireData = table(WireData, "messenger wire")
+    stitch: Stitch = table(Stitch, "stitch wires at all supports but the anchors")
+    droppers: DropperData = table(DropperData, "droppers of all spans")
+    span: Span = table(Span, "what all spans have that do not say otherwise")
+    support: Support = table(Support, "what all supports have that do not say otherwise")
+    spans: tuple[Span, ...] = tables(Span, "spans, one after the other; a number is a length", "length")
+    supports: tuple[Support, ...] = tables(
+        Support, "one more than spans; left out, all as `support`; a number is a contact height", "contact_height")
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of one or more sections; where two overlap, a pantograph passes from one contact wire to the other."""
+
+    title: str = words("what it is")
+    source: str = words("where its numbers come from")
+    reference_height: Number = number("m", "level that heights of the model count from; left out, the first contact height")
+    sections: tuple[Section, ...] = tables(Section, "tension lengths")
+
+
+def read_line(text: str, where: str = "line") -> Line:
+    """The line of a TOML text; anything that it cannot be is one `BadInput` with its place."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInput(where, f"a syntax error: {error}", "a line's table as TOML") from None
+    line = _read(Line, data, where)
+    if not line.sections:
+        raise BadInput(where, "no section", "at least one", "Write [[sections]] with spans = [length, ...].")
+    return line
+
+
+def _read(kind: type, data: Any, where: str) -> Any:
+    if not isinstance(data, Mapping):
+        raise BadInput(where, repr(data), "a table")
+    known = {f.name: f for f in fields(kind)}
+    if unknown := [key for key in data if key not in known]:
+        raise BadInput(where, f"key {unknown[0]!r}", f"a key of a {kind.__name__.lower()}", nearest(unknown[0], known))
+    return kind(**{key: _value(known[key].metadata, value, f"{where}.{key}") for key, value in data.items()})
+
+
+def _value(meta: Mapping[str, Any], value: Any, where: str) -> Any:
+    match meta["kind"]:
+        case "number":
+            return _number(meta, value, where)
+        case "numbers":
+            if not isinstance(value, list):
+                raise BadInput(where, repr(value), "a list of numbers")
+            return tuple(_number(meta, v, f"{where}[{i}]") for i, v in enumerate(value, 1))
+        case "words":
+            if not isinstance(value, str):
+                raise BadInput(where, repr(value), "a text")
+            return value
+        case "truth":
+            if not isinstance(value, bool):
+                raise BadInput(where, repr(value), "true or false")
+            return value
+        case "table":
+            return _read(meta["of"], value, where)
+    if not isinstance(value, list):
+        raise BadInput(where, repr(value), "a list")
+    short = meta["short"]
+    rows = [{short: v} if short and isinstance(v, int | float) and not isinstance(v, bool) else v for v in value]
+    return tuple(_read(meta["of"], row, f"{where}[{i}]") for i, row in enumerate(rows, 1))
+
+
+def _number(meta: Mapping[str, Any], value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise BadInput(where, repr(value), f"a number in {meta['unit']}")
+    if not meta["low"] <= value <= meta["high"]:
+        limits = f"[{meta['low']:g}, {meta['high']:g}] {meta['unit']}"
+        raise BadInput(where, f"{value:g}", f"a value in {limits}", meta["text"][:1].upper() + meta["text"][1:] + ".")
+    return float(value)
+
+
+def over(first: Any, *others: Any) -> Any:
+    """One table from several of a kind: of each key the first that says something, whole tables inside likewise."""
+    def merged(name: str, meta: Mapping[str, Any]) -> Any:
+        values = [getattr(t, name) for t in (first, *others)]
+        if meta["kind"] == "table":
+            return over(*values)
+        return next((v for v in values if v is not None), None)
+
+    return type(first)(**{f.name: merged(f.name, f.metadata) for f in fields(first)})
+
+
+def schema(kind: type = Line) -> dict[str, Any]:
+    """JSON schema of a table, for editors."""
+    def of(meta: Mapping[str, Any]) -> dict[str, Any]:
+        text = meta["text"] + (f", {meta['unit']}" if meta.get("unit", "1") != "1" else "")
+        match meta["kind"]:
+            case "number":
+                limits = {key: meta[low] for key, low in (("minimum", "low"), ("maximum", "high")) if math.isfinite(meta[low])}
+                return {"type": "number", "description": text, **limits}
+            case "numbers":
+                return {"type": "array", "items": {"type": "number"}, "description": text}
+            case "words":
+                return {"type": "string", "description": text}
+            case "truth":
+                return {"type": "boolean", "description": text}
+            case "table":
+                return {**schema(meta["of"]), "description": text}
+        row: dict[str, Any] = schema(meta["of"])
+        return {"type": "array", "description": text,
+                "items": {"anyOf": [{"type": "number"}, row]} if meta["short"] else row}
+
+    return {"type": "object", "additionalProperties": False, "properties": {f.name: of(f.metadata) for f in fields(kind)}}
