@@ -13,6 +13,7 @@ from contextlib import suppress
 from functools import cache, lru_cache
 from importlib.metadata import distribution
 from pathlib import Path
+from typing import Any
 
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class
@@ -20,12 +21,14 @@ from ..components.core import folders
 from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
-from .description import documentation, model_description
+from .description import documentation, model_description, shared_files
+from .interface import interface
 
 COMPONENTS = Path(components.__file__).parent
 HERE = Path(__file__).parent
 # what is installed: a running FMU of another maker may have put a copy of its own, without binaries, in front of it
 PYTHONFMU = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
+PYTHONFMU_LICENSE = distribution("pythonfmu").read_text("licenses/LICENSE") or "MIT License"
 BINARIES = {"linux64": "libpythonfmu-export.so", "win64": "pythonfmu-export.dll"}
 
 SCRIPT = '''
@@ -49,12 +52,13 @@ keep(globals())
 '''
 
 
-def build(name: str, directory: Path) -> Path:
+def build(name: str, directory: Path, *, derivatives: bool = False) -> Path:
     """Write the FMU of the component `name` to directory/<name>.fmu and return its path.
 
-    Raises `BadInput` for a name that is not in the catalogue.
+    `derivatives`: list "der(v)" and "der(v,2)" of each input, for masters that extrapolate. Raises `BadInput` for a name that
+    is not in the catalogue.
     """
-    return write(_members(name)[1], Path(directory) / f"{name}.fmu")
+    return write(_members(name, derivatives)[1], Path(directory) / f"{name}.fmu")
 
 
 def built(name: str) -> Path:
@@ -130,13 +134,14 @@ def slave_script() -> str:
     return place + loading.replace("from ..components.core.folders import cache_root\n", "")
 
 
-def _members(name: str) -> tuple[str, dict[str, bytes]]:
+def _members(name: str, derivatives: bool = True) -> tuple[str, dict[str, bytes]]:
     """(digest, path in the FMU -> content) of a component of the catalogue."""
     component = component_class(name, "build")
-    return fmu_members(name, component, CATALOGUE[name], sources(CATALOGUE[name]))
+    return fmu_members(name, component, CATALOGUE[name], sources(CATALOGUE[name]), derivatives)
 
 
-def fmu_members(name: str, component: type, module: str, files: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
+def fmu_members(name: str, component: Any, module: str, files: dict[str, bytes],
+                derivatives: bool = True) -> tuple[str, dict[str, bytes]]:
     """(digest, path in the FMU -> content) of a component class that lives in `module` of the source `files`."""
     bundle = {f"components/{path}": content for path, content in files.items()}
     bundle |= {file: (HERE / file).read_bytes() for file in ("slave.py", "interface.py")}
@@ -152,10 +157,12 @@ def fmu_members(name: str, component: type, module: str, files: dict[str, bytes]
         content = (PYTHONFMU / "resources" / "binaries" / platform / library).read_bytes()
         members[f"binaries/{platform}/{name}{Path(library).suffix}"] = content
     members["documentation/index.html"] = documentation(name, component)
-    members["modelDescription.xml"] = model_description(name, component, "")
+    members |= shared_files(name, component, (s for s in interface(component) if derivatives or not s.order))
+    members["documentation/licenses/license.txt"] += b"\n\nPythonFMU\n\n" + PYTHONFMU_LICENSE.encode()
+    members["modelDescription.xml"] = model_description(name, component, "", derivatives)
     digest = _digest(members)
     guid = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    members["modelDescription.xml"] = model_description(name, component, guid)
+    members["modelDescription.xml"] = model_description(name, component, guid, derivatives)
     return digest, members
 
 

@@ -8,14 +8,23 @@ from __future__ import annotations
 import html
 import inspect
 import math
+import os
 from collections.abc import Iterable
+from datetime import UTC, datetime
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from ..components.core.measure import BASES, parse
 from .interface import Scalar, interface
+from .picture import icon
+from .quantities import SHOWN, TYPES, quantity, typical_size
+from .terminals import FILE, ICON, terminals_and_icons
 
+RELEASED = "2026-11-22T00:00:00Z"  # of this version's source; the variable SOURCE_DATE_EPOCH gives another date
+AUTHOR = "the cosimo developers"
+LICENSE = Path(__file__).parent.parent / "LICENSE"
 LOG_CATEGORIES = {
     "logStatusWarning": "Something was refused; the run goes on.",
     "logStatusDiscard": "A step was discarded.",
@@ -24,32 +33,41 @@ LOG_CATEGORIES = {
 }
 
 
-def model_description(name: str, component: Any, guid: str) -> bytes:
-    """modelDescription.xml of the FMU `name`."""
+def identity(name: str, component: Any, tool: str, **token: str) -> dict[str, str]:
+    """Attributes of the root that tell what an FMU is and where it comes from; `tool`: beside this project."""
     release = version("cosimo")
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    date = datetime.fromtimestamp(int(epoch), UTC).strftime("%Y-%m-%dT%H:%M:%SZ") if epoch.isdigit() else RELEASED
+    return {"modelName": name, **token, "description": component.title, "author": AUTHOR, "version": release,
+            "copyright": f"Copyright (c) {RELEASED[:4]} {AUTHOR}", "license": "MIT",
+            "generationTool": f"cosimo {release}{tool}", "generationDateAndTime": date,
+            "variableNamingConvention": "structured"}
+
+
+def model_description(name: str, component: Any, guid: str, derivatives: bool = True) -> bytes:
+    """modelDescription.xml of the FMU `name`; without `derivatives` of inputs their value references stay unused."""
     root = ET.Element("fmiModelDescription", {
-        "fmiVersion": "2.0", "modelName": name, "guid": guid, "description": component.title, "version": release,
-        "license": "MIT", "generationTool": f"cosimo {release} with PythonFMU {version('pythonfmu')}",
-        "variableNamingConvention": "structured",
-    })
+        "fmiVersion": "2.0", **identity(name, component, f" with PythonFMU {version('pythonfmu')}", guid=guid)})
     ET.SubElement(root, "CoSimulation", {
         "modelIdentifier": name, "needsExecutionTool": "true", "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "false", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "false",
     })
-    scalars = interface(component)
-    add_head(root, component, {s.unit for s in scalars if s.type == "Real"})
+    listed = [(k, s) for k, s in enumerate(interface(component)) if derivatives or not s.order]
+    scalars = tuple(s for _, s in listed)
+    add_head(root, component, scalars)
     variables = ET.SubElement(root, "ModelVariables")
-    for reference, scalar in enumerate(scalars):
+    for reference, scalar in listed:
         add_variable(variables, reference, scalar)
     add_structure(root, scalars)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
-def add_head(root: ET.Element, component: Any, units: Iterable[str]) -> None:
-    """Units, categories of messages and default experiment."""
+def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: int = 2) -> None:
+    """Units with those to show them in, types, categories of messages and default experiment."""
+    units = {s.unit for s in scalars if s.type == "Real"} | ({"s"} if fmi == 3 else set())
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(units):
         unit = parse(name)
@@ -58,12 +76,56 @@ def add_head(root: ET.Element, component: Any, units: Iterable[str]) -> None:
             base["factor"] = repr(unit.factor)
         if unit.offset:
             base["offset"] = repr(unit.offset)
-        ET.SubElement(ET.SubElement(definitions, "Unit", {"name": name}), "BaseUnit", base)
+        element = ET.SubElement(definitions, "Unit", {"name": name})
+        ET.SubElement(element, "BaseUnit", base)
+        for shown, (factor, offset) in SHOWN.get(name, {}).items():
+            numbers = {"factor": repr(factor)} | ({"offset": repr(offset)} if offset else {})
+            ET.SubElement(element, "DisplayUnit", {"name": shown, **numbers})
+    _add_types(root, units, fmi)
     categories = ET.SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": category, "description": text})
     ET.SubElement(root, "DefaultExperiment", {
-        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step)})
+        "startTime": "0", "stopTime": repr(component.default_stop), "stepSize": repr(component.default_step),
+        **_tolerance(component)})
+
+
+def _add_types(root: ET.Element, units: Iterable[str], fmi: int) -> None:
+    types = [(TYPES[unit], unit) for unit in sorted(units) if unit in TYPES]
+    definitions = ET.SubElement(root, "TypeDefinitions") if types else root
+    for name, unit in types:
+        attributes = {"quantity": name, "unit": unit}
+        if shown := [] if unit == "m" else list(SHOWN.get(unit, {})):  # lengths are of all sizes: each has its own
+            attributes["displayUnit"] = shown[0]
+        if fmi == 3:
+            ET.SubElement(definitions, "Float64Type", {"name": name, **attributes})
+        else:
+            ET.SubElement(ET.SubElement(definitions, "SimpleType", {"name": name}), "Real", attributes)
+
+
+def _tolerance(component: Any) -> dict[str, str]:
+    """Of a component that has such a parameter: what its own accuracy is without a change."""
+    declared = component.variables.get("tolerance")
+    return {} if declared is None else {"tolerance": repr(float(declared.start))}
+
+
+def real_attributes(scalar: Scalar) -> dict[str, str]:
+    """Type, units and nominal value of a real variable."""
+    of = quantity(scalar)
+    return {**({"declaredType": of.type} if of.type else {}), "unit": scalar.unit,
+            **({"displayUnit": of.display} if of.display else {}), "nominal": repr(typical_size(scalar))}
+
+
+def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int = 2) -> dict[str, bytes]:
+    """Files beside the model description that hosts may show: icon, terminals, license. Path in the FMU -> content.
+
+    `scalars`: what the FMU lists; in FMI 3 the elements of an array are one variable of the array's name.
+    """
+    listed = [s for s in scalars if s.causality in ("input", "output")]
+    ends = [s for s in listed if not s.order]
+    picture = icon(name, *(sum(s.causality == c for s in ends) for c in ("input", "output")))
+    return {FILE: terminals_and_icons((s.name for s in ends), (s.name for s in listed if s.order)), ICON: picture,
+            **({"model.png": picture} if fmi == 2 else {}), "documentation/licenses/license.txt": LICENSE.read_bytes()}
 
 
 def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
@@ -80,14 +142,19 @@ def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:
         attributes |= {"variability": "continuous"}
     value: dict[str, str] = {}
     if scalar.type == "Real":
-        value["unit"] = scalar.unit
+        value |= real_attributes(scalar)
     if scalar.type in ("Real", "Integer"):
         value |= {key: repr(limit) for key, limit in (("min", scalar.low), ("max", scalar.high)) if math.isfinite(limit)}
-    if scalar.nominal != 1.0:
-        value["nominal"] = repr(scalar.nominal)
     if scalar.causality != "output":
-        value["start"] = str(scalar.start).lower() if scalar.type == "Boolean" else str(scalar.start)
+        value["start"] = xml_value(scalar.start)
     ET.SubElement(ET.SubElement(parent, "ScalarVariable", attributes), scalar.type, value)
+
+
+def xml_value(value: Any) -> str:
+    """A value as XML writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return ("INF" if value > 0 else "-INF") if isinstance(value, float) and math.isinf(value) else str(value)
 
 
 def add_structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,8 +20,8 @@ from typing import Any
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
 from ..build import is_sound, kept, write
-from ..description import documentation
-from .description import HOST, description2, description3
+from ..description import documentation, shared_files
+from .description import HOST, description2, description3, listed, name_of
 from .image import compiled_with_image
 from .machine_code import TARGETS, object_code
 from .variables import native_variables, tables
@@ -140,21 +140,24 @@ def _linked(name: str, target: str, command: list[str], model: str, code: bytes)
 
 
 def build_native(name: str, make: Callable[[], Any], directory: Path, targets: Iterable[str],
-                 standards: Iterable[int] = (2,)) -> list[Path]:
+                 standards: Iterable[int] = (2,), derivatives: bool = False) -> list[Path]:
     """Write directory/<name>.fmu (FMI 2) and directory/<name>.fmi3.fmu (FMI 3), as asked for, and return their paths.
 
     `BadInput` for a component that cannot be compiled ahead of time, with the line that prevents it, and for a missing compiler.
     """
-    return [pack(done, directory, fmi) for done in [library(name, make, targets)] for fmi in standards]
+    return [pack(done, directory, fmi, derivatives) for done in [library(name, make, targets)] for fmi in standards]
 
 
-def pack(done: Library, directory: Path, fmi: int) -> Path:
-    """One FMU file of a compiled component."""
-    describe = {2: description2, 3: description3}[fmi]
-    scalars = tuple(v.scalar for v in done.variables if v.role != "ABSENT")
+def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True) -> Path:
+    """One FMU file of a compiled component; `derivatives`: list those of its inputs."""
+    describe, component = {2: description2, 3: description3}[fmi], type(done.component)
+    present = [v for _, v in listed(done.variables, derivatives)]
+    scalars = tuple(v.scalar for v in present)
+    ends = scalars if fmi == 2 else tuple(replace(v.scalar, name=name_of(v)) for v in present if v.size)
     members = {
-        "modelDescription.xml": describe(done.name, type(done.component), done.variables, done.token),
-        "documentation/index.html": documentation(done.name, type(done.component), scalars, HOST),
+        "modelDescription.xml": describe(done.name, component, done.variables, done.token, derivatives),
+        "documentation/index.html": documentation(done.name, component, scalars, HOST),
+        **shared_files(done.name, component, ends, fmi),
     }
     for target, content in done.binaries.items():
         folder = TARGETS[target].folder2 if fmi == 2 else TARGETS[target].folder3

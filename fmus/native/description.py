@@ -6,12 +6,11 @@ Sources: FMI 2.0.4, sections 2.2 and 4.3; FMI 3.0.2, sections 2.4 and 4.3.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from importlib.metadata import version
+from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from ..description import add_head, add_structure, add_variable
+from ..description import add_head, add_structure, add_variable, identity, real_attributes, xml_value
 from .variables import NativeVariable
 
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
@@ -19,35 +18,27 @@ HOST = ("This FMU needs no Python. Effects are constants, fixed when it was buil
         "the others can be set before the run.")
 
 
-def _root(fmi: str, name: str, component: Any, **token: str) -> ET.Element:
-    release = version("cosimo")
-    return ET.Element("fmiModelDescription", {
-        "fmiVersion": fmi, "modelName": name, **token, "description": component.title, "version": release, "license": "MIT",
-        "generationTool": f"cosimo {release}", "variableNamingConvention": "structured"})
-
-
 def _finished(root: ET.Element) -> bytes:
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return ("INF" if value > 0 else "-INF") if isinstance(value, float) and math.isinf(value) else str(value)
+def listed(variables: Iterable[NativeVariable], derivatives: bool) -> list[tuple[int, NativeVariable]]:
+    """The variables that an FMU lists, with their value references; `derivatives`: those of inputs as well."""
+    return [(k, v) for k, v in enumerate(variables) if v.role != "ABSENT" and (derivatives or not v.scalar.order)]
 
 
-def description2(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str) -> bytes:
+def description2(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
     """For FMI 2.0."""
-    root = _root("2.0", name, component, guid=token)
+    root = ET.Element("fmiModelDescription", {"fmiVersion": "2.0", **identity(name, component, "", guid=token)})
     ET.SubElement(root, "CoSimulation", {
         "modelIdentifier": name, "needsExecutionTool": "false", "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true", "maxOutputDerivativeOrder": "0", "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     })
-    present = [(k, replace(v.scalar, start=_shown(v.scalar.start))) for k, v in enumerate(variables) if v.role != "ABSENT"]
-    add_head(root, component, {s.unit for _, s in present if s.type == "Real"})
+    present = [(k, v.scalar) for k, v in listed(variables, derivatives)]
+    add_head(root, component, [s for _, s in present])
     parent = ET.SubElement(root, "ModelVariables")
     for reference, scalar in present:
         add_variable(parent, reference, scalar)
@@ -55,16 +46,16 @@ def description2(name: str, component: Any, variables: tuple[NativeVariable, ...
     return _finished(root)
 
 
-def description3(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str) -> bytes:
+def description3(name: str, component: Any, variables: tuple[NativeVariable, ...], token: str, derivatives: bool = True) -> bytes:
     """For FMI 3.0: elements that follow one another are arrays."""
-    root = _root("3.0", name, component, instantiationToken=token)
+    root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0", **identity(name, component, "", instantiationToken=token)})
     ET.SubElement(root, "CoSimulation", {
         "modelIdentifier": name, "needsExecutionTool": "false", "canBeInstantiatedOnlyOncePerProcess": "false",
         "canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true",
         "canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "0",
     })
-    present = [(k, v) for k, v in enumerate(variables) if v.role != "ABSENT" and v.size]
-    add_head(root, component, {v.scalar.unit for _, v in present if v.scalar.type == "Real"} | {"s"})
+    present = [(k, v) for k, v in listed(variables, derivatives) if v.size]
+    add_head(root, component, [v.scalar for _, v in present], 3)
     parent = ET.SubElement(root, "ModelVariables")
     ET.SubElement(parent, "Float64", {"name": "time", "valueReference": str(len(variables)), "description": "simulated time",
                                       "causality": "independent", "variability": "continuous", "unit": "s"})
@@ -82,9 +73,14 @@ def description3(name: str, component: Any, variables: tuple[NativeVariable, ...
     return _finished(root)
 
 
+def name_of(variable: NativeVariable) -> str:
+    """What FMI 3 calls a variable: an array by its name, without the indices of elements."""
+    return variable.scalar.name if variable.size == 1 else variable.scalar.name.partition("[")[0]
+
+
 def _add_variable3(parent: ET.Element, reference: int, variable: NativeVariable, elements: tuple[NativeVariable, ...]) -> None:
     scalar = variable.scalar
-    name = scalar.name if variable.size == 1 else scalar.name.partition("[")[0]
+    name = name_of(variable)
     attributes = {"name": name, "valueReference": str(reference), "description": scalar.text, "causality": scalar.causality}
     if scalar.causality == "local":
         attributes |= {"variability": "constant", "initial": "exact"}
@@ -95,11 +91,10 @@ def _add_variable3(parent: ET.Element, reference: int, variable: NativeVariable,
     else:
         attributes |= {"variability": "continuous"}
     if scalar.type == "Real":
-        attributes["unit"] = scalar.unit
-        attributes |= {"nominal": repr(scalar.nominal)} if scalar.nominal != 1.0 else {}
+        attributes |= real_attributes(scalar)
     if scalar.type in ("Real", "Integer"):
         attributes |= {key: repr(limit) for key, limit in (("min", scalar.low), ("max", scalar.high)) if math.isfinite(limit)}
-    starts = [_shown(e.scalar.start) for e in elements]
+    starts = [xml_value(e.scalar.start) for e in elements]
     if scalar.causality != "output" and scalar.type != "String":
         attributes["start"] = " ".join(starts)
     element = ET.SubElement(parent, ELEMENTS[scalar.type], attributes)

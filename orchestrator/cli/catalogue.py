@@ -75,6 +75,8 @@ def build(
     values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
         "With --native: a parameter, or the start value of an input; may be repeated."))] = None,
     scene: Annotated[str, typer.Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
+    derivatives: Annotated[bool, typer.Option("--derivatives", help=(
+        "List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate."))] = False,
 ) -> None:
     """Build FMUs. Example: cosimo build Pantograph -o fmus-out"""
     from ...components.catalogue import CATALOGUE
@@ -85,13 +87,13 @@ def build(
     if native:
         from .native import build_native_fmus
 
-        build_native_fmus(names or [], output, target, fmi, effects, values or [], scene)
+        build_native_fmus(names or [], output, target, fmi, effects, values or [], scene, derivatives)
         return
     if given:
         raise BadInput("build", f"{given[0]} without --native", "no such option: other FMUs are configured by their host",
                        "Add --native, or leave it out.")
     for name in names or CATALOGUE:
-        print(build_fmu(name, output))
+        print(build_fmu(name, output, derivatives=derivatives))
 
 
 @app.command()

@@ -16,7 +16,7 @@ from .common import listed, parameters_of
 
 
 def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str, effects: str, values: Sequence[str],
-                      scene: str) -> None:
+                      scene: str, derivatives: bool) -> None:
     """Build native FMUs and print their paths; arguments as of the command `build`."""
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
@@ -33,7 +33,7 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
     refused: list[BadInput] = []
     for name, maker in units.items():
         try:
-            for path in build_native(name, maker, output, targets, [int(v) for v in versions]):
+            for path in build_native(name, maker, output, targets, [int(v) for v in versions], derivatives):
                 print(path)
         except BadInput as error:
             if len(units) == 1 or error.where == "build --native":

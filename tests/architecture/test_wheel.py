@@ -36,4 +36,4 @@ def test_content_of_the_wheel(tmp_path):
     needed = {f"cosimo/{path.relative_to(ROOT).as_posix()}" for part in PARTS for path in (ROOT / part).rglob("*")
               if path.suffix in SHIPPED and "__pycache__" not in path.parts}
     assert len(needed) > 300
-    assert packed == needed | {"cosimo/__init__.py", "cosimo/py.typed"}
+    assert packed == needed | {"cosimo/__init__.py", "cosimo/py.typed", "cosimo/LICENSE"}

@@ -10,6 +10,7 @@ from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import build, built, sources
 from cosimo.fmus.check import check
+from cosimo.fmus.description import RELEASED
 from cosimo.fmus.loader import same_sources, stable_copy
 from cosimo.tests.short_run import ONE_A_SYSTEM, full_but
 from fmpy.validation import validate_fmu
@@ -67,17 +68,19 @@ def test_the_bundle_holds_the_import_closure_and_no_more():
     assert {"catalogue.py", "railway/catenary.py"} & files == set()
 
 
-def test_the_loader_needs_no_uuid_and_no_date(tmp_path):
+def test_the_date_is_that_of_the_source(tmp_path, monkeypatch):
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
     root = description(build("Pantograph", tmp_path))
-
-    assert "generationDateAndTime" not in root.attrib
+    assert root.get("generationDateAndTime") == RELEASED
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert description(build("Pantograph", tmp_path)).get("generationDateAndTime") == "1970-01-02T00:00:00Z"
     with zipfile.ZipFile(tmp_path / "Pantograph.fmu") as file:
         assert {info.date_time for info in file.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         assert file.namelist() == sorted(file.namelist())
 
 
 def test_units_carry_their_si_exponents(tmp_path):
-    root = description(build("Pantograph", tmp_path))
+    root = description(build("Pantograph", tmp_path, derivatives=True))
     units = {u.get("name"): u.find("BaseUnit").attrib for u in root.find("UnitDefinitions")}
 
     # N.s/m = kg m s-2 s m-1 = kg s-1; N = kg m s-2: by hand
@@ -87,18 +90,18 @@ def test_units_carry_their_si_exponents(tmp_path):
 
 
 def test_variables_of_the_pantograph(tmp_path):
-    root = description(build("Pantograph", tmp_path))
+    root = description(build("Pantograph", tmp_path, derivatives=True))
     scalars = list(root.find("ModelVariables"))
     variables = {v.get("name"): v for v in scalars}
 
     assert [int(v.get("valueReference")) for v in scalars] == list(range(len(scalars)))
     mass = variables["head_mass"]
     assert (mass.get("causality"), mass.get("variability"), mass.get("initial")) == ("parameter", "fixed", "exact")
-    assert mass.find("Real").attrib == {"unit": "kg", "min": "1e-06", "start": "7.2"}
+    assert mass.find("Real").attrib == {"declaredType": "Mass", "unit": "kg", "min": "1e-06", "nominal": "7.2", "start": "7.2"}
     assert variables["speed"].find("Real").get("max") == "200.0"
-    assert variables["contact_force"].find("Real").attrib == {"unit": "N", "nominal": "100.0"}
+    assert variables["contact_force"].find("Real").attrib == {"declaredType": "Force", "unit": "N", "nominal": "100.0"}
     assert variables["effects.bump_stops"].find("Boolean").get("start") == "false"
-    assert variables["der(wire_height,2)"].find("Real").attrib == {"unit": "m/s/s", "start": "0.0"}
+    assert variables["der(wire_height,2)"].find("Real").attrib == {"unit": "m/s/s", "nominal": "1.0", "start": "0.0"}
     assert variables["der(base_excitation.height)"].get("causality") == "input"
 
 
