@@ -10,7 +10,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 import warnings
 from collections.abc import Mapping
 from copy import copy
@@ -18,11 +17,9 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
-from zipfile import ZIP_STORED, ZipFile
-
-import numpy as np
 
 from ..components.core.errors import BadInput
+from .content import DamagedContent, KeptObject, ObjectContent, read_content, write_content
 from .engine.algorithms.energy import SavedAccount
 from .engine.algorithms.master import Master, Saved
 from .engine.algorithms.multirate import MultirateUnit
@@ -104,28 +101,16 @@ class Checkpoints(BatchObserver):
 
     def write(self) -> None:
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
-        arrays: dict[str, np.ndarray] = {}
         saved = self._loop.master.save()
         t = self._loop.clock.seconds(self._loop.tick)
         content = self._header | {
             "tick": self._loop.tick, "t": t, "units": _packed(self._master, saved), "master": _without_units(saved),
             "parts": {name: part.state() for name, part in self._parts.items()},
         }
-        arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
-        arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
         for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
             node.unit.release(state)
         try:
-            handle, name = tempfile.mkstemp(dir=self._file.parent, prefix=self._file.name, suffix=".part")
-            try:
-                with os.fdopen(handle, "wb") as file:
-                    np.savez(file, **arrays)  # type: ignore[arg-type]
-                    file.flush()
-                    os.fsync(file.fileno())
-                os.replace(name, self._file)
-            except BaseException:  # a second Ctrl-C, too
-                os.unlink(name)
-                raise
+            write_content(self._file, content)
         except OSError as error:
             if not self._failed:
                 warnings.warn(f"the checkpoint at t = {t:.9g} s could not be written to {self.path.name}: {error.strerror}",
@@ -143,18 +128,12 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     """The checkpoint in a file; raises `BadInput` where it is none, or one of another scene, version or damaged."""
     where, shown = "resume", repr(str(path))
     try:
-        arrays = _read_arrays(path)
+        content = read_content(path)
+        whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
     except OSError as error:
         raise BadInput(where, shown, "a checkpoint that can be read", f"{error.strerror or error}.") from None
-    except Exception:  # a file from anywhere: what NumPy and zipfile raise for damaged ones is of many kinds
-        arrays = {}
-    if not {"text", "digest"} <= arrays.keys():
-        raise BadInput(where, shown, "a checkpoint that cosimo has written")
-    if arrays.pop("digest").tobytes() != content_digest(arrays):
-        raise BadInput(where, shown, "a checkpoint that is not damaged", "Its digest does not fit its content.")
-    try:
-        content = _arrayed(json.loads(arrays["text"].tobytes()), arrays)
-        whole = content["format"] == FORMAT and isinstance(content["tick"], int) and not CONTENT - content.keys()
+    except DamagedContent:
+        raise BadInput(where, shown, "a checkpoint that is not damaged", "Its digest does not fit its content.") from None
     except Exception:  # written by something else, with a digest that fits
         whole = False
     if not whole:
@@ -198,24 +177,6 @@ def _restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapp
     loop.tick = checkpoint.tick
 
 
-def _read_arrays(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of a file; of one that is compressed none, because cosimo compresses nothing and a small one may be huge."""
-    with ZipFile(path) as archive:
-        if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
-            return {}
-    with np.load(path, allow_pickle=False) as file:
-        arrays = dict(file)  # a member that is no array comes as bytes
-    return arrays if all(isinstance(array, np.ndarray) for array in arrays.values()) else {}
-
-
-def content_digest(arrays: Mapping[str, np.ndarray]) -> bytes:
-    """SHA-256 over names, types, shapes and bytes of arrays."""
-    whole = hashlib.sha256()
-    for name, array in sorted(arrays.items()):
-        whole.update(repr((name, array.dtype.str, array.shape)).encode() + array.tobytes())
-    return whole.digest()
-
-
 def digest(scene: Scene) -> str:
     """What the results of a scene depend on, as one number: its settings, and the files of its FMUs instead of their paths."""
     data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep", "study"})
@@ -249,61 +210,12 @@ def _packed(master: Master, saved: Any) -> list[Any]:
             for node, state in zip(master.nodes, _of_master(saved).units, strict=True)]
 
 
-# -- objects as plain data: numbers and texts as they are, arrays and bytes beside the text, the rest as tagged mappings ---------
-def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, bytes | np.ndarray):
-        name = f"array{len(arrays)}"
-        arrays[name] = value if isinstance(value, np.ndarray) else np.frombuffer(value, dtype=np.uint8)
-        return {"bytes" if isinstance(value, bytes) else "array": name}
-    if isinstance(value, list):
-        return [_plain(item, arrays) for item in value]
-    if isinstance(value, tuple):
-        return {"tuple": [_plain(item, arrays) for item in value]}
-    if isinstance(value, Mapping):
-        return {"mapping": [[_plain(key, arrays), _plain(item, arrays)] for key, item in value.items()]}
-    if callable(value) or isinstance(value, type) or not hasattr(value, "__dict__"):
-        return {"kept": None}  # a function or a class: the one that is there
-    return {"object": {key: _plain(item, arrays) for key, item in vars(value).items()}}
-
-
-@dataclass(frozen=True)
-class _Object:
-    """The attributes of an object in a file."""
-
-    attributes: Mapping[str, Any]
-
-
-class _Kept:
-    """Stands for what is taken from the object that is filled."""
-
-
-def _arrayed(data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
-    """What `_plain` was given, with `_Object` in the place of objects."""
-    if isinstance(data, list):
-        return [_arrayed(item, arrays) for item in data]
-    if not isinstance(data, dict):
-        return data
-    ((kind, content),) = data.items()
-    if kind in ("array", "bytes"):
-        return arrays[content] if kind == "array" else arrays[content].tobytes()
-    if kind == "tuple":
-        return tuple(_arrayed(item, arrays) for item in content)
-    if kind == "mapping":
-        return {_arrayed(key, arrays): _arrayed(item, arrays) for key, item in content}
-    if kind == "object":
-        return _Object({key: _arrayed(item, arrays) for key, item in content.items()})
-    return _Kept()
-
-
+# -- what a file holds, put into the objects of a run that has just started --------------------
 def _filled(template: Any, data: Any) -> Any:
     """The data, with copies of the template's objects where it has their fields; raises `ValueError` for any other form."""
-    if isinstance(data, _Kept):
+    if isinstance(data, KeptObject):
         return template
-    if isinstance(data, _Object):
+    if isinstance(data, ObjectContent):
         fields = vars(template) if hasattr(template, "__dict__") and not isinstance(template, type) else {}
         if fields.keys() != data.attributes.keys():
             raise ValueError(f"fields of {type(template).__name__} are {', '.join(fields) or 'none'}, "

@@ -9,7 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput
-from .common import COMPONENT, AsJson, Changes, app, change, changed, listed, parameters_of, print_table, status_spinner
+from .common import (
+    COMPONENT,
+    AsJson,
+    Changes,
+    Resume,
+    app,
+    change,
+    changed,
+    listed,
+    parameters_of,
+    print_table,
+    status_spinner,
+    study,
+)
 
 if TYPE_CHECKING:
     from ..harness.studies.accuracy import Accuracy
@@ -27,6 +40,7 @@ def accuracy(
         "Effects of a component that is measured alone."))] = None,
     values: Changes = None,
     as_json: AsJson = False,
+    resume: Resume = False,
 ) -> None:
     """Measure what accuracy costs in time and counted work. Example: cosimo accuracy en50318-2002 -o out --budget 120
 
@@ -34,18 +48,15 @@ def accuracy(
     """
     from ..harness.report.studies.accuracy import for_accuracy
     from ..harness.studies.accuracy_table import write_points
-    from ..output import ensure_directory
-
     if budget is not None and not budget > 0.0:
         raise BadInput("--budget", f"{budget:g} s", "more than 0 s")
-    ensure_directory(output)  # now, not after a long measurement
     kept: Path | None = None
-    with status_spinner() as on_message:
+    with study(output, resume), status_spinner() as on_message:  # the directory now, not after a long measurement
         if what.startswith(COMPONENT):
             measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, on_message)
         else:
             measured, kept = _of_scene(what, budget, stop, effects, values, on_message)
-    written = [write_points(measured, output), for_accuracy(measured, output), *([kept] if kept else [])]
+        written = [write_points(measured, output), for_accuracy(measured, output), *([kept] if kept else [])]
     if as_json:
         import json
 

@@ -59,6 +59,23 @@ def status_spinner() -> Iterator[Callable[[str], None]]:
         yield status.update
 
 
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with a study that was stopped: what it has computed is kept.")]
+
+
+@contextmanager
+def study(output: Path, resume: bool) -> Iterator[None]:
+    """A study into a directory: a signal ends it with the exit code of the signal, and what it has computed is kept."""
+    from ..harness.journal import Stopped, kept_study
+
+    try:
+        with kept_study(output, resume=resume):
+            yield
+    except Stopped as stopped:
+        print(f"cosimo: stopped by {stopped.signal.name}; {stopped.kept} of its runs, solutions or limits are kept, and the same "
+              "command with --resume goes on with them", file=sys.stderr)
+        raise SystemExit(STOPPED + stopped.signal) from None
+
+
 def warn(warnings: Sequence[str]) -> None:
     """Each on a line of standard error."""
     for warning in warnings:

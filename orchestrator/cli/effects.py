@@ -11,7 +11,7 @@ import typer
 
 from ...components.core.errors import BadInput
 from .choices import TOLERANCE
-from .common import AsJson, Changes, app, change, changed, listed, print_table, share, status_spinner, warn
+from .common import AsJson, Changes, Resume, app, change, changed, listed, print_table, share, status_spinner, study, warn
 
 if TYPE_CHECKING:
     from ..harness.studies.effects import Effects
@@ -30,12 +30,12 @@ def effects(
     stop: Annotated[float | None, typer.Option("--stop", help="End of the runs, s.")] = None,
     values: Changes = None,
     as_json: AsJson = False,
+    resume: Resume = False,
 ) -> None:
     """Find the effects a scene calls for. Example: cosimo effects gimbal-scan --tolerance 1% --write small.toml -o out"""
     from ..harness.report.studies.effects import for_effects
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
-    from ..output import ensure_directory
     from ..scene.text import write_scene
     from ..systems import load_scene
 
@@ -45,18 +45,17 @@ def effects(
     loaded = load_scene(scene)
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
     loaded = changed(loaded, changes)
-    ensure_directory(output)  # now, not after many runs
-    with status_spinner() as on_message:
-        study = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
-    written = [study.save(output), for_effects(study, output)]
-    written += [write_scene(study.chosen, write, remarks(study))] if write is not None else []
+    with study(output, resume), status_spinner() as on_message:  # the directory now, not after many runs
+        found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
+        written = [found.save(output), for_effects(found, output)]
+    written += [write_scene(found.chosen, write, remarks(found))] if write is not None else []
     if not more:
-        keep(study)
+        keep(found)
     if as_json:
-        print(json.dumps(summary(study), indent=2))
+        print(json.dumps(summary(found), indent=2))
         return
-    print_effects(study)
-    warn(study.remarks)
+    print_effects(found)
+    warn(found.remarks)
     print(f"wrote {', '.join(map(str, written))}")
 
 

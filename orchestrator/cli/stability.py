@@ -11,7 +11,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput, nearest
-from .common import COMPONENT, FAILED_CHECK, Changes, app, change, changed, listed, parameters_of, print_table, range_of
+from .common import (
+    COMPONENT,
+    FAILED_CHECK,
+    Changes,
+    Resume,
+    app,
+    change,
+    changed,
+    listed,
+    parameters_of,
+    print_table,
+    range_of,
+    study,
+)
 
 if TYPE_CHECKING:
     from ..harness.studies.stability import Scheme
@@ -40,21 +53,19 @@ def stability(
     preset: Annotated[str, typer.Option("--preset", help="Published parameters of a component that is measured alone.")] = "",
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the table and the report.")] = Path("stability"),
     values: Changes = None,
+    resume: Resume = False,
 ) -> None:
     """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
 
     A component alone: cosimo stability component:Pantograph. Without a map: cosimo stability lumped-catenary.
     Hard cases of all components: cosimo stability --hard-cases -o out; exit code 1 where one does not hold.
     """
-    from ..output import ensure_directory
-
-    ensure_directory(output)  # now, not after a long study
     if hard:
         for option, given in {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation, "--steps": steps,
                               "--effects": effects, "--preset": preset, "--set": values}.items():
             if given:
                 raise BadInput(option, "a value", "none for hard cases, which have their own", "Remove it.")
-        _hard_cases(names or [], output)
+        _hard_cases(names or [], output, resume)
         return
     if not names or len(names) > 1:
         raise BadInput("cosimo stability", " ".join(names or []) or "nothing", "one scene, or one component:NAME",
@@ -64,16 +75,16 @@ def stability(
         for option, given in (("--over", over), ("--algorithm", algorithm), ("--extrapolation", extrapolation)):
             if given:
                 raise BadInput(option, "a value", "none for a component alone", "Remove it.")
-        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset, steps, output)
+        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset, steps, output, resume)
         return
     for option, value in (("--effects", ",".join(effects or [])), ("--preset", preset)):
         if value:
             raise BadInput(option, repr(value), "none for a scene, which names its own", "Remove it.")
-    _macro_steps(what, over, values, algorithm, extrapolation, steps, output)
+    _macro_steps(what, over, values, algorithm, extrapolation, steps, output, resume)
 
 
 def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, algorithm: list[str] | None,
-                 extrapolation: list[int] | None, steps: int | None, output: Path) -> None:
+                 extrapolation: list[int] | None, steps: int | None, output: Path, resume: bool) -> None:
     from ..harness.report.studies.stability import for_stability
     from ..harness.studies.stability import STEPS
     from ..harness.studies.stability import stability as measure
@@ -84,14 +95,16 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, al
     if over:
         changes["study.stability"] = dict(map(range_of, over))
     scene = changed(scene, changes)
-    study = measure(scene, _schemes(scene, algorithm, extrapolation), steps=steps or STEPS, progress=True)
-    written = [study.save(output), for_stability(study, output)]
-    names = list(study.varied)
+    schemes = _schemes(scene, algorithm, extrapolation)
+    with study(output, resume):  # the directory now, not after a long study
+        measured = measure(scene, schemes, steps=steps or STEPS, progress=True)
+        written = [measured.save(output), for_stability(measured, output)]
+    names = list(measured.varied)
     print_table(f"{scene.title or scene.name}: longest stable macro step", (*names, "algorithm", "degree", "s", "closed form, s",
                                                                              "what the next longer step did"), [
         (*limit.point.values(), limit.algorithm, limit.extrapolation, _shown(limit.longest, limit.tried),
-         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in study.limits])
-    for remark in study.remarks:
+         "" if isnan(limit.closed) else limit.closed, limit.seen) for limit in measured.limits])
+    for remark in measured.remarks:
         print(remark)
     print("wrote " + ", ".join(map(str, written)))
 
@@ -106,38 +119,40 @@ def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int]
     return schemes_of(scene, names, extrapolation or [])
 
 
-def _internal_steps(name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path
-                    ) -> None:
+def _internal_steps(name: str, effects: list[str] | None, values: list[str] | None, preset: str, steps: int | None, output: Path,
+                    resume: bool) -> None:
     from ..harness.report.studies.stability import for_internal_steps
     from ..harness.studies.internal_steps import STEPS, internal_steps
 
     chosen = listed("--effects", effects) if effects else None
-    study = internal_steps(name, effects=chosen, parameters=parameters_of(values or []), preset=preset, steps=steps or STEPS,
-                           progress=True)
-    written = [study.save(output), for_internal_steps(study, output)]
-    print_table(f"{study.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
+    parameters = parameters_of(values or [])
+    with study(output, resume):
+        measured = internal_steps(name, effects=chosen, parameters=parameters, preset=preset, steps=steps or STEPS, progress=True)
+        written = [measured.save(output), for_internal_steps(measured, output)]
+    print_table(f"{measured.title}: longest stable internal step", ("effects", "s", "own limit, s", "margin",
                                                                   "what the next longer step did"), [
         (", ".join(s.effects) or "none", _shown(s.longest, s.tried), "none" if s.own == inf else s.own,
-         "" if isnan(s.margin) else s.margin, s.seen) for s in study.steps])
+         "" if isnan(s.margin) else s.margin, s.seen) for s in measured.steps])
     print("wrote " + ", ".join(map(str, written)))
 
 
-def _hard_cases(names: list[str], output: Path) -> None:
+def _hard_cases(names: list[str], output: Path, resume: bool) -> None:
     if "numba" not in sys.modules:
         os.environ["NUMBA_DISABLE_JIT"] = "1"
     from ..harness.report.studies.hard_cases import for_hard_cases, margin_text
     from ..harness.studies.hard_cases import hard_cases
 
-    study = hard_cases(names, progress=True)
-    written = [study.save(output), for_hard_cases(study, output)]
+    with study(output, resume):
+        judged = hard_cases(names, progress=True)
+        written = [judged.save(output), for_hard_cases(judged, output)]
     print_table("Hard cases", ("component", "case", "what holds", "reached", "limit", "margin", ""), [
         (v.component, v.case.name, v.claim, "" if isnan(v.reached) else v.reached, "" if isnan(v.limit) else v.limit,
-         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in study.verdicts])
-    for verdict in study.failed:
+         margin_text(v), "" if v.holds else "DOES NOT HOLD") for v in judged.verdicts])
+    for verdict in judged.failed:
         print(f"{verdict.component}, {verdict.case.name}: {verdict.message or 'beyond its limit'}")
-    print(study.summary)
+    print(judged.summary)
     print("wrote " + ", ".join(map(str, written)))
-    if study.failed:
+    if judged.failed:
         raise SystemExit(FAILED_CHECK)
 
 

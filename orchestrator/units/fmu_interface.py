@@ -85,7 +85,7 @@ def _measures(model: ModelDescription) -> dict[str, Measure]:
             continue
         try:
             parse(unit.name)
-        except BadInput:
+        except (BadInput, ArithmeticError, ValueError):  # a power beyond the range of numbers
             if (base := unit.baseUnit) is not None:
                 measures[unit.name] = Measure(base.factor, base.offset, tuple(getattr(base, name) for name in BASES))
     return measures

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output
-from cosimo.orchestrator.checkpoint import check_wish, content_digest
+from cosimo.orchestrator.checkpoint import check_wish
+from cosimo.orchestrator.content import content_digest
 from cosimo.orchestrator.engine.algorithms.master import Saved
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene

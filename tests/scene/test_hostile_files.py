@@ -8,12 +8,17 @@ import random
 import subprocess
 import sys
 import zipfile
+from types import SimpleNamespace
 
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator import loading
+from cosimo.orchestrator.engine.coupling.resolve import _transformation
 from cosimo.orchestrator.run import run
+from cosimo.orchestrator.scene.ssp.measures import Measure, named
 from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.orchestrator.units.fmu_interface import _measures
+from cosimo.orchestrator.units.interface import Signal
 from cosimo.tests.support import Probe
 
 SCENE = 'units.p.component = "cosimo.tests.support:Probe"\nmaster.step = 0.1\nstop_time = 1.0\n'
@@ -115,6 +120,15 @@ def test_an_fmu_that_swells_is_refused_before_it_is_unpacked(tmp_path):
     path = tmp_path / "hostile.toml"
     path.write_text('units.p.fmu = "m.fmu"\nmaster.step = 0.1\nstop_time = 1.0\n')
     refused(path, f"at most {loading.RATIO} times as many")
+
+
+@pytest.mark.parametrize("unit", ["m" + "9" * 400, "kN" + "9" * 5000, "km300.km300"])
+def test_a_unit_of_measure_with_a_power_beyond_all_numbers_is_one_that_nobody_knows(unit):
+    """Seen by the campaign, in an FMU's unit definitions: a traceback."""
+    assert _measures(SimpleNamespace(unitDefinitions=[SimpleNamespace(name=unit, baseUnit=None)])) == {}
+    assert named(unit, {}) == Measure(unit, None)
+    with pytest.raises(BadInput, match=r"connections: units? "):
+        _transformation("a.y -> b.u", Signal("y", unit), Signal("u", "m"), "connections")
 
 
 class Faulty(Probe):

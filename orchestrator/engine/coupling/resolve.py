@@ -121,7 +121,13 @@ def _transformation(connection: str | ConnectionSettings, source: Signal, target
         raise BadInput(where, f"factor and offset for {_article(target.kind)} input", "none; only numbers can be scaled")
     factor, offset = 1.0, 0.0
     if source.unit and target.unit and (own is None or own.convert_units):
-        factor, offset = conversion(source.unit, target.unit, where, (source.measure, target.measure))
+        try:
+            factor, offset = conversion(source.unit, target.unit, where, (source.measure, target.measure))
+        except BadInput:
+            raise
+        except (ArithmeticError, ValueError) as error:  # a power beyond the range of numbers
+            raise BadInput(where, f"units {source.unit[:LONGEST]!r} and {target.unit[:LONGEST]!r} ({type(error).__name__})",
+                           "units of measure whose factors are numbers") from None
     if target.kind != "real" and (factor, offset) != (1.0, 0.0):
         raise BadInput(where, f"{source.unit!r} cannot become {target.unit!r} in whole numbers", "the same unit at both ends")
     return (factor, offset) if own is None else (own.factor * factor, own.factor * offset + own.offset)

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from math import inf, isfinite, isnan, nan
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from ...scene.scene import Scene
@@ -186,11 +185,10 @@ class _Bench:
             self.points.append(point)
             return
         self._on_message(f"{setting.series}, {setting.size:.3g}")
-        start = perf_counter()
         run = trial(self._scene, setting.changes, repeats=self._repeats, patience=PATIENCE * self._budget,
                     confirm=self._repeats > 1)
-        if run.result is not None:
-            self.left -= perf_counter() - start
+        if run.recorded is not None:
+            self.left -= run.elapsed
             self._last[setting.series] = (setting.size, run.seconds)
         self.points.append(self._judged(point, run))
 

@@ -8,7 +8,7 @@ SciPy's methods solve the same compiled right-hand side for the same inputs, and
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from math import inf
 from time import perf_counter, process_time
@@ -20,6 +20,7 @@ from scipy.integrate import solve_ivp
 from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
+from ..journal import once
 from .accuracy import OWN, PATIENCE, USELESS, Accuracy, Point, machine_name, versions, with_finer_errors
 from .coupled_ode import rate_kernel
 from .quantities import Quantity, TimeHistory
@@ -57,6 +58,7 @@ class ComponentRun:
                  stop: float | None = None, wave: float = SHARE):
         self.cls: type[Component] = component_class(name, "component")
         self.effects, self.parameters = effects, dict(parameters or {})
+        self.key = (self.cls, effects, self.parameters, stop, wave)  # for a study's journal
         first = self.make()
         self.stop = stop or self.cls.default_stop
         self.steps = max(min(round(self.stop / self.cls.default_step), STEPS), 4)
@@ -145,7 +147,9 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
     if not probe.x.size or (usual is None and one.kernel is None):
         raise BadInput(f"component:{name}", "nothing that is integrated with steps to choose",
                        "a component with a parameter substep, or a differential equation")
-    truth, second = _solutions(one, usual, on_message)
+    truth, second = once("solutions", one.key, lambda: _solutions(one, usual, on_message),
+                         lambda kept: [Solution(**{**s, "history": TimeHistory(**s["history"])}) for s in kept],
+                         lambda several: [asdict(s) for s in several])
     quantities = [Quantity(f"{n}, time history", n, "time history", 0.0, 0.0, v.nominal, v.unit)
                   for n in probe.outputs for v in [probe.variables[n]]]
     agreement = {q.name: q.error(second.history, truth.history) for q in quantities}
@@ -153,6 +157,10 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
 
     def measure(series: str, size: float, solve: Callable[[], Solved]) -> None:
         on_message(f"{series}, {size:.3g}")
+        points.append(once("point", (*one.key, budget, repeats, series, size), partial(measured, series, size, solve),
+                           lambda kept: Point(**kept)))
+
+    def measured(series: str, size: float, solve: Callable[[], Solved]) -> Point:
         axis = "own" if series == OWN else "method" if series.startswith("SciPy") else "substep"
         point, solved = Point(series, axis, size, {}, "done"), list[Solved]()
 
@@ -164,16 +172,15 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
             timing = repeated(once, repeats=repeats, patience=PATIENCE * budget, confirm=repeats > 1)
         except (BadInput, StepFailed) as error:
             outcome = "refused" if isinstance(error, BadInput) else "failed"
-            points.append(replace(point, outcome=outcome, reason=str(error)))
-            return
+            return replace(point, outcome=outcome, reason=str(error))
         each = {q.name: q.error(solved[0].history, truth.history) for q in quantities}
         worst = max(each, key=lambda name: each[name] + agreement[name])
         largest, work = each[worst] + agreement[worst], solved[0].work
         useless = not largest <= USELESS
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
         reason = f"error of {worst}: {100.0 * largest:.3g} %" if useless else ""
-        points.append(replace(point, outcome="useless" if useless else "done", errors=each, error=largest, reason=reason,
-                              work=counted).timed(timing))
+        return replace(point, outcome="useless" if useless else "done", errors=each, error=largest, reason=reason,
+                       work=counted).timed(timing)
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)

@@ -50,13 +50,19 @@ def scene_digest(scene: Scene) -> str:
 
 def components_digest(scene: Scene) -> str:
     """Of the code of the scene's components; comments, docstrings and layout do not count."""
-    parts: list[str] = []
-    for name, unit in sorted(scene.units.items()):
-        if unit.component in CATALOGUE:
-            parts += [_code_digest(content) for _, content in sorted(sources(CATALOGUE[unit.component]).items())]
-        elif unit.component:
-            parts.append(_code_digest(Path(inspect.getfile(find(unit.component, name))).read_bytes()))
+    parts = [part for name, unit in sorted(scene.units.items()) for part in _code_digests(unit.component, name)]
     return _digest(" ".join(parts).encode())
+
+
+def component_digest(name: str) -> str:
+    """The same of one component of the catalogue."""
+    return _digest(" ".join(_code_digests(name, name)).encode())
+
+
+def _code_digests(component: str, unit: str) -> list[str]:
+    if component in CATALOGUE:
+        return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
+    return [_code_digest(Path(inspect.getfile(find(component, unit))).read_bytes())] if component else []
 
 
 @cache

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,6 +20,7 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed, nearest
 from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
 from ...output import write_table
+from ..journal import once
 from ..sweep import tracked
 
 
@@ -87,7 +89,10 @@ def hard_cases(components: Iterable[str] = (), *, progress: bool = False) -> Har
         if name not in cases:
             raise BadInput("--hard-cases", repr(name), "a component of the catalogue", nearest(name, cases))
     tasks = tracked([(name, case) for name in chosen for case in cases[name]], "hard cases", progress)
-    return HardCases(tuple(verdict for name, case in tasks for verdict in verdicts(name, case)))
+    return HardCases(tuple(verdict for name, case in tasks for verdict in once(
+        "hard case", (component_class(name), case.name), partial(verdicts, name, case),
+        lambda kept, case=case: [Verdict(case=case, **one) for one in kept],  # type: ignore[misc]
+        lambda several: [{key: value for key, value in vars(one).items() if key != "case"} for one in several])))
 
 
 def verdicts(name: str, case: HardCase) -> list[Verdict]:

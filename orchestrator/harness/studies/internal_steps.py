@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
 from ...output import write_table
+from ..journal import once
 from ..sweep import tracked
 from .disturbance import Growth, Own, growth_of, sizes
 from .full_model import with_required
@@ -81,7 +83,9 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
     sets = [tuple(effects)] if effects is not None else [*each]
     chosen = tracked(list(dict.fromkeys(sets)), name, progress)
-    limits = [_measured(cls, one, parameters or {}, preset, steps) for one in chosen]
+    limits = [once("internal step", (cls, one, dict(parameters or {}), preset, steps),
+                   partial(_measured, cls, one, parameters or {}, preset, steps), lambda kept: InternalStep(**kept))
+              for one in chosen]
     return InternalSteps(name, cls.title, tuple(limits))
 
 

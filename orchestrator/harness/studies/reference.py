@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf, log2, nan
 from time import perf_counter
 from typing import Any
@@ -19,9 +20,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ....components.core.errors import BadInput
-from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
+from ..journal import once
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
 from .settings_axes import DEGREES, coupling_changes, refined, with_mesh
@@ -150,7 +151,9 @@ def _solutions(scene: Scene, signals: Sequence[str], finest: float, on_message: 
         for method, tolerance in METHODS:
             if len(solutions) < 2:
                 on_message(f"reference: SciPy {method}")
-                if (history := solved_as_ode(scene, signals, finest, method, tolerance)) is not None:
+                history = _kept("ode", (scene, signals, finest, method, tolerance),
+                                partial(solved_as_ode, scene, signals, finest, method, tolerance))
+                if history is not None:
                     text = f"one differential equation, SciPy {method}, tolerance {tolerance:g}"
                     solutions.append(Solution(text, history, (EQUATIONS,)))
     except BadInput:
@@ -214,11 +217,15 @@ def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, 
 
 def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
     """What a run will take, s, by its first steps; 0 where these cannot be made, which the run itself will tell."""
+    return once("expected", (scene, dict(changes)), lambda: _probed(scene, changes), float, float)
+
+
+def _probed(scene: Scene, changes: Mapping[str, Any]) -> float:
     stop = min(scene.stop_time, PROBED * changes["master.step"])
     times = []
     try:
         for _ in range(2):  # the first one compiles
-            result = run(scene.with_changes({**changes, "stop_time": stop}), in_process=True)
+            result = run(scene.with_changes({**changes, "stop_time": stop}), in_process=True).unless_stopped()
             times.append(result.info["timing"]["run"])
     except BadInput:
         return 0.0
@@ -226,11 +233,20 @@ def _expected(scene: Scene, changes: Mapping[str, Any]) -> float:
 
 
 def _run(scene: Scene, changes: Mapping[str, Any]) -> TimeHistory | None:
-    try:
-        result: Result = run(scene.with_changes(changes), in_process=True)
-    except BadInput:  # an algorithm that cannot step these units
-        return None
-    return TimeHistory(result.time, result.columns) if result.outcome == "done" else None
+    """What the scene with changes records, kept in a study's journal; None where it does not start, or not come to its end."""
+    def solve() -> TimeHistory | None:
+        try:
+            result = run(scene.with_changes(changes), in_process=True).unless_stopped()
+        except BadInput:  # an algorithm that cannot step these units
+            return None
+        return TimeHistory(result.time, result.columns) if result.outcome == "done" else None
+
+    return _kept("solution", (scene, dict(changes)), solve)
+
+
+def _kept(kind: str, of: tuple[Any, ...], solve: Callable[[], TimeHistory | None]) -> TimeHistory | None:
+    return once(kind, of, solve, lambda kept: None if kept is None else TimeHistory(**kept),
+                lambda history: history and vars(history))
 
 
 def _monolith(scene: Scene, quantities: Sequence[Quantity], history: TimeHistory, finest: float,

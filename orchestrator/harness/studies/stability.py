@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ...advice.probing import contacts
 from ...output import write_table
 from ...scene.scene import Scene
+from ..journal import once
 from ..sweep import points, tracked, unit_of
 from .disturbance import FEWEST, Disturbed, Growth, Own
 from .search import longest_stable
@@ -111,9 +113,10 @@ def stability(scene: Scene, schemes: Sequence[Scheme] = (), *, steps: int = STEP
     for point, one, scheme in tracked(tasks, scene.title or scene.name, progress):
         place = tuple(point.values())
         if place not in own:
-            own[place] = _own(one, steps)
+            own[place] = once("own growth", (one, steps), partial(_own, one, steps), lambda kept: Own(**kept))
             messages |= dict.fromkeys(_remarks(one, own[place]))
-        limits.append(_measured(point, one, scheme, own[place], steps))
+        limits.append(once("limit", (one, scheme, steps), partial(_measured, point, one, scheme, own[place], steps),
+                           lambda kept: Limit(**kept)))
     return Stability(scene, varied, tuple(limits), tuple(messages))
 
 

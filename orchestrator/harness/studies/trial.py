@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from math import nan
+from time import perf_counter
 from typing import Any
 
 from ....components.core.errors import BadInput
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
+from ..journal import once
 from .quantities import TimeHistory
 from .timing import Timing, repeated, timing_of
 
@@ -27,7 +29,8 @@ class Trial:
     changes: of the scene, as `Scene.with_changes` takes them.  outcome: "done", "failed" (in
     the run, or unstable) or "refused" (before it);
     reason: why.  timing: of warm runs' stepping, CPU time; where units have processes of their own, elapsed time. None without a
-    run.  work: counted in one run, by `WORK`.  result: of the last run, partial after a failure, None where it was refused.
+    run.  work: counted in one run, by `WORK`.  recorded: signals of the last run, partial after a failure, None where it was
+    refused.  elapsed: real time that all of it took, s.
     """
 
     changes: Mapping[str, Any]
@@ -35,7 +38,8 @@ class Trial:
     reason: str
     timing: Timing | None = None
     work: Mapping[str, int] = field(default_factory=dict)
-    result: Result | None = None
+    recorded: TimeHistory | None = None
+    elapsed: float = 0.0
 
     @property
     def done(self) -> bool:
@@ -49,9 +53,9 @@ class Trial:
 
     @property
     def history(self) -> TimeHistory:
-        """The recorded signals; only of a trial with a result."""
-        assert self.result is not None
-        return TimeHistory(self.result.time, self.result.columns)
+        """The recorded signals; only of a trial that has run."""
+        assert self.recorded is not None
+        return self.recorded
 
 
 class _Ended(Exception):
@@ -63,12 +67,32 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
     """Run the scene with changes, in process, up to `repeats` times or until the runs have taken `patience` seconds together.
 
     confirm: more often, until two times agree; see `repeated`. What has to be compiled is compiled first, by a run of a few
-    steps that does not count. Failures are kept with their reason.
+    steps that does not count. Failures are kept with their reason, and a study's journal keeps the trial.
     """
     changes = dict(changes or {})
-    results: list[Result] = []
     try:
         changed = scene.with_changes(changes) if changes else scene
+    except BadInput as error:
+        return Trial(changes, "refused", str(error))
+    return once("trial", (changed, repeats, patience, confirm), lambda: _trial(changed, changes, repeats, patience, confirm),
+                lambda kept: _restored(changes, kept), _plain)
+
+
+def _plain(trial: Trial) -> dict[str, Any]:
+    return {"outcome": trial.outcome, "reason": trial.reason, "timing": trial.timing and asdict(trial.timing), "work": trial.work,
+            "recorded": trial.recorded and vars(trial.recorded), "elapsed": trial.elapsed}
+
+
+def _restored(changes: Mapping[str, Any], kept: Mapping[str, Any]) -> Trial:
+    timing, recorded = kept["timing"], kept["recorded"]
+    return Trial(changes, kept["outcome"], kept["reason"], Timing(**timing) if timing else None, kept["work"],
+                 TimeHistory(**recorded) if recorded else None, kept["elapsed"])
+
+
+def _trial(changed: Scene, changes: Mapping[str, Any], repeats: int, patience: float, confirm: bool) -> Trial:
+    start = perf_counter()
+    results: list[Result] = []
+    try:
         _warm_up(changed)
         measured = "run" if any(unit.isolation != "none" for unit in changed.units.values()) else "cpu"
 
@@ -80,12 +104,13 @@ def trial(scene: Scene, changes: Mapping[str, Any] | None = None, *, repeats: in
 
         timing = repeated(measure, repeats=repeats, patience=patience, confirm=confirm)
     except BadInput as error:
-        return Trial(changes, "refused", str(error))
+        return Trial(changes, "refused", str(error), elapsed=perf_counter() - start)
     except _Ended:
         timing = timing_of([results[0].info["timing"][measured]])
     last = results[0]
     outcome = "done" if last.outcome == "done" else "failed"
-    return Trial(changes, outcome, last.message, timing, work_of(last), last)
+    return Trial(changes, outcome, last.message, timing, work_of(last), TimeHistory(last.time, last.columns),
+                 perf_counter() - start)
 
 
 def _warm_up(scene: Scene) -> None:
@@ -96,7 +121,7 @@ def _warm_up(scene: Scene) -> None:
         _warm.add(key)
         stop = min(scene.stop_time, WARMING * master.step)
         run(scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshot_interval": None, "faults": ()}),
-            in_process=True)
+            in_process=True).unless_stopped()
 
 
 WORK = ("macro_steps", "hand_overs", "unit_steps", "derivative_calls", "iterations", "rollbacks", "events", "calls")

@@ -53,7 +53,7 @@ def named(name: str | None, defined: Mapping[str, Measure]) -> Measure | None:
         return defined[name]
     try:
         return Measure(name, parse(name))
-    except BadInput:
+    except (BadInput, ArithmeticError, ValueError):  # a power beyond the range of numbers
         return Measure(name, None)
 
 

@@ -1,0 +1,125 @@
+"""Numbers, texts and arrays in a file of their own, with a digest: for checkpoints, and what a study has computed so far.
+
+Nothing in such a file is ever executed, and nothing in it names a class.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import ZIP_STORED, ZipFile
+
+import numpy as np
+
+
+class DamagedContent(ValueError):
+    """The digest of a file does not fit its content."""
+
+
+def write_content(path: Path, content: Any) -> None:
+    """Plain data, arrays, and objects as their attributes; the file appears as a whole or not at all. Raises `OSError`."""
+    arrays: dict[str, np.ndarray] = {}
+    arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
+    arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(name, path)
+    except BaseException:  # a second Ctrl-C, too
+        os.unlink(name)
+        raise
+
+
+def read_content(path: Path) -> Any:
+    """What `write_content` was given, with `ObjectContent` in the place of objects.
+
+    Raises `OSError` for what cannot be read, `ValueError` for what is none of its files, and for a damaged one `DamagedContent`.
+    """
+    try:
+        arrays = _read_arrays(path)
+    except OSError:
+        raise
+    except Exception:  # a file from anywhere: what NumPy and zipfile raise for damaged ones is of many kinds
+        arrays = {}
+    if not {"text", "digest"} <= arrays.keys():
+        raise ValueError(f"{path} holds no content with a digest")
+    if arrays.pop("digest").tobytes() != content_digest(arrays):
+        raise DamagedContent(str(path))
+    return _arrayed(json.loads(arrays["text"].tobytes()), arrays)
+
+
+def _read_arrays(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a file; of one that is compressed none, because cosimo compresses nothing and a small one may be huge."""
+    with ZipFile(path) as archive:
+        if any(member.compress_type != ZIP_STORED for member in archive.infolist()):
+            return {}
+    with np.load(path, allow_pickle=False) as file:
+        arrays = dict(file)  # a member that is no array comes as bytes
+    return arrays if all(isinstance(array, np.ndarray) for array in arrays.values()) else {}
+
+
+def content_digest(arrays: Mapping[str, np.ndarray]) -> bytes:
+    """SHA-256 over names, types, shapes and bytes of arrays."""
+    whole = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        whole.update(repr((name, array.dtype.str, array.shape)).encode() + array.tobytes())
+    return whole.digest()
+
+
+# -- objects as plain data: numbers and texts as they are, arrays and bytes beside the text, the rest as tagged mappings ---------
+def _plain(value: Any, arrays: dict[str, np.ndarray]) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, bytes | np.ndarray):
+        name = f"array{len(arrays)}"
+        arrays[name] = value if isinstance(value, np.ndarray) else np.frombuffer(value, dtype=np.uint8)
+        return {"bytes" if isinstance(value, bytes) else "array": name}
+    if isinstance(value, list):
+        return [_plain(item, arrays) for item in value]
+    if isinstance(value, tuple):
+        return {"tuple": [_plain(item, arrays) for item in value]}
+    if isinstance(value, Mapping):
+        return {"mapping": [[_plain(key, arrays), _plain(item, arrays)] for key, item in value.items()]}
+    if callable(value) or isinstance(value, type) or not hasattr(value, "__dict__"):
+        return {"kept": None}  # a function or a class: the one that is there
+    return {"object": {key: _plain(item, arrays) for key, item in vars(value).items()}}
+
+
+@dataclass(frozen=True)
+class ObjectContent:
+    """The attributes of an object in a file."""
+
+    attributes: Mapping[str, Any]
+
+
+class KeptObject:
+    """Stands for what is taken from the object that is filled."""
+
+
+def _arrayed(data: Any, arrays: Mapping[str, np.ndarray]) -> Any:
+    """What `_plain` was given, with `ObjectContent` in the place of objects."""
+    if isinstance(data, list):
+        return [_arrayed(item, arrays) for item in data]
+    if not isinstance(data, dict):
+        return data
+    ((kind, content),) = data.items()
+    if kind in ("array", "bytes"):
+        return arrays[content] if kind == "array" else arrays[content].tobytes()
+    if kind == "tuple":
+        return tuple(_arrayed(item, arrays) for item in content)
+    if kind == "mapping":
+        return {_arrayed(key, arrays): _arrayed(item, arrays) for key, item in content}
+    if kind == "object":
+        return ObjectContent({key: _arrayed(item, arrays) for key, item in content.items()})
+    return KeptObject()

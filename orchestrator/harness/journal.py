@@ -1,0 +1,137 @@
+"""What a study has computed so far, piece by piece in its result directory: one that was stopped or killed goes on from there.
+
+A piece is a run, a solution or a limit. It is known again by what it depends on: the scene with its changes, the code of its
+components, the settings of the study, this version of cosimo. A study that goes on takes the same decisions with the same
+numbers, times included, as if nothing had happened.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..checkpoint import digest
+from ..content import read_content, write_content
+from ..output import UNFINISHED, locked
+from ..scene.scene import Scene
+from ..units.channel import STOPPING
+
+T = TypeVar("T")
+FOLDER = "study"  # in the folder of what is not finished
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal has ended a study. kept: how many pieces a further call need not compute."""
+
+    def __init__(self, one: signal.Signals):
+        super().__init__(one.name)
+        self.signal, self.kept = one, 0
+
+
+class Journal:
+    """The pieces in a folder."""
+
+    def __init__(self, folder: Path, resume: bool):
+        self._folder = folder
+        self._code: dict[tuple[str, ...], str] = {}  # digests by the components of a scene
+        if not resume:
+            shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True, exist_ok=True)
+
+    @property
+    def kept(self) -> int:
+        """How many pieces there are."""
+        return sum(1 for _ in self._folder.glob("*.npz"))
+
+    def close(self, done: bool) -> None:
+        """Remove the pieces of a study that is done."""
+        if done:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        with suppress(OSError):  # where there are pieces, they stay
+            self._folder.rmdir()
+
+    def piece(self, kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T],
+              plain: Callable[[T], Any]) -> T:
+        """See `once`."""
+        key = [version("cosimo"), kind, *map(self._key, of)]
+        path = self._folder / (hashlib.sha256(json.dumps(key, sort_keys=True, default=repr).encode()).hexdigest() + ".npz")
+        with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
+            return restore(read_content(path))
+        value = compute()
+        write_content(path, plain(value))
+        return value
+
+    def _key(self, part: Any) -> Any:
+        from .studies.fronts import component_digest, components_digest  # which imports the studies
+
+        if isinstance(part, type):
+            return component_digest(part.__name__)
+        if not isinstance(part, Scene):
+            return part
+        components = tuple(unit.component for unit in part.units.values())
+        if components not in self._code:
+            self._code[components] = components_digest(part)
+        return [digest(part), self._code[components]]
+
+
+_journal: ContextVar[Journal | None] = ContextVar("journal", default=None)  # of the study that is under way
+
+
+def once(kind: str, of: tuple[Any, ...], compute: Callable[[], T], restore: Callable[[Any], T],
+         plain: Callable[[T], Any] = asdict) -> T:  # type: ignore[assignment]
+    """A piece of a study: the kept one where the study has a journal with it, else `compute()`, which is kept.
+
+    of: what it depends on, scenes, components of the catalogue and plain data. plain: of a piece, numbers, texts, arrays, and
+    lists and mappings of them, of which `restore` makes the piece again.
+    """
+    journal = _journal.get()
+    return compute() if journal is None else journal.piece(kind, of, compute, restore, plain)
+
+
+@contextmanager
+def kept_study(directory: str | Path, *, resume: bool = False) -> Iterator[Path]:
+    """The result directory of a study, locked, which keeps its pieces there until it is done.
+
+    Ctrl-C, SIGTERM and SIGHUP end it with `Stopped`. `resume`: pieces of an earlier call that did not end are used. Raises
+    `BadInput` where another process writes into the directory.
+    """
+    with locked(directory) as path, _stoppable():
+        journal = Journal(path / UNFINISHED / FOLDER, resume)
+        token, done = _journal.set(journal), False
+        try:
+            yield path
+            done = True
+        except Stopped as stopped:
+            stopped.kept = journal.kept
+            raise
+        finally:
+            _journal.reset(token)
+            journal.close(done)
+
+
+@contextmanager
+def _stoppable() -> Iterator[None]:
+    """Let signals that end a process raise `Stopped`; a SIGHUP that is ignored stays ignored, as nohup wants it."""
+    def stop(number: int, frame: object) -> None:
+        raise Stopped(signal.Signals(number))
+
+    previous = {}
+    if threading.current_thread() is threading.main_thread():  # only there handlers can be set
+        for one in STOPPING:
+            if one == signal.SIGINT or signal.getsignal(one) is not signal.SIG_IGN:
+                previous[one] = signal.signal(one, stop)
+    try:
+        yield
+    finally:
+        for one, handler in previous.items():
+            signal.signal(one, handler)
