@@ -46,16 +46,16 @@ def effects(
     changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
     loaded = changed(loaded, changes)
     with study(output, resume), status_spinner() as on_message:  # the directory now, not after many runs
-        found = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
-        written = [found.save(output), for_effects(found, output)]
-    written += [write_scene(found.chosen, write, remarks(found))] if write is not None else []
+        result = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
+        written = [result.save(output), for_effects(result, output)]
+    written += [write_scene(result.chosen, write, remarks(result))] if write is not None else []
     if not more:
-        keep(found)
+        keep(result)
     if as_json:
-        print(json.dumps(summary(found), indent=2))
+        print(json.dumps(summary(result), indent=2))
         return
-    print_effects(found)
-    warn(found.remarks)
+    print_effects(result)
+    warn(result.remarks)
     print(f"wrote {', '.join(map(str, written))}")
 
 

@@ -25,6 +25,7 @@ from ..content import read_content, write_content
 from ..output import UNFINISHED, locked
 from ..scene.scene import Scene
 from ..units.channel import STOPPING
+from .code_digests import component_digest, components_digest
 
 T = TypeVar("T")
 FOLDER = "study"  # in the folder of what is not finished
@@ -72,8 +73,6 @@ class Journal:
         return value
 
     def _key(self, part: Any) -> Any:
-        from .studies.fronts import component_digest, components_digest  # which imports the studies
-
         if isinstance(part, type):
             return component_digest(part.__name__)
         if not isinstance(part, Scene):

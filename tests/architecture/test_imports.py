@@ -16,7 +16,7 @@ COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba"}
 FLOORS = (
     ("components",),
     ("fmus",),
-    ("orchestrator.output", "orchestrator.cache", "orchestrator.loading", "orchestrator.settings"),
+    ("orchestrator.output", "orchestrator.content", "orchestrator.cache", "orchestrator.loading", "orchestrator.settings"),
     ("orchestrator.units",),
     ("orchestrator.engine",),
     ("orchestrator.scene",),

@@ -13,8 +13,8 @@ from typing import Any
 from ....fmus.loader import cache_root
 from ...output import seal, unsealed
 from ...scene.scene import Scene
+from ..code_digests import components_digest
 from .effects import Effects, Finding, effects
-from .fronts import components_digest
 from .full_model import effects_on, with_effects
 from .quantities import percent
 

@@ -7,25 +7,19 @@ the shipped scene.
 
 from __future__ import annotations
 
-import ast
-import hashlib
-import inspect
 import json
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ....components.catalogue import CATALOGUE
 from ....components.core.errors import BadInput
-from ....fmus.build import sources
 from ....fmus.loader import cache_root
 from ...output import seal, unsealed
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
-from ...units.component import find
+from ..code_digests import components_digest, short_digest
 from .accuracy import Accuracy, Point
 from .accuracy_table import read_points, write_points
 from .quantities import TimeHistory, errors, quantities_of, recording
@@ -43,50 +37,9 @@ def scene_digest(scene: Scene) -> str:
         meshes = {m.removeprefix(f"{name}.") for m in scene.study.mesh if m.startswith(f"{name}.")}
         unit["parameters"] = {k: v for k, v in unit["parameters"].items() if k not in {"substep", *meshes}}
         if unit["fmu"]:
-            unit["fmu"] = _digest(Path(unit["fmu"]).read_bytes())
+            unit["fmu"] = short_digest(Path(unit["fmu"]).read_bytes())
     looked_at = [(q.name, q.transient) for q in quantities_of(scene)]
-    return _digest(json.dumps([data, looked_at], sort_keys=True).encode())
-
-
-def components_digest(scene: Scene) -> str:
-    """Of the code of the scene's components; comments, docstrings and layout do not count."""
-    parts = [part for name, unit in sorted(scene.units.items()) for part in _code_digests(unit.component, name)]
-    return _digest(" ".join(parts).encode())
-
-
-def component_digest(name: str) -> str:
-    """The same of one component of the catalogue."""
-    return _digest(" ".join(_code_digests(name, name)).encode())
-
-
-def _code_digests(component: str, unit: str) -> list[str]:
-    if component in CATALOGUE:
-        return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
-    return [_code_digest(Path(inspect.getfile(find(component, unit))).read_bytes())] if component else []
-
-
-@cache
-def _code_digest(content: bytes) -> str:
-    return _digest(repr(_code(ast.parse(content))).encode())
-
-
-def _code(node: object) -> object:
-    """A syntax tree as nested tuples, the same for all versions of Python that have the same fields: empty ones are left out."""
-    if isinstance(node, list):
-        return [_code(item) for item in node]
-    if not isinstance(node, ast.AST):
-        return node
-    fields = {name: value for name, value in ast.iter_fields(node) if value not in (None, [])}
-    if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node, clean=False) is not None:
-        fields["body"] = node.body[1:]
-    return type(node).__name__, [(name, _code(value)) for name, value in fields.items()]
-
-
-def _digest(*parts: bytes) -> str:
-    whole = hashlib.sha256()
-    for part in parts:
-        whole.update(hashlib.sha256(part).digest())
-    return whole.hexdigest()[:16]
+    return short_digest(json.dumps([data, looked_at], sort_keys=True).encode())
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,11 @@ from dataclasses import replace
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
 from cosimo.orchestrator.harness.studies.accuracy_table import read_points, write_points
-from cosimo.orchestrator.harness.studies.fronts import choose, components_digest, keep, known, scene_digest, verify
+from cosimo.orchestrator.harness.studies.fronts import choose, keep, known, scene_digest, verify
 from cosimo.orchestrator.harness.studies.timing import timing_of
 from cosimo.orchestrator.scene.files import scene_files, shipped
 from cosimo.orchestrator.systems import load_scene

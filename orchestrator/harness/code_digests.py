@@ -1,0 +1,56 @@
+"""Digests of the code of components: what was measured with another one must be measured anew."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import inspect
+from functools import cache
+from pathlib import Path
+
+from ...components.catalogue import CATALOGUE
+from ...fmus.build import sources
+from ..scene.scene import Scene
+from ..units.component import find
+
+
+def components_digest(scene: Scene) -> str:
+    """Of the code of the scene's components; comments, docstrings and layout do not count."""
+    parts = [part for name, unit in sorted(scene.units.items()) for part in _code_digests(unit.component, name)]
+    return short_digest(" ".join(parts).encode())
+
+
+def component_digest(name: str) -> str:
+    """The same of one component of the catalogue."""
+    return short_digest(" ".join(_code_digests(name, name)).encode())
+
+
+def _code_digests(component: str, unit: str) -> list[str]:
+    if component in CATALOGUE:
+        return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
+    return [_code_digest(Path(inspect.getfile(find(component, unit))).read_bytes())] if component else []
+
+
+@cache
+def _code_digest(content: bytes) -> str:
+    return short_digest(repr(_code(ast.parse(content))).encode())
+
+
+def _code(node: object) -> object:
+    """A syntax tree as nested tuples, the same for all versions of Python that have the same fields: empty ones are left out."""
+    if isinstance(node, list):
+        return [_code(item) for item in node]
+    if not isinstance(node, ast.AST):
+        return node
+    fields = {name: value for name, value in ast.iter_fields(node) if value not in (None, [])}
+    if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node, clean=False) is not None:
+        fields["body"] = node.body[1:]
+    return type(node).__name__, [(name, _code(value)) for name, value in fields.items()]
+
+
+def short_digest(*parts: bytes) -> str:
+    """Sixteen hexadecimal digits of SHA-256."""
+    whole = hashlib.sha256()
+    for part in parts:
+        whole.update(hashlib.sha256(part).digest())
+    return whole.hexdigest()[:16]
