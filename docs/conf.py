@@ -1,0 +1,62 @@
+"""The documentation site: `sphinx-build -W --keep-going docs out/site`, with the extra `docs`.
+
+Pages of components, scenes, settings and the Python interface are written from the declarations into `generated` first; tutorials
+are executed. Nothing on the site asks another host for anything.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "site"))
+
+import cosimo_pages  # noqa: E402  (needs the path above)
+import plotly  # noqa: E402
+
+project = "cosimo"
+author = "the authors of cosimo"
+release = version = cosimo_pages.version()
+html_title = f"cosimo {release}"
+
+extensions = ["myst_nb", "sphinx_design", "cosimo_pages", "mathml"]
+exclude_patterns = ["site/*", "out/*"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+suppress_warnings = ["misc.highlighting_failure"]  # tables of a paper drawn in characters
+html_math_renderer = "mathml"
+
+html_theme = "furo"
+html_static_path = [str(HERE / "site" / "static")]
+html_css_files = ["site.css"]
+html_show_sphinx = False
+html_copy_source = False
+pygments_style = "friendly"
+pygments_dark_style = "monokai"
+
+nb_execution_mode = "force" if os.environ.get("COSIMO_DOCS_NOTEBOOKS", "run") == "run" else "off"
+nb_execution_in_temp = True
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+# Cells that end in a figure show it with the site's one copy of Plotly: see site/plots.py.
+_profile = Path(tempfile.mkdtemp(prefix="cosimo-docs-"))
+(_profile / "profile_default" / "startup").mkdir(parents=True)
+shutil.copy(HERE / "site" / "plots.py", _profile / "profile_default" / "startup")
+os.environ["IPYTHONDIR"] = str(_profile)
+
+
+def setup(app):
+    """Put Plotly, which comes with its Python package, beside the pages; remove the profile of the notebooks at the end."""
+    def copy_plotly(app, exception):
+        shutil.rmtree(_profile, ignore_errors=True)
+        if exception is None and app.builder.format == "html":
+            source = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+            shutil.copy(source, Path(app.outdir) / "_static")
+
+    app.connect("build-finished", copy_plotly)

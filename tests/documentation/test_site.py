@@ -1,0 +1,160 @@
+"""The documentation site: built with warnings as errors, then opened in a browser that refuses every other host."""
+
+from __future__ import annotations
+
+import functools
+import http.server
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from cosimo.components.catalogue import CATALOGUE
+from cosimo.orchestrator.scene.scene import scene_files
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel")
+pytestmark = [pytest.mark.full, pytest.mark.skipif(bool(missing := [n for n in NEEDED if find_spec(n) is None]),
+                                                   reason=f"not installed: {', '.join(missing)} (extra 'docs')")]
+PICTURES = [p.stem for p in (DOCS / "pictures" / "scenes").glob("*.png")]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of a whole build, tutorials executed, from a copy of the sources."""
+    source = tmp_path_factory.mktemp("source") / "docs"
+    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("generated", "__pycache__"))
+    out = source.parent / "site"
+    path = os.pathsep.join(p or os.curdir for p in sys.path)
+    done = subprocess.run([sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(source), str(out)],
+                          env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out
+
+
+def test_every_component_and_scene_has_a_page(site):
+    pages = [site / "generated" / "components" / f"{name}.html" for name in CATALOGUE]
+    pages += [site / "generated" / "scenes" / f"{name}.html" for name in scene_files()]
+    assert [p.name for p in pages if not p.is_file()] == []
+    assert "<svg" in (site / "generated/components/Pantograph.html").read_text(encoding="utf-8")
+
+
+def test_every_picture_of_the_gallery_is_of_a_scene():
+    """A new scene has a card without a picture until docs/pictures/thumbnails.py has run."""
+    assert PICTURES
+    assert [name for name in PICTURES if name not in scene_files()] == []
+
+
+def test_the_python_interface_is_searchable(site):
+    import cosimo
+
+    page = (site / "generated/reference/python.html").read_text(encoding="utf-8")
+    assert [name for name in cosimo.__all__ if f'id="cosimo.{name}"' not in page] == []
+    assert "Pantograph" in (site / "searchindex.js").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def address(site):
+    """The site on this machine's own interface."""
+    handler = functools.partial(type("Quiet", (http.server.SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}),
+                                directory=str(site))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}/"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium, the system's one where there is none of playwright."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra 'docs')")
+    program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    with sync_api.sync_playwright() as playwright:
+        try:
+            opened = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        except sync_api.Error as error:
+            pytest.skip(f"no browser starts: {error}")
+        yield opened
+        opened.close()
+
+
+class Visit:
+    """A page as the browser sees it: what it asked of others, and what went wrong."""
+
+    def __init__(self, browser, address: str, path: str, scheme: str = "light"):
+        self.page = browser.new_page(color_scheme=scheme)
+        self.elsewhere: list[str] = []
+        self.errors: list[str] = []
+        self.page.route("**/*", lambda route: self._route(route, address))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+        self.page.goto(address + path, wait_until="load")
+
+    def _route(self, route, address: str) -> None:
+        if route.request.url.startswith((address, "data:", "blob:")):
+            route.continue_()
+        else:
+            self.elsewhere.append(route.request.url)
+            route.abort()
+
+    def count(self, selector: str) -> int:
+        """Elements that there are."""
+        return self.page.locator(selector).count()
+
+    def close(self) -> None:
+        """The page has to be without errors and requests to others."""
+        broken = self.page.evaluate("[...document.images].filter(i => i.complete && !i.naturalWidth && i.loading !== 'lazy')"
+                                    ".map(i => i.src)")
+        self.page.close()
+        assert (self.errors, self.elsewhere, broken) == ([], [], [])
+
+
+@pytest.mark.parametrize(("path", "selector", "least"), [
+    ("index.html", "nav, .sidebar-tree", 1),
+    ("start.html", "pre", 5),
+    ("coupling.html", "math", 3),
+    ("systems/railway.html", ".sd-card img", 6),
+    ("papers/index.html", "table", 10),
+    ("generated/scenes/index.html", ".sd-card img", len(PICTURES)),
+    ("generated/scenes/en50318-2002.html", "article img", 1),
+    ("generated/components/DeepGrooveBearing.html", ".sketch svg line", 10),
+    ("generated/reference/scene-keys.html", "table", 5),
+    ("generated/reference/analysis-keys.html", "table", 5),
+    ("generated/reference/command-line.html", "pre", 10),
+    ("generated/reference/python.html", "dl.py", 30),
+    ("tutorials/pantograph.html", ".plot .main-svg", 1),
+    ("tutorials/accuracy.html", ".plot .main-svg", 1),
+])
+def test_a_kind_of_page_is_whole(browser, address, path, selector, least):
+    visit = Visit(browser, address, path)
+    visit.page.locator(selector).first.wait_for(state="attached")
+    assert visit.count(selector) >= least
+    assert visit.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth + 1")  # nothing runs out of the page
+    visit.close()
+
+
+def test_the_search_finds_a_component(browser, address):
+    visit = Visit(browser, address, "search.html?q=LumpedCatenary")
+    visit.page.locator("#search-results li a").first.wait_for()
+    assert any("LumpedCatenary" in (a.get_attribute("href") or "") for a in visit.page.locator("#search-results li a").all())
+    visit.close()
+
+
+def test_dark_pages_are_dark(browser, address):
+    """Paper and letters of both schemes, as luminance of their colours, 0 to 255."""
+    def luminance(selector: str, what: str) -> float:
+        colour = visit.page.evaluate(f"getComputedStyle(document.querySelector('{selector}')).{what}")
+        red, green, blue = (float(v) for v in colour.strip("rgba()").split(",")[:3])
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    seen = {}
+    for scheme in ("light", "dark"):
+        visit = Visit(browser, address, "generated/components/Pantograph.html", scheme)
+        seen[scheme] = luminance("body", "backgroundColor"), luminance(".sketch text", "fill")
+        visit.close()
+    assert seen["light"][0] > 200 > 100 > seen["light"][1]
+    assert seen["dark"][0] < 60 < 150 < seen["dark"][1]
