@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..core.component import Component
-from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Finite, HardCase, Invariant, Refused, jumps, ramp
+from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Ends, Finite, HardCase, Invariant, Refused, jumps, ramp
 
 RELEASED = {"contact_force": jumps(200.0, (0.0, 0.0))}
 WAVE = (20e3 / 1.35) ** 0.5  # m/s, of the default contact wire
@@ -31,6 +31,22 @@ HARD_CASES = {
         HardCase("bump stops under a blow", "The frame is driven into its stops and out again: no energy comes from there.",
                  (Finite(), AtLeast("contact_force", 0.0)), ("contact_loss", "bump_stops"),
                  {"bump_stops.stiffness": 1e6}, {"wire_height": jumps(0.0, (0.02, -0.3), (0.1, 0.3), (0.2, 0.0))}, duration=0.4),
+        HardCase("one strip off the wire", "The wire leaves the rear strip for 0.2 s: the head tips, and nothing pulls.",
+                 (AtLeast("contact_force", 0.0), AtLeast("two_strips.contact_force", 0.0), Finite()),
+                 ("contact_loss", "two_strips"), {"two_strips.friction": 0.3},
+                 {"two_strips.wire_height": jumps(0.0, (0.1, 0.5), (0.3, 0.0))}, duration=0.5),
+        HardCase("strips of a gram", "Their frequency on contact and suspension is beyond the substep.",
+                 Refused("the limit of RK4", accepted={"substep": 1e-4}), ("contact_loss", "two_strips"),
+                 {"two_strips.mass": 1e-3}),
+        HardCase("waves as short as a step", "200 m/s over an unevenness of 5 cm: several waves within an internal step.",
+                 (AtLeast("contact_force", 0.0), Finite()), ("contact_loss", "wire_unevenness"),
+                 {"speed": 200.0, "wire_unevenness.shortest": 0.05, "wire_unevenness.deviation": 3e-3}, duration=0.2),
+        HardCase("braking to a stop within a step", "The train stands after 0.1005 s at 1.005²/20 m, and stays there.",
+                 (Ends("contact_position", 1e-12, value=30.05050125),), ("acceleration",),
+                 {"speed": 1.005, "acceleration.rate": -10.0, "acceleration.final_speed": 0.0}, duration=0.3),
+        HardCase("a command beyond all limits", "1 MN are asked for: the actuator gives its limit and no more.",
+                 (AtMost("actuator.force", 100.0), Finite()), ("contact_loss", "actuator"), {"actuator.time_constant": 1e-3},
+                 {"actuator.command": jumps(0.0, (0.01, 1e6), (0.05, -1e6))}),
     ),
     "Catenary": (
         HardCase("undamped, explicit", "Released from 200 N: Verlet's energy swings by (w h)²/8 of the modes that take part.",

@@ -16,65 +16,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.component import Effect, Preset
+from ..core.component import Preset
+from ..core.errors import BadInput
 from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
 from ..core.kernels import bind, kernel
 from ..core.variables import input_, output, parameter
-
-
-class ContactLoss(Effect):
-    """Unilateral contact: the head may leave the wire; off, the contact spring also pulls."""
-
-
-class LowerFrame(Effect):
-    """A third mass between the frame and the base (three-mass model); values of the EN 50318:2018 pantograph."""
-
-    explicit_only = True
-
-    mass = parameter(6.0, "kg", "mass of the lower frame", low=1e-6)
-    stiffness = parameter(160.0, "N/m", "stiffness from the lower frame to the base", low=0.0)
-    damping = parameter(100.0, "N.s/m", "damping from the lower frame to the base", low=0.0)
-
-
-class AerodynamicUplift(Effect):
-    """Lift of the air stream on the lowest mass, coefficient * speed²."""
-
-    coefficient = parameter(0.01301, "N.s2/m2", "lift per speed squared; DSA380, read in a public source", low=0.0)
-
-
-class BumpStops(Effect):
-    """Stiff springs at both ends of the head's travel relative to the frame; travel and stiffness are choices of ours."""
-
-    travel = parameter(0.05, "m", "free travel of the head to either side of its relaxed position", low=0.0)
-    stiffness = parameter(1e5, "N/m", "stiffness of a stop", low=0.0)
-
-
-class FrameFriction(Effect):
-    """Dry friction of the frame's joints, smoothed: level * tanh(velocity / width); both numbers are choices of ours."""
-
-    level = parameter(5.0, "N", "friction force at the frame", low=0.0)
-    width = parameter(0.01, "m/s", "velocity over which the friction changes sign", low=1e-6)
-
-
-class BaseExcitation(Effect):
-    """Motion of the vehicle's roof under the base."""
-
-    explicit_only = True
-
-    height = input_(0.0, "m", "height of the base above its place at rest")
-    velocity = input_(0.0, "m/s", "vertical velocity of the base")
-
-
-class OuterContact(Effect):
-    """The force on the head comes from outside, where head and wire are integrated together; off, the head has a spring.
-
-    The own contact spring then only serves the equilibrium at the start.
-    """
-
-    explicit_only = True
-
-    excludes = ("contact_loss",)
-    force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
+from .pantograph_effects import (
+    Acceleration,
+    Actuator,
+    AerodynamicUplift,
+    BaseExcitation,
+    BumpStops,
+    ContactLoss,
+    FrameFriction,
+    LiftFluctuation,
+    LowerFrame,
+    OuterContact,
+    StripLift,
+    TwoStrips,
+    WireUnevenness,
+    fluctuation_sines,
+    sum_of_sines,
+    unevenness_sines,
+)
 
 
 class Pantograph(OdeComponent):
@@ -95,7 +59,13 @@ class Pantograph(OdeComponent):
 
     contact_loss = ContactLoss
     lower_frame = LowerFrame
+    two_strips = TwoStrips
     aerodynamic_uplift = AerodynamicUplift
+    strip_lift = StripLift
+    lift_fluctuation = LiftFluctuation
+    wire_unevenness = WireUnevenness
+    acceleration = Acceleration
+    actuator = Actuator
     bump_stops = BumpStops
     frame_friction = FrameFriction
     base_excitation = BaseExcitation
@@ -153,29 +123,77 @@ class Pantograph(OdeComponent):
             "repository pantograph-rigid-ocs-amm; first and third stiffness look odd there", "verbatim", ("lower_frame",)),
     }
 
+    def kernel_arguments(self):
+        """Parameters and effects; of random effects the sines that they are."""
+        p, e = self._declared_arguments()
+        a = e.acceleration
+        if a is not None and a.rate * (a.final_speed - p.speed) < 0.0:
+            raise BadInput(f"{self.name}: acceleration", f"rate = {a.rate:g} m/s2 from {p.speed:g} to {a.final_speed:g} m/s",
+                           "a rate that leads to the final speed", "Change its sign, or final_speed.")
+        if e.wire_unevenness is not None:
+            e = e._replace(wire_unevenness=unevenness_sines(e.wire_unevenness, self.name))
+        if e.lift_fluctuation is not None:
+            e = e._replace(lift_fluctuation=fluctuation_sines(e.lift_fluctuation, self.name))
+        return p, e
+
     def initial_state(self) -> np.ndarray:
-        """Equilibrium on the wire at its present height (x: z1, z1', z2, z2' and, with `lower_frame`, z3, z3')."""
+        """Equilibrium on the wire at its present height.
+
+        x: z1, z1', z2, z2', with `lower_frame` z3, z3', with `two_strips` front and rear strip and pitch with their rates, with
+        `actuator` its force.
+        """
         p, e = self.arguments
-        base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
         base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
-        lift = p.static_force + (e.aerodynamic_uplift.coefficient * p.speed**2 if e.aerodynamic_uplift is not None else 0.0)
-        contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
-        above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
-        lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
+        lift = p.static_force
+        if e.aerodynamic_uplift is not None:
+            lift += lift_at(self.t, e.aerodynamic_uplift.coefficient, 0, p, e)
+        if e.actuator is not None:
+            lift += limited(self.u[0, e.actuator.u], e.actuator.limit)
         wire = self.u[0, WIRE_HEIGHT]
-        force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
-        head = wire + force * contact
-        x = [head, 0.0, wire + force * above_wire, 0.0]
-        return np.array(x if e.lower_frame is None else [*x, wire + force * lowest, 0.0])
+        if e.wire_unevenness is not None:
+            wire += sum_of_sines(front_position(self.t, p, e), 0, e.wire_unevenness)
+        if e.two_strips is not None:
+            x = self._on_two_strips(p, e, lift, wire, base_height)
+        else:
+            base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
+            contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
+            above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
+            lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
+            force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
+            x = [wire + force * contact, 0.0, wire + force * above_wire, 0.0]
+            if e.lower_frame is not None:
+                x += [wire + force * lowest, 0.0]
+        return np.array(x if e.actuator is None else [*x, limited(self.u[0, e.actuator.u], e.actuator.limit)])
+
+    def _on_two_strips(self, p, e, lift: float, wire: float, base_height: float) -> list[float]:
+        """Equilibrium with both strips on the wire: heights and pitch with their rates."""
+        K, _, m = self._matrices(p, e, [1.0 / (1.0 / p.contact_stiffness + self.u[0, c])
+                                        for c in (WIRE_COMPLIANCE, e.two_strips.u + 1)])
+        n = m.size - 3
+        rear = self.u[0, e.two_strips.u]
+        if e.wire_unevenness is not None:
+            rear += sum_of_sines(front_position(self.t, p, e) - e.two_strips.distance, 0, e.wire_unevenness)
+        base = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
+        load = np.zeros(m.size)
+        load[n - 1] = lift + base * (base_height + p.working_height)
+        contact = [1.0 / (1.0 / p.contact_stiffness + self.u[0, c]) for c in (WIRE_COMPLIANCE, e.two_strips.u + 1)]
+        for i, height in enumerate((wire, rear)):
+            load[n + i] = contact[i] * height
+            if e.strip_lift is not None:
+                load[n + i] += lift_at(self.t, (e.strip_lift.front, e.strip_lift.rear)[i], i + 1, p, e)
+            moment = e.two_strips.friction * e.two_strips.contact_height * contact[i]
+            K[n + 2, n + i] -= moment
+            load[n + 2] -= moment * height
+        return [value for height in np.linalg.solve(K, load).tolist() for value in (height, 0.0)]
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
         p, e = self.arguments
         x = self.x
         springs = p.head_stiffness * (x[2] - x[0]) ** 2
+        front, rear = contact_forces(self.t, x, self.u[0], p, e)
         if e.outer_contact is None:
-            force = contact_force(x, self.u[0], p, e.contact_loss, e.outer_contact)
-            springs += force**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
+            springs += front**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
         base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
         motion = p.head_mass * x[1] ** 2 + p.frame_mass * x[3] ** 2
         if e.lower_frame is None:
@@ -186,23 +204,58 @@ class Pantograph(OdeComponent):
             motion += e.lower_frame.mass * x[5] ** 2
         if e.bump_stops is not None:
             springs += e.bump_stops.stiffness * max(abs(x[0] - x[2]) - e.bump_stops.travel, 0.0) ** 2
+        if e.two_strips is not None:
+            s, i = e.two_strips, first_strip(e)
+            springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, s.u + 1]) + s.pitch_stiffness * x[i + 4] ** 2
+            lift = 0.5 * s.distance * x[i + 4]
+            springs += s.stiffness * ((x[0] + lift - x[i]) ** 2 + (x[0] - lift - x[i + 2]) ** 2)
+            motion += s.mass * (x[i + 1] ** 2 + x[i + 3] ** 2) + s.pitch_inertia * x[i + 5] ** 2
         return 0.5 * (motion + springs)
+
+    def _matrices(self, p, e, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """K, C (n, n) and masses (n,) of head, frame, [lower frame,] [front strip, rear strip, pitch], every spring engaged.
+
+        contact: stiffness of the contacts, N/m, of the head alone or of both strips.
+        """
+        head = p.head_stiffness + (e.bump_stops.stiffness if e.bump_stops is not None else 0.0)
+        k, c, m = [head, p.frame_stiffness], [p.head_damping, p.frame_damping], [p.head_mass, p.frame_mass]
+        if e.lower_frame is not None:
+            k, c, m = [*k, e.lower_frame.stiffness], [*c, e.lower_frame.damping], [*m, e.lower_frame.mass]
+        n, strips = len(m), e.two_strips
+        size = n + (3 if strips is not None else 0)
+        K, C = np.zeros((2, size, size))
+
+        def link(stiffness, damping, direction):
+            d = np.zeros(size)
+            for i, value in direction.items():
+                d[i] = value
+            K[:] += stiffness * np.outer(d, d)
+            C[:] += damping * np.outer(d, d)
+
+        for i in range(n):
+            link(k[i], c[i], {i: 1.0, i + 1: -1.0} if i < n - 1 else {i: 1.0})
+        if strips is None:
+            link(contact[0], 0.0, {0: 1.0})
+        else:
+            m += [strips.mass, strips.mass, strips.pitch_inertia]
+            link(strips.pitch_stiffness, strips.pitch_damping, {n + 2: 1.0})
+            for i, way in ((n, 0.5), (n + 1, -0.5)):
+                link(strips.stiffness, strips.damping, {0: 1.0, n + 2: way * strips.distance, i: -1.0})
+                link(contact[i - n], 0.0, {i: 1.0})
+        if e.frame_friction is not None:
+            C[1, 1] += e.frame_friction.level / e.frame_friction.width
+        return K, C, np.array(m)
 
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| with every spring engaged, s."""
         p, e = self._declared_arguments()
-        head = p.head_stiffness + (e.bump_stops.stiffness if e.bump_stops is not None else 0.0)
-        k, c = [p.contact_stiffness, head, p.frame_stiffness], [0.0, p.head_damping, p.frame_damping]
-        m = [p.head_mass, p.frame_mass]
-        if e.lower_frame is not None:
-            k, c, m = [*k, e.lower_frame.stiffness], [*c, e.lower_frame.damping], [*m, e.lower_frame.mass]
-        n = len(m)
-        K = np.diag(np.add(k[:n], k[1:])) - np.diag(k[1:n], 1) - np.diag(k[1:n], -1)
-        C = np.diag(np.add(c[:n], c[1:])) - np.diag(c[1:n], 1) - np.diag(c[1:n], -1)
-        if e.frame_friction is not None:
-            C[1, 1] += e.frame_friction.level / e.frame_friction.width
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / np.c_[m], -C / np.c_[m]]])
-        return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
+        K, C, m = self._matrices(p, e, (p.contact_stiffness, p.contact_stiffness))
+        n = m.size
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / m[:, None], -C / m[:, None]]])
+        fastest = float(np.abs(np.linalg.eigvals(A)).max())
+        if e.actuator is not None:
+            fastest = max(fastest, 1.0 / e.actuator.time_constant)
+        return RK4_STABILITY_RADIUS / fastest
 
 
 WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")
@@ -212,33 +265,118 @@ FORCE, POSITION, HEAD, HEAD_VELOCITY, FRAME = Pantograph.output_indices(
 
 
 @kernel
-def contact_force(x, u, p, loss, outer):
-    """Force of the contact spring and the wire's own local compliance in series, or what comes from outside, N."""
-    if outer is not None:
-        return -u[outer.u]
-    force = (x[0] - u[WIRE_HEIGHT]) / (1.0 / p.contact_stiffness + u[WIRE_COMPLIANCE])
+def limited(value, limit):
+    """The value within -limit and limit."""
+    return min(max(value, -limit), limit)
+
+
+@kernel
+def speed_at(t, p, e):
+    """Speed of the train, m/s."""
+    if e.acceleration is None or e.acceleration.rate == 0.0:
+        return p.speed
+    change = e.acceleration.rate * t
+    if e.acceleration.rate > 0.0:
+        return min(p.speed + change, e.acceleration.final_speed)
+    return max(p.speed + change, e.acceleration.final_speed)
+
+
+@kernel
+def front_position(t, p, e):
+    """Position of the contact point, or of the front one, m."""
+    position = p.start_position + p.speed * t
+    if e.acceleration is not None and e.acceleration.rate != 0.0:
+        end = (e.acceleration.final_speed - p.speed) / e.acceleration.rate
+        lasted = min(t, end)
+        position += e.acceleration.rate * lasted * (t - 0.5 * lasted)
+    return position
+
+
+@kernel
+def lift_at(t, coefficient, k, p, e):
+    """Lift of the air stream, N; k: 0 lowest mass, 1 front strip, 2 rear strip."""
+    speed = speed_at(t, p, e)
+    lift = coefficient * speed * speed
+    if e.lift_fluctuation is not None:
+        lift *= 1.0 + sum_of_sines(t, k, e.lift_fluctuation)
+    return lift
+
+
+@kernel
+def first_strip(e):
+    """Index of the front strip in the state."""
+    return 4 if e.lower_frame is None else 6
+
+
+@kernel
+def spring_force(approach, compliance, p, loss):
+    """Force of a contact spring and the wire's own local compliance in series, N."""
+    force = approach / (1.0 / p.contact_stiffness + compliance)
     if loss is not None:
         force = max(force, 0.0)
     return force
 
 
 @kernel
+def contact_forces(t, x, u, p, e):
+    """Force of the head or of its front strip, and of the rear strip, N; of the head also what comes from outside."""
+    if e.outer_contact is not None:
+        return -u[e.outer_contact.u], 0.0
+    wire = u[WIRE_HEIGHT]
+    if e.wire_unevenness is not None:
+        position = front_position(t, p, e)
+        wire += sum_of_sines(position, 0, e.wire_unevenness)
+    if e.two_strips is None:
+        return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss), 0.0
+    i, rear = first_strip(e), u[e.two_strips.u]
+    if e.wire_unevenness is not None:
+        rear += sum_of_sines(position - e.two_strips.distance, 0, e.wire_unevenness)
+    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
+            spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, e.contact_loss))
+
+
+@kernel
+def strip_rates(t, x, dx, front, rear, p, e):
+    """Rates of both strips and the pitch; the force of the strips on the head, N. front, rear: contact forces, N."""
+    s, i = e.two_strips, first_strip(e)
+    reach = 0.5 * s.distance
+    to_front = s.stiffness * (x[0] + reach * x[i + 4] - x[i]) + s.damping * (x[1] + reach * x[i + 5] - x[i + 1])
+    to_rear = s.stiffness * (x[0] - reach * x[i + 4] - x[i + 2]) + s.damping * (x[1] - reach * x[i + 5] - x[i + 3])
+    on_front, on_rear = to_front - front, to_rear - rear
+    if e.strip_lift is not None:
+        on_front += lift_at(t, e.strip_lift.front, 1, p, e)
+        on_rear += lift_at(t, e.strip_lift.rear, 2, p, e)
+    moment = (to_rear - to_front) * reach + s.friction * (front + rear) * s.contact_height
+    dx[i], dx[i + 2], dx[i + 4] = x[i + 1], x[i + 3], x[i + 5]
+    dx[i + 1], dx[i + 3] = on_front / s.mass, on_rear / s.mass
+    dx[i + 5] = (moment - s.pitch_stiffness * x[i + 4] - s.pitch_damping * x[i + 5]) / s.pitch_inertia
+    return to_front + to_rear
+
+
+@kernel
 def pantograph_derivatives(t, x, u, dx, p, e):
-    """dx/dt of x = (z1, z1', z2, z2'[, z3, z3'])."""
+    """dx/dt of the state, see `Pantograph.initial_state`."""
     head = p.head_stiffness * (x[2] - x[0]) + p.head_damping * (x[3] - x[1])
     if e.bump_stops is not None:
         travel = x[2] - x[0]
         head += e.bump_stops.stiffness * (max(travel - e.bump_stops.travel, 0.0) + min(travel + e.bump_stops.travel, 0.0))
     lift = p.static_force
     if e.aerodynamic_uplift is not None:
-        lift += e.aerodynamic_uplift.coefficient * p.speed * p.speed
+        lift += lift_at(t, e.aerodynamic_uplift.coefficient, 0, p, e)
+    if e.actuator is not None:
+        f = x.size - 1
+        lift += x[f]
+        dx[f] = (limited(u[e.actuator.u], e.actuator.limit) - x[f]) / e.actuator.time_constant
     base_height, base_velocity = p.working_height, 0.0
     if e.base_excitation is not None:
         base_height += u[e.base_excitation.u]
         base_velocity += u[e.base_excitation.u + 1]
 
+    down, rear = contact_forces(t, x, u, p, e)
+    if e.two_strips is not None:
+        down = strip_rates(t, x, dx, down, rear, p, e)
     dx[0], dx[2] = x[1], x[3]
-    dx[1] = (head - contact_force(x, u, p, e.contact_loss, e.outer_contact)) / p.head_mass
+    dx[1] = (head - down) / p.head_mass
     if e.lower_frame is not None:
         frame = p.frame_stiffness * (x[4] - x[2]) + p.frame_damping * (x[5] - x[3])
         dx[4] = x[5]
@@ -254,9 +392,15 @@ def pantograph_derivatives(t, x, u, dx, p, e):
 @kernel
 def pantograph_outputs(t, x, u, y, p, e):
     """Contact force, position of the contact point, heights and velocity."""
-    y[FORCE] = contact_force(x, u, p, e.contact_loss, e.outer_contact)
-    y[POSITION] = p.start_position + p.speed * t
+    y[FORCE], rear = contact_forces(t, x, u, p, e)
+    y[POSITION] = front_position(t, p, e)
     y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
+    if e.two_strips is not None:
+        i, k = first_strip(e), e.two_strips.y
+        y[k], y[k + 1] = rear, y[POSITION] - e.two_strips.distance
+        y[k + 2], y[k + 3], y[k + 4] = x[i], x[i + 2], x[i + 4]
+    if e.actuator is not None:
+        y[e.actuator.y] = x[x.size - 1]
 
 
 Pantograph.advance = bind(rk4, __name__, derivatives=pantograph_derivatives, outputs=pantograph_outputs)

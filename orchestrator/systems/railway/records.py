@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,8 +75,14 @@ def analysis_window(result: Result) -> tuple[float, float]:
     return (first - 1) * span, last * span
 
 
+STRIPS = ".two_strips"  # behind the name of a pantograph: its rear strip
+
+
 def passages(result: Result) -> list[Passage]:
-    """The pantographs of a run, foremost first: units whose contact force and wire height are recorded."""
+    """The pantographs of a run, foremost first: units whose contact force and wire height are recorded.
+
+    One with two strips comes three times: with the sum of their forces, as EN 50317 judges it, then either strip.
+    """
     all_passages = []
     for connection in result.scene.arrows:
         source, target = (part.strip() for part in connection.split("->"))
@@ -92,6 +98,11 @@ def passages(result: Result) -> list[Passage]:
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
         all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
+    named = {p.pantograph: p for p in all_passages}
+    for name, rear in named.items():
+        if name.endswith(STRIPS) and (front := named.get(name.removesuffix(STRIPS))):
+            whole = replace(front.record, force=front.record.force + rear.record.force)
+            all_passages.insert(0, replace(front, pantograph=f"{front.pantograph}.both_strips", record=whole))
     return sorted(all_passages, key=lambda p: -p.record.position[0])
 
 

@@ -101,27 +101,32 @@ def test_order_of_the_integrator_is_four():
     assert abs(np.polyfit(np.log(1.0 / n), np.log(errors), 1)[0] - 4.0) < 0.15
 
 
-def test_energy_balance_at_random_states():
+@pytest.mark.parametrize("strips", [(), ("two_strips",)])
+def test_energy_balance_at_random_states(strips):
     """dE/dt = work of the static force - dissipation, as an identity of the derivatives, contact unilateral, stops engaged."""
-    pantograph = Pantograph(["contact_loss", "lower_frame", "bump_stops"], {"bump_stops.travel": 0.005})
+    pantograph = Pantograph(["contact_loss", "lower_frame", "bump_stops", *strips], {"bump_stops.travel": 0.005})
     pantograph.initialize(0.0)
     rng = np.random.default_rng(3)
     p, e = pantograph.arguments
     from cosimo.components.railway.pantograph import pantograph_derivatives
 
     for _ in range(50):
-        x = rng.normal(scale=[0.05, 0.5] * 3)
-        dx = np.zeros(6)
+        n = pantograph.x.size
+        x = rng.normal(scale=[0.05, 0.5] * (n // 2))
+        dx = np.zeros(n)
         pantograph_derivatives(0.0, x, pantograph.u[0], dx, p, e)
-        gradient, step = np.zeros(6), 1e-6
-        for k in range(6):
+        gradient, step = np.zeros(n), 1e-6
+        for k in range(n):
             sides = []
             for sign in (1.0, -1.0):
-                pantograph.x = x + sign * step * np.eye(6)[k]
+                pantograph.x = x + sign * step * np.eye(n)[k]
                 sides.append(pantograph.energy())
             gradient[k] = (sides[0] - sides[1]) / (2.0 * step)
         dissipated = p.head_damping * (x[3] - x[1]) ** 2 + p.frame_damping * (x[5] - x[3]) ** 2
         dissipated += e.lower_frame.damping * x[5] ** 2
+        if strips:
+            pitching = 0.29 * x[11]  # 20 N.s/m at each of two strips 0.58 m apart, 1 N.m.s/rad
+            dissipated += 20.0 * ((x[1] + pitching - x[7]) ** 2 + (x[1] - pitching - x[9]) ** 2) + 1.0 * x[11] ** 2
         imbalance = gradient @ dx + dissipated - p.static_force * x[5]
         assert abs(imbalance) < 1e-5 * np.abs(gradient * dx).sum()  # central differences of a piecewise quadratic energy
 

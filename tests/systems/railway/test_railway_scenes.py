@@ -130,6 +130,16 @@ def test_four_pantographs_have_statistics_of_their_own():
     assert each[3].std > 1.1 * each[1].std
 
 
+@pytest.mark.full
+def test_two_strips_are_judged_together_and_one_by_one():
+    """The sum first; its mean is that of both, its scatter less than theirs together: each meets the wire at another place."""
+    result = finished(load_scene("two-strips"))
+    assert [p.pantograph for p in passages(result)] == ["pantograph.both_strips", "pantograph", "pantograph.two_strips"]
+    both, front, rear = (statistics(result, pantograph=k) for k in range(3))
+    assert both.mean == pytest.approx(front.mean + rear.mean, rel=2e-3)  # their windows are 0.58 m apart
+    assert both.std < 0.9 * (front.std + rear.std)
+
+
 def test_effects_that_are_off_leave_no_trace_in_a_result():
     result = finished(reference_scene())
     assert not any("." in name.partition(".")[2] for name in result.columns)

@@ -1,0 +1,222 @@
+"""Optional parts of the pantograph: what the scene may switch on."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..core.component import Effect
+from ..core.errors import BadInput
+from ..core.kernels import kernel, kernel_tuple
+from ..core.variables import input_, integer, output, parameter
+
+TURN = 2.0 * math.pi
+
+
+class ContactLoss(Effect):
+    """Unilateral contact: the head may leave the wire; off, the contact spring also pulls."""
+
+
+class LowerFrame(Effect):
+    """A third mass between the frame and the base (three-mass model); values of the EN 50318:2018 pantograph."""
+
+    explicit_only = True
+
+    mass = parameter(6.0, "kg", "mass of the lower frame", low=1e-6)
+    stiffness = parameter(160.0, "N/m", "stiffness from the lower frame to the base", low=0.0)
+    damping = parameter(100.0, "N.s/m", "damping from the lower frame to the base", low=0.0)
+
+
+class TwoStrips(Effect):
+    """Two collector strips on the head, each with its own contact point, and pitching of the head.
+
+        m_s s_i'' = k_s (z1 ± theta d/2 - s_i) + c_s (z1' ± theta' d/2 - s_i') + L_i - F_i,    + at the front
+        J theta'' = (Q_rear - Q_front) d/2 + mu (F_front + F_rear) e - k_p theta - c_p theta'
+
+    Q_i: force from the head on strip i; theta raises the front; the wire's friction mu F draws the strips, e above the pivot, to
+    the rear and so presses the front one. `head_mass` is that of the head without its strips; the head's contact point is the
+    front strip's, either strip has a contact spring. Equations derived for this project; all numbers are choices of ours.
+    """
+
+    explicit_only = True
+
+    excludes = ("outer_contact",)
+    mass = parameter(2.0, "kg", "mass of a strip", low=1e-6)
+    stiffness = parameter(2e4, "N/m", "stiffness of a strip's suspension on the head", low=1e-3)
+    damping = parameter(20.0, "N.s/m", "damping of a strip's suspension", low=0.0)
+    distance = parameter(0.58, "m", "distance of the strips along the track", low=1e-3)
+    pitch_inertia = parameter(0.3, "kg.m2", "moment of inertia of the head about its pivot", low=1e-9)
+    pitch_stiffness = parameter(50.0, "N.m/rad", "stiffness against pitching of the head", low=0.0)
+    pitch_damping = parameter(1.0, "N.m.s/rad", "damping of the pitching", low=0.0)
+    friction = parameter(0.0, "1", "coefficient of friction between strip and wire", low=0.0, high=2.0)
+    contact_height = parameter(0.05, "m", "height of the contact over the pivot of the head", low=0.0)
+
+    wire_height = input_(0.0, "m", "height of the contact wire at the rear strip", nominal=0.05)
+    wire_compliance = input_(0.0, "m/N", "compliance of the wire at the rear strip that its model leaves out", nominal=1e-5)
+    contact_force = output("N", "force of the rear strip on the wire, positive upwards", nominal=100.0,
+                           feedthrough=(".wire_height", ".wire_compliance"))
+    contact_position = output("m", "position of the rear strip along the track", nominal=100.0)
+    front_height = output("m", "height of the front strip", nominal=0.05)
+    rear_height = output("m", "height of the rear strip", nominal=0.05)
+    pitch = output("rad", "pitch of the head, positive with the front up", nominal=0.01)
+
+
+class AerodynamicUplift(Effect):
+    """Lift of the air stream on the lowest mass, coefficient * speed²."""
+
+    coefficient = parameter(0.01301, "N.s2/m2", "lift per speed squared; DSA380, read in a public source", low=0.0)
+
+
+class StripLift(Effect):
+    """Lift of the air stream on each strip, coefficient * speed²; both numbers are choices of ours."""
+
+    requires = ("two_strips",)
+    explicit_only = True
+
+    front = parameter(0.003, "N.s2/m2", "lift of the front strip per speed squared")
+    rear = parameter(0.003, "N.s2/m2", "lift of the rear strip per speed squared")
+
+
+class LiftFluctuation(Effect):
+    """Fluctuation of every lift about its mean: sines of equal energy and random phase, other ones for each lift.
+
+    Intensity: 5 to 10 % recalled for strips. The same for the same seed.
+    """
+
+    requires = ("aerodynamic_uplift",)
+    explicit_only = True
+
+    intensity = parameter(0.05, "1", "standard deviation over the mean lift", low=0.0, high=1.0)
+    lowest = parameter(0.2, "Hz", "lowest frequency", low=1e-3)
+    highest = parameter(20.0, "Hz", "highest frequency", low=1e-3)
+    components = integer(40, "number of sines", low=1, high=1000)
+    seed = integer(1, "of the random frequencies and phases", low=0, high=2**31 - 1)
+
+
+class WireUnevenness(Effect):
+    """Unevenness of the wire at the contact, added to the height that the wire's model gives: sines with random phases.
+
+        S(n) = S0 / (1 + (n / n0)^p),    1 / longest <= n <= 1 / shortest
+
+    scaled to the standard deviation; the same for the same seed. Form and numbers are choices of ours: no measured spectrum with
+    readable coefficients was found.
+    """
+
+    explicit_only = True
+
+    deviation = parameter(1e-3, "m", "standard deviation of the unevenness", low=0.0)
+    longest = parameter(60.0, "m", "longest wave length, 1 / n0", low=1e-2)
+    shortest = parameter(0.4, "m", "shortest wave length", low=1e-3)
+    exponent = parameter(2.0, "1", "exponent p of the spectrum", low=0.0, high=10.0)
+    components = integer(60, "number of sines", low=1, high=2000)
+    seed = integer(1, "of the random wave lengths and phases", low=0, high=2**31 - 1)
+
+
+class Acceleration(Effect):
+    """The train accelerates or brakes from the parameter `speed` at time 0 to a final speed, and keeps that."""
+
+    explicit_only = True
+
+    rate = parameter(0.5, "m/s2", "acceleration, negative for braking", low=-10.0, high=10.0)
+    final_speed = parameter(83.333333333333329, "m/s", "speed at which it ends", low=0.0, high=200.0)
+
+
+class Actuator(Effect):
+    """An actuator between base and lowest mass adds a force after a command, with a first-order lag and a limit.
+
+        tau f' = limited(command) - f
+
+    Time constant and limit are choices of ours, of the size of a pneumatic drive.
+    """
+
+    explicit_only = True
+
+    time_constant = parameter(0.05, "s", "time constant of the lag", low=1e-6)
+    limit = parameter(100.0, "N", "largest force to either side", low=0.0)
+    command = input_(0.0, "N", "wanted force beside the static one, positive upwards", nominal=10.0)
+    force = output("N", "force of the actuator", nominal=10.0)
+
+
+class BumpStops(Effect):
+    """Stiff springs at both ends of the head's travel relative to the frame; travel and stiffness are choices of ours."""
+
+    travel = parameter(0.05, "m", "free travel of the head to either side of its relaxed position", low=0.0)
+    stiffness = parameter(1e5, "N/m", "stiffness of a stop", low=0.0)
+
+
+class FrameFriction(Effect):
+    """Dry friction of the frame's joints, smoothed: level * tanh(velocity / width); both numbers are choices of ours."""
+
+    level = parameter(5.0, "N", "friction force at the frame", low=0.0)
+    width = parameter(0.01, "m/s", "velocity over which the friction changes sign", low=1e-6)
+
+
+class BaseExcitation(Effect):
+    """Motion of the vehicle's roof under the base."""
+
+    explicit_only = True
+
+    height = input_(0.0, "m", "height of the base above its place at rest")
+    velocity = input_(0.0, "m/s", "vertical velocity of the base")
+
+
+class OuterContact(Effect):
+    """The force on the head comes from outside, where head and wire are integrated together; off, the head has a spring.
+
+    The own contact spring then only serves the equilibrium at the start.
+    """
+
+    explicit_only = True
+
+    excludes = ("contact_loss",)
+    force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
+
+
+@kernel_tuple
+class Sines(NamedTuple):
+    """sum amplitude[i] cos(number[i] s + phase[k, i]) over a distance or a time s; number: (n,) 1/m or 1/s, phase: (m, n)."""
+
+    amplitude: np.ndarray
+    number: np.ndarray
+    phase: np.ndarray
+
+
+@kernel
+def sum_of_sines(s, k, sines):
+    """Row k of `sines` at s."""
+    total = 0.0
+    for i in range(sines.amplitude.size):
+        total += sines.amplitude[i] * math.cos(sines.number[i] * s + sines.phase[k, i])
+    return total
+
+
+def random_sines(lowest: float, highest: float, count: int, density, deviation: float, rows: int, seed: int) -> Sines:
+    """Sines in `count` bands of equal ratio between two frequencies, each at random within its band, with the band's energy.
+
+    density: of the energy over the frequency, to a factor; the sum has the standard deviation.
+    """
+    random = np.random.default_rng(int(seed))
+    edges = np.geomspace(lowest, highest, int(count) + 1)
+    number = edges[:-1] * (edges[1:] / edges[:-1]) ** random.random(int(count))
+    energy = density(np.sqrt(edges[1:] * edges[:-1])) * np.diff(edges)
+    amplitude = deviation * np.sqrt(2.0 * energy / energy.sum())
+    return Sines(amplitude, TURN * number, TURN * random.random((rows, int(count))))
+
+
+def unevenness_sines(effect, where: str) -> Sines:
+    """Of `WireUnevenness`, over the position along the track, m."""
+    if effect.shortest >= effect.longest:
+        raise BadInput(f"{where}: wire_unevenness", f"wave lengths from {effect.shortest:g} to {effect.longest:g} m",
+                       "a shortest one below the longest")
+    return random_sines(1.0 / effect.longest, 1.0 / effect.shortest, effect.components,
+                        lambda n: 1.0 / (1.0 + (n * effect.longest) ** effect.exponent), effect.deviation, 1, effect.seed)
+
+
+def fluctuation_sines(effect, where: str) -> Sines:
+    """Of `LiftFluctuation`, over time, s, relative; rows: lowest mass, front strip, rear strip."""
+    if effect.lowest >= effect.highest:
+        raise BadInput(f"{where}: lift_fluctuation", f"frequencies from {effect.lowest:g} to {effect.highest:g} Hz",
+                       "a lowest one below the highest")
+    return random_sines(effect.lowest, effect.highest, effect.components, np.ones_like, effect.intensity, 3, effect.seed)
