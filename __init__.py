@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from .orchestrator.harness.studies.accuracy import accuracy
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
-    from .orchestrator.harness.sweep import sweep
     from .orchestrator.results import Result
     from .orchestrator.run import run
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene
     from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
+    from .orchestrator.systems.many import sweep
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -63,7 +63,7 @@ _PLACES = {
     "orchestrator.harness.studies.accuracy": ("accuracy",),
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
-    "orchestrator.harness.sweep": ("sweep",),
+    "orchestrator.systems.many": ("sweep",),
     "orchestrator.results": ("Result",),
     "orchestrator.run": ("run",),
     "orchestrator.scene.build": ("unit",),

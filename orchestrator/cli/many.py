@@ -1,51 +1,79 @@
-"""Sweeps: one scene, many runs."""
+"""Many runs of one scene: sweeps by plans, and what follows from them."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .common import FAILED_RUN, STOPPED, Changes, app, change, changed, range_of
+from ...components.core.errors import BadInput
+from .common import FAILED_RUN, STOPPED, Changes, app, change, changed, range_of, warn
 
-JOURNAL = "sweep.jsonl"  # file in the output directory: each point when it is done
+if TYPE_CHECKING:
+    from ..harness.sweep import Sweep
+    from ..scene.scene import Scene
+
+Plan_ = Annotated[Path | None, typer.Option("--plan", help=(
+    "TOML file: what varies, how points are chosen, what is kept of each run."))]
+Jobs = Annotated[int | None, typer.Option("--jobs", help=(
+    "Processes; default: one for each core, where the points need longer than those to start."))]
+Scheduler = Annotated[str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
+SceneName = Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")]
 
 
 @app.command()
 def sweep(
-    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    scene: SceneName,
+    plan: Plan_ = None,
     over: Annotated[list[str] | None, typer.Option("--over", metavar="UNIT.PARAMETER=FROM:TO:POINTS", help=(
         "Values of a parameter, instead of the scene's [sweep]; several make a grid."))] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory for sweep.csv and the report.")] = Path("sweep"),
+    output: Annotated[Path, typer.Option("-o", "--output", help=(
+        "Directory for sweep.csv, the data set and the report; points that are there are not run again."))] = Path("sweep"),
     values: Changes = None,
-    resume: Annotated[bool, typer.Option("--resume", help=(
-        "Go on with a sweep that was stopped: points that are done are kept."))] = False,
+    jobs: Jobs = None,
+    scheduler: Scheduler = "",
+    add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
+    retry: Annotated[bool, typer.Option("--retry", help="Run points that have failed again.")] = False,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from ..harness import report
     from ..harness.sweep import NOT_RUN
-    from ..harness.sweep import sweep as run_sweep
     from ..output import locked
-    from ..systems import load_scene
+    from ..systems import many
 
-    loaded = load_scene(scene)
-    changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
-    if over:
-        changes["sweep"] = dict(map(range_of, over))
-    loaded = changed(loaded, changes)
-    with locked(output) as directory:  # now, not after a long sweep
-        results = run_sweep(loaded, progress=True, journal=directory / JOURNAL, resume=resume)
-        written = [results.save(output), *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
+    if plan is not None and over:
+        raise BadInput("sweep", "--plan and --over", "one of them")
+    loaded = scene_of(scene, values, {"sweep": dict(map(range_of, over))} if over else {})
+    with locked(output):  # now, not after a long sweep
+        results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True)
+        written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
+    warn(results.remarks)
     failed = [o for o in results.outcomes if o not in ("done", NOT_RUN)]
     left = results.outcomes.count(NOT_RUN)
-    print(f"{len(results.outcomes)} points, {len(failed)} failed; wrote {', '.join(map(str, written))}")
-    for reason in dict.fromkeys(failed):
+    earlier = len(results.outcomes) - results.computed
+    kept = f", {earlier} of an earlier call" if earlier else ""
+    print(f"{len(results.outcomes)} points{kept}, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    for reason in list(dict.fromkeys(failed))[:20]:
         print(f"cosimo: {reason}", file=sys.stderr)
-    if results.stopped is not None:
-        print(f"cosimo: stopped by {results.stopped.name}, {left} points were not run; the same command with --resume runs them",
-              file=sys.stderr)
-        raise SystemExit(STOPPED + results.stopped)
+    stopped_early(results, left)
     if failed:
         raise SystemExit(FAILED_RUN)
+
+
+def scene_of(name: str, values: list[str] | None, more: dict[str, Any] | None = None) -> Scene:
+    """A scene with the changes of the command line."""
+    from ..systems import load_scene
+
+    loaded = load_scene(name)
+    changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
+    return changed(loaded, {**changes, **(more or {})})
+
+
+def stopped_early(results: Sweep, left: int) -> None:
+    """End with the signal's exit code where one has ended the sweep."""
+    if results.stopped is not None:
+        print(f"cosimo: stopped by {results.stopped.name}, {left} points were not run; the same command runs them",
+              file=sys.stderr)
+        raise SystemExit(STOPPED + results.stopped)

@@ -1,7 +1,8 @@
-"""One scene over the values its [sweep] names: every combination is a run in this process.
+"""One scene, many runs: the points of a plan, computed here, by a pool of processes or by a cluster, and kept as one data set.
 
-What is kept of a run are measures of its recorded signals after the transient and, where [analysis] has a section, the
-points of a signal each time an angle passes a multiple of something: the raw material of a bifurcation diagram.
+What is kept of a run are statistics of its recorded signals after the transient, the figures of its system, quantities, own
+functions and signals on request, and, where [analysis] has a section, the points of a signal each time an angle passes a
+multiple of something: the raw material of a bifurcation diagram.
 
     [analysis]
     transient = 0.5                                                             # s, left out of everything below
@@ -10,43 +11,43 @@ points of a signal each time an angle passes a multiple of something: the raw ma
 
 from __future__ import annotations
 
-import itertools
-import json
-import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from signal import Signals
-from typing import Any, TypeVar
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...components.core.errors import BadInput, nearest
-from ..checkpoint import digest
-from ..output import write_table
-from ..progress import Interrupt
+from ...components.core.errors import BadInput
+from ..output import locked
 from ..results import Result
-from ..run import run
 from ..scene.scene import Scene
-from ..units.component import find
-from .analysis.records import after_transient
-from .analysis.sections import section as section_of
+from ..settings.plan import SAMPLED, PlanSettings
+from .many import store
+from .many.execute import compute_here, compute_with
+from .many.live import Live
+from .many.measures import Task, check_analysis, prepared
+from .many.plan import Points, plan_of, plan_settings, read_plan, unit_of
+from .many.workers import Cluster, Pool, Workers, cores
 
-T = TypeVar("T")
+if TYPE_CHECKING:
+    from .summary import Summary
+
 NOT_RUN = "not run"
-KINDS: dict[str, Callable[[np.ndarray], Any]] = {
-    "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
-}
+ALONE = 4.0  # s that this process works before it starts others
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """What the points of a sweep gave, in the order of the product of its values.
+    """What the points of a sweep gave, in the order of its plan.
 
-    varied: "unit.parameter" -> values, (n,).  measures: "unit.signal, kind" -> (n,), NaN where a run failed.
-    outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
+    varied: "unit.parameter" -> values, (n,), numbers or texts.  measures: "unit.signal, kind" and the like -> (n,), NaN where a
+    run failed.  outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
     units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
+    plan: how the points were chosen.  files: what was written.  efficiency: share of the workers' time in runs.
     """
 
     scene: Scene
@@ -56,139 +57,122 @@ class Sweep:
     section: tuple[np.ndarray, ...]
     units: Mapping[str, str]
     stopped: Signals | None = None
+    plan: PlanSettings = field(default_factory=lambda: PlanSettings(vary={"": [0.0]}))
+    files: tuple[Path, ...] = ()
+    remarks: tuple[str, ...] = ()
+    computed: int = 0
+    efficiency: float = 1.0
 
-    def save(self, directory: str | Path) -> Path:
-        """Write sweep.csv: one row a point, the first line the column names with units."""
-        columns = {**self.varied, **self.measures}
-        names = [f"{n}, {self.units[n]}" if self.units[n] else n for n in columns]
-        rows = zip(*(c.tolist() for c in columns.values()), self.outcomes, strict=True)
-        return write_table(directory, "sweep.csv", [*names, "outcome"], rows)
+    @property
+    def done(self) -> np.ndarray:
+        """(n,) truth values: points that gave their numbers."""
+        return np.array([o == "done" for o in self.outcomes])
+
+
+def sweep_settings(scene: Scene) -> PlanSettings:
+    """The plan of the scene's own [sweep]: every combination; raises `BadInput` without one."""
+    if not scene.sweep:
+        raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
+                       'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11 or --plan.')
+    return plan_settings({"vary": scene.sweep}, f"{scene.name}: sweep")
 
 
 def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
-    """(values by "unit.parameter", the scene with them) of every combination, all checked; raises `BadInput` without [sweep]."""
-    if not scene.sweep:
-        raise BadInput(f"{scene.name}: sweep", "nothing", "a table of parameters and their values",
-                       'Add [sweep] with lines like unit.parameter = [1.0, 2.0], or give --over unit.parameter=0:1:11.')
-    combinations = []
-    for values in itertools.product(*scene.sweep.values()):
-        point = dict(zip(scene.sweep, values, strict=True))
-        places = {}
-        for name, value in point.items():
-            unit, parameter = scene.split(name)
-            if not parameter:
-                raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
-            places[f"units.{unit}.parameters.{parameter}"] = value
-        combinations.append((point, scene.with_changes(places)))
-    return combinations
+    """(values by "unit.parameter", the scene with them) of every combination of [sweep], all checked; raises `BadInput`."""
+    from .many.plan import changes
+
+    plan = plan_of(scene, sweep_settings(scene))
+    return [(values, scene.with_changes(changes(scene, values))) for values in map(plan.values, range(plan.size))]
 
 
-def sweep(scene: Scene, *, progress: bool = False, journal: Path | None = None, resume: bool = False) -> Sweep:
-    """Run every point; a run that fails leaves NaN and its reason, and the sweep goes on.
+def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
+          directory: str | Path | None = None, *, jobs: int | None = 1, scheduler: str = "", add: int = 0, retry: bool = False,
+          progress: bool = False, summarize: Callable[[Result], Summary] | None = None,
+          cube: np.ndarray | None = None) -> Sweep:
+    """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
-    Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run".
-    `journal`: a file to which each point is written when it is done. `resume`: points that stand there are not run again.
+    `directory`: where the points, the table and the data set go; what is there of the same scene is not run again. `jobs`:
+    processes of this machine, 1: this one, None: all cores where it pays; `scheduler`: address of a Dask cluster instead.
+    `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
+    `cube`: points (n, d) of the unit cube in the place of the method's own. Neither the number of workers nor their order changes
+    a number.
+    Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
-    combinations = points(scene)
-    _check_analysis(scene)
-    units = {name: unit_of(scene, name) for name in scene.sweep}
-    known = _journal(journal) if journal is not None and resume else {}
-    if journal is not None and not resume:
-        journal.unlink(missing_ok=True)
-    measured: list[dict[str, Any]] = []
-    stopped: Signals | None = None
-    with Interrupt(lambda: None) as interrupt:  # between two runs; inside of one it has its own
-        for _, one in tracked(combinations, scene.title or scene.name, progress):
-            key = digest(one) if journal is not None else ""
-            point = known.get(key) or _point(one)
-            stopped = point if isinstance(point, Signals) else interrupt.wanted
-            if isinstance(point, Signals) or stopped is not None:
-                break
-            if journal is not None and key not in known:
-                with open(journal, "a", encoding="utf-8") as file:
-                    file.write(json.dumps({"digest": key, **point}) + "\n")
-            measured.append(point)
-            units |= point["units"]
-    measured += [{"row": {}, "section": [], "outcome": NOT_RUN}] * (len(combinations) - len(measured))
-    names = dict.fromkeys(name for point in measured for name in point["row"])
-    return Sweep(
-        scene,
-        {name: np.array([values[name] for values, _ in combinations]) for name in scene.sweep},
-        {name: np.array([point["row"].get(name, np.nan) for point in measured]) for name in names},
-        tuple(point["outcome"] for point in measured),
-        tuple(np.array(point["section"], dtype=float) for point in measured), units, stopped,
-    )
+    settings = (sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path)
+                else plan_settings(plan))
+    chosen = plan_of(scene, _with_more(settings, add), cube)
+    check_analysis(scene)
+    task = Task.of(scene, settings.keep, summarize)
+    with ExitStack() as stack:
+        folder = stack.enter_context(locked(directory)) if directory is not None else Path(
+            stack.enter_context(TemporaryDirectory(prefix="cosimo-sweep-")))
+        base = store.base_of(prepared(scene, settings.keep), task)
+        parts, digests = store.points_folder(folder, base), chosen.digests(base)
+        missing = store.locate_points(parts, digests, retry).missing
+        stopped = None
+        title = f"Sweep of {scene.title or scene.name}"
+        with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
+            if missing.size:
+                stopped = _compute(task, chosen, digests, missing, parts, live, jobs, scheduler)
+            live.end("stopped" if stopped is not None else "done")
+            efficiency = live.efficiency()
+        return _sweep(scene, chosen, store.locate_points(parts, digests), folder, base, stopped, directory is not None,
+                      missing.size, efficiency)
 
 
-def _point(one: Scene) -> dict[str, Any] | Signals:
-    """What a point gives; the signal that has stopped it, which is no failure of the point."""
-    point: dict[str, Any] = {"row": {}, "section": [], "outcome": "", "units": {}}
+def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
+    """The plan with further points of its sequence."""
+    if not add:
+        return settings
+    if settings.method not in SAMPLED or settings.method == "latin-hypercube" or add < 0:
+        raise BadInput("--add", f"{add} with method {settings.method!r}", "a number of points of method 'sobol' or 'random'",
+                       "A grid or a list is extended in its plan; a Latin hypercube cannot be.")
+    return plan_settings({**settings.model_dump(exclude_unset=True), "vary": settings.vary,
+                          "points": (settings.points or 0) + add})
+
+
+def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Live, jobs: int | None,
+             scheduler: str) -> Signals | None:
+    if jobs is not None and jobs < 1:
+        raise BadInput("--jobs", str(jobs), "at least 1")
+    if not scheduler and jobs is None:  # what is short is done before other processes have started; and compiled for them
+        if (stopped := compute_here(task, plan, digests, missing, folder, live, ALONE)) is not None:
+            return stopped
+        missing, jobs = store.locate_points(folder, digests).missing, cores()
+        if not missing.size:
+            return None
+    if not scheduler and min(jobs, missing.size) == 1:
+        return compute_here(task, plan, digests, missing, folder, live)
+    workers: Workers = Cluster(scheduler) if scheduler else Pool(min(jobs, missing.size))
     try:
-        result = run(one, in_process=True)
-        if result.outcome == "stopped":
-            return Signals[result.info["signal"]]
-        point["outcome"] = "done" if result.outcome == "done" else result.message
-        if result.outcome == "done":
-            point["units"] = {f"{n}, {kind}": result.measures[n] for n in result.columns for kind in KINDS}
-            point["row"] = measures(result)
-            point["section"] = section_points(result).tolist()
-    except BadInput as error:  # a value with which this point cannot start, or has no section
-        point["outcome"] = str(error)
-    return point
+        return compute_with(workers, task, plan, digests, missing, folder.resolve(), live)
+    except BaseException:
+        workers.stop()
+        raise
 
 
-def _journal(path: Path) -> dict[str, dict[str, Any]]:
-    """Points by the digest of their scenes; a last line that was not written to its end is left out."""
-    written = {}
-    with suppress(OSError):
-        for line in path.read_text(encoding="utf-8").splitlines():
-            with suppress(ValueError, KeyError, TypeError):
-                point = json.loads(line)
-                if {"row", "section", "outcome", "units"} <= point.keys():
-                    written[point["digest"]] = point
-    return written
+def _sweep(scene: Scene, plan: Points, located: store.Located, folder: Path, base: str, stopped: Signals | None, kept: bool,
+           computed: int, efficiency: float) -> Sweep:
+    """The points as they lie in the folder, with table and data set where they stay there."""
+    collected = store.collect(located, folder)
+    varied = {name: column.labels for name, column in plan.columns.items()}
+    units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)
+    files: list[Path] = []
+    if kept:
+        about = store.provenance(scene, plan, base, units)
+        store.write_provenance(folder, about)
+        files.append(store.write_tables(folder, varied, units, collected))
+        attributes = {"title": scene.title or scene.name, "source": f"cosimo {about['versions']['cosimo']}",
+                      "provenance": _json(about)}
+        data = store.write_data_set(folder, varied, units, collected, located, attributes, plan.settings.keep.interval)
+        files += [data] if data is not None else []
+    outcomes = tuple(o if o in ("done", NOT_RUN) else collected.reasons[r]
+                     for o, r in zip(collected.outcomes.tolist(), collected.reason, strict=True))
+    return Sweep(scene, varied, dict(collected.numbers), outcomes, collected.section, units, stopped, plan.settings,
+                 tuple(files), tuple(plan.remarks), computed, efficiency)
 
 
-def unit_of(scene: Scene, name: str) -> str:
-    """Unit of measure of a swept parameter; "" for one of an FMU."""
-    unit, parameter = scene.split(name)
-    component = scene.units[unit].component
-    return find(component, unit).variables[parameter].unit if component else ""
+def _json(content: Any) -> str:
+    import json
 
-
-def _check_analysis(scene: Scene) -> None:
-    """Refuse, before the first run, a section or a transient that no run could have."""
-    recorded = [".".join(end) for end in scene.coupling.signals]
-    section, transient = scene.analysis.section, scene.analysis.transient
-    for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
-        if name not in recorded:
-            raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
-    if not transient < scene.stop_time:
-        raise BadInput(f"{scene.name}: analysis.transient", f"{transient:g} s",
-                       f"less than the length of the run, {scene.stop_time:g} s")
-
-
-def measures(result: Result) -> dict[str, float]:
-    """"unit.signal, kind" -> number, of every recorded signal after the transient."""
-    kept = after_transient(result)
-    return {f"{n}, {kind}": float(f(c[kept])) for n, c in result.columns.items() for kind, f in KINDS.items()}
-
-
-def section_points(result: Result) -> np.ndarray:
-    """Values of the section's signal, (k,), where its angle passes multiples of a turn over `turns`; none without a section."""
-    wanted = result.scene.analysis.section
-    if wanted is None:
-        return np.zeros(0)
-    kept = after_transient(result)
-    spacing = 2.0 * np.pi / wanted.turns
-    return section_of(result[wanted.angle][kept], spacing, result[wanted.signal][kept])[0]
-
-
-def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
-    """The items one by one, with a progress bar on a terminal."""
-    if not (progress and sys.stderr.isatty()):
-        return items
-    from rich.console import Console
-    from rich.progress import track
-
-    return iter(track(items, description=title, console=Console(stderr=True), transient=True))
+    return json.dumps(content)

@@ -10,7 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, hold_inputs
 from cosimo.components.core.variables import output, parameter
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.harness import sweep as sweeps
+from cosimo.orchestrator.harness.many import measures
 from cosimo.orchestrator.harness.sweep import points, sweep
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
@@ -72,12 +72,12 @@ def test_a_section_takes_the_signal_at_equal_angles():
 def test_a_failing_point_keeps_its_reason_and_the_others_go_on(tmp_path):
     scene = {"stop_time": 1.0, "units": {"p": {"component": "cosimo.tests.support:Probe"}}, "master": {"step": 0.1},
              "sweep": {"p.fail_at": [0.5, 9.0]}}
-    found = sweep(read_scene(scene))
+    found = sweep(read_scene(scene), directory=tmp_path)
     assert "finite" in found.outcomes[0]
     assert found.outcomes[1] == "done"
     assert np.isnan(found.measures["p.time, maximum"][0])
     assert found.measures["p.time, maximum"][1] == pytest.approx(1.0, rel=1e-15)
-    rows = list(csv.reader(found.save(tmp_path).open()))
+    rows = list(csv.reader((tmp_path / "sweep.csv").open()))
     assert rows[0][:2] == ["p.fail_at, s", "p.time, minimum, s"]
     assert [row[-1] == "done" for row in rows[1:]] == [False, True]
 
@@ -162,13 +162,11 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
     assert f"stopped by {number.name}, 2 points were not run" in err
     with open(out / "sweep.csv", newline="") as file:
         assert [row["outcome"] for row in csv.DictReader(file)] == ["done", "done", "not run", "not run"]
-    with open(out / "sweep.jsonl", "a") as file:
-        file.write('{"digest": "torn')  # as a kill leaves it
+    (next((out / "points").iterdir()) / "torn.parquet").write_bytes(b"PAR1")  # as a failing disk leaves it
     runs = []
-    monkeypatch.setattr(sweeps, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
-    assert len((out / "sweep.jsonl").read_text().splitlines()) == 3
+    monkeypatch.setattr(measures, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
     with pytest.raises(SystemExit) as end:
-        main(["sweep", str(path), "-o", str(out), "--resume"])
+        main(["sweep", str(path), "-o", str(out)])
     assert not end.value.code
     assert len(runs) == 2  # points that are done are not run again
     resumed = (out / "sweep.csv").read_text()

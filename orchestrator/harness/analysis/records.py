@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +14,10 @@ if TYPE_CHECKING:
     from ....components.core.component import Component
     from ...results import Result
     from ...scene.scene import Scene
+
+KINDS: dict[str, Callable[[np.ndarray], Any]] = {  # statistics of a signal
+    "minimum": np.min, "maximum": np.max, "mean": np.mean, "standard deviation": np.std,
+}
 
 
 def after_transient(result: Result) -> slice:

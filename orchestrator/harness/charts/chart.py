@@ -41,13 +41,16 @@ class Lines:
 
 @dataclass(frozen=True)
 class Picture:
-    """Values (len(y), len(x)) over a rectangle. palette: "binary" (0 paper, 1 ink), "rising" (from 0), "diverging" (about 0)."""
+    """Values (len(y), len(x)) over a rectangle. palette: "binary" (0 paper, 1 ink), "rising" (from 0), "range" (from the least
+    to the largest), "diverging" (about 0).  limits: values with a line through the places that have them.
+    """
 
     x: Numbers
     y: Numbers
     values: np.ndarray
     label: str = ""  # of the scale
     palette: str = "rising"
+    limits: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

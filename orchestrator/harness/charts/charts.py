@@ -39,7 +39,7 @@ from .style import (
 
 MODES = {"line": "lines", "points": "markers", "line+points": "lines+markers", "dots": "markers"}
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "star")
-PALETTES = {"binary": BINARY, "rising": RISING, "diverging": DIVERGING}
+PALETTES = {"binary": BINARY, "rising": RISING, "range": RISING, "diverging": DIVERGING}
 LINE_COLOURS = (GREEN, PURPLE, ORANGE, SKY, VERMILION)
 DRAWN_DOTS = 12_000  # of a cloud
 LABEL_GAP = 0.045  # of the panel's width; labels of lines nearer to one another are left out
@@ -142,6 +142,7 @@ def _panel(drawing: _Drawing, panel: Panel, n: str, place: tuple[list[float], li
         _lines(drawing, panel, n, ends)
     if panel.picture is not None:
         drawing.data.append(_picture(panel.picture, n, place))
+        drawing.data += [_level(panel.picture, value, n) for value in panel.picture.limits]
     for s in panel.series:
         trace, cut = _trace(s, n, drawing.names, drawing.first(s.name), place)
         drawing.data.append(trace)
@@ -247,6 +248,9 @@ def _picture(picture: Picture, n: str, place: tuple[list[float], list[float]]) -
     values = np.asarray(picture.values, dtype=float)
     limit = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
     low = -limit if picture.palette == "diverging" else 0.0
+    if picture.palette == "range" and np.isfinite(values).any():
+        low, limit = float(np.nanmin(values)), float(np.nanmax(values))
+        low -= 0.15 * (limit - low)  # the least value is not the paper's colour
     rows = [[int(v) for v in row] for row in values] if binary else [drawn(row, 3) for row in values]
     middle = 0.5 * (place[1][0] + place[1][1])
     bar = {"title": {"text": picture.label, "side": "right", "font": {"size": 13}}, "thickness": 12, "outlinewidth": 0}
@@ -266,6 +270,16 @@ def _picture(picture: Picture, n: str, place: tuple[list[float], list[float]]) -
         "yaxis": "y" + n,
         **({"hoverinfo": "skip"} if binary else {"hovertemplate": "%{x:.4g}, %{y:.4g}: %{z:.3g}<extra></extra>"}),
     }
+
+
+def _level(picture: Picture, value: float, n: str) -> dict[str, Any]:
+    """The line through the places of a picture that have a value."""
+    rows = [drawn(row, 6) for row in np.asarray(picture.values, dtype=float)]
+    contours = {"start": value, "end": value, "size": 1.0, "coloring": "none", "showlabels": True,
+                "labelfont": {"size": 11, "color": VERMILION}}
+    return {"type": "contour", "x": drawn(picture.x, 6), "y": drawn(picture.y, 6), "z": rows, "contours": contours,
+            "autocontour": False, "showscale": False, "line": {"color": VERMILION, "width": 2}, "xaxis": "x" + n,
+            "yaxis": "y" + n, "hoverinfo": "skip", "name": "limit", "showlegend": False}
 
 
 def _bands(panel: Panel, n: str) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:

@@ -13,7 +13,7 @@ from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from . import claims, generic, numerics, sweeps
+from . import claims, generic, many_runs, numerics, sweeps
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
@@ -95,9 +95,16 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     blocks: list[Block] = []
     if failed := [o for o in sweep.outcomes if o != "done"]:
         blocks.append(Text([f"{len(failed)} of {len(sweep.outcomes)} points failed: {failed[0]}"], "warning"))
-    blocks += [draw_chart(c) for c in (sweeps.section_chart(sweep), sweeps.measures_chart(sweep)) if c is not None]
+    blocks += [Text(sweep.remarks, "note")] if sweep.remarks else []
+    table = many_runs.table_of(sweep)
+    blocks += [text] if (text := many_runs.outside_text(table)) is not None else []
+    if (chart := sweeps.section_chart(sweep)) is not None:
+        blocks.append(draw_chart(chart))
+    blocks += many_runs.blocks(table)
+    if sweeps.few_groups(sweep) and (chart := sweeps.measures_chart(sweep)) is not None:
+        blocks.append(draw_chart(chart))
     ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
-    lead = (f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that is not swept is as "
+    lead = (f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that does not vary is as "
             f"in: {scene.title or scene.name}.")
     blocks.append(Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True))
     title = f"Sweep of {', '.join(ranges)}"

@@ -10,13 +10,15 @@ from ..charts.chart import Chart, Panel, Series
 from ..charts.style import number
 from .bifurcation import section_panel
 
+MOST_GROUPS = 7  # colours of lines
+
 if TYPE_CHECKING:
     from ..sweep import Sweep
 
 
 def section_chart(sweep: Sweep) -> Chart | None:
     """The section's points over the last parameter, a panel for each combination of the others."""
-    if not any(s.size for s in sweep.section):
+    if not any(s.size for s in sweep.section) or list(sweep.varied.values())[-1].dtype.kind != "f":
         return None
     wanted = sweep.scene.analysis.section
     assert wanted is not None
@@ -52,13 +54,21 @@ def measures_chart(sweep: Sweep) -> Chart | None:
     return Chart("Extremes of the signals", _label(sweep, last), tuple(panels), "After the transient.", columns=2)
 
 
+def few_groups(sweep: Sweep) -> bool:
+    """Whether lines over the last parameter can be drawn: a grid, of not too many combinations of the others."""
+    *others, last = sweep.varied.values()
+    combinations = len(set(zip(*others, strict=True))) if others else 1
+    return sweep.plan.method == "grid" and last.dtype.kind == "f" and combinations <= MOST_GROUPS and bool(sweep.measures)
+
+
 def _groups(sweep: Sweep) -> Iterator[tuple[str, list[int]]]:
     """(name, points) of every combination of all parameters but the last."""
     *others, _ = sweep.varied.values()
     names = list(sweep.varied)[:-1]
     keys = [tuple(v[i] for v in others) for i in range(len(sweep.outcomes))]
     for key, members in itertools.groupby(range(len(keys)), key=keys.__getitem__):
-        yield ", ".join(f"{n} = {number(float(v))}{_unit(sweep, n)}" for n, v in zip(names, key, strict=True)), list(members)
+        values = (v if isinstance(v, str) else number(float(v)) for v in key)
+        yield ", ".join(f"{n} = {v}{_unit(sweep, n)}" for n, v in zip(names, values, strict=True)), list(members)
 
 
 def _label(sweep: Sweep, name: str) -> str:

@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput, StepFailed, nearest
 from ....components.core.hard_cases import Claim, Course, Finite, HardCase, Refused, seen
 from ...output import write_table
 from ..journal import once
-from ..sweep import tracked
+from ..many.measures import tracked
 
 
 @dataclass(frozen=True)

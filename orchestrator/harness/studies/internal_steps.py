@@ -21,7 +21,7 @@ from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
 from ...output import write_table
 from ..journal import once
-from ..sweep import tracked
+from ..many.measures import tracked
 from .disturbance import Growth, Own, growth_of, sizes
 from .full_model import with_required
 from .search import longest_stable

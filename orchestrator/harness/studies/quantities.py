@@ -16,8 +16,8 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...scene.scene import Scene
 from ...settings.study import Wanted, wanted
+from ..analysis.records import KINDS
 from ..analysis.signals import Filter, amplitude_at, uniform
-from ..sweep import KINDS
 
 CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is constant
 EDGE = 2.0  # periods of the cut-off: within them of an end of a run, a filtered signal depends on how it is continued there

@@ -23,7 +23,9 @@ from ...advice.probing import contacts
 from ...output import write_table
 from ...scene.scene import Scene
 from ..journal import once
-from ..sweep import points, tracked, unit_of
+from ..many.measures import tracked
+from ..many.plan import unit_of
+from ..sweep import points
 from .disturbance import FEWEST, Disturbed, Growth, Own
 from .search import longest_stable
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ....components.core.errors import StepFailed
 from ..charts.chart import Chart, Grid
-from ..sweep import tracked
+from ..many.measures import tracked
 from .case import Case, Findings, Options, claim_results, compare
 from .reference import load_table
 

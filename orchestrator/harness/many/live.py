@@ -1,0 +1,105 @@
+"""What a sweep shows while it runs: a bar on the terminal, and a static page that reloads itself."""
+
+from __future__ import annotations
+
+import html
+import sys
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from time import perf_counter, time
+from typing import Any
+
+from ...output import replaced
+
+PAGE_EVERY = 2.0  # s
+SHOWN_REASONS = 12
+PAGE = """<!doctype html><html lang="en"><meta charset="utf-8">{refresh}<title>{percent:.0f} % of {title}</title><style>
+body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 46rem; margin: 2rem auto; padding: 0 1rem; color-scheme: light dark }}
+.bar {{ height: 1.4rem; background: #8884; border-radius: .3rem; overflow: hidden; display: flex }}
+.done {{ background: #0072b2 }} .failed {{ background: #d55e00 }} td {{ padding: .15rem 1rem .15rem 0; vertical-align: top }}
+</style><h1>{title}</h1><div class="bar"><div class="done" style="width:{done_share:.3f}%"></div>
+<div class="failed" style="width:{failed_share:.3f}%"></div></div>
+<p>{state}</p><table>{rows}</table>{reasons}<p>{foot}</p></html>
+"""
+
+
+class Live:
+    """Counts points. done and failed include what an earlier call has computed."""
+
+    def __init__(self, directory: Path, title: str, total: int, before: int, progress: bool):
+        self._path, self._title, self._total, self._before = directory / "progress.html", title, total, before
+        self.done, self.failed = before, 0
+        self.seconds = 0.0  # of real time in runs, of all workers
+        self.workers = 1
+        self._reasons: dict[str, int] = {}
+        self._since, self._page_at = perf_counter(), -PAGE_EVERY
+        self._stack, self._bar = ExitStack(), None
+        if progress and sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[failed]}"),
+                       TimeRemainingColumn())
+            self._bar = self._stack.enter_context(Progress(*columns, console=Console(stderr=True), transient=True))
+            self._task = self._bar.add_task(title, total=total, completed=before, failed="")
+
+    def __enter__(self) -> Live:
+        self._write("running")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def count(self, report: Any) -> None:
+        """A batch has ended."""
+        self.done += report.done
+        self.failed += report.failed
+        self.seconds += report.seconds
+        for reason, number in report.reasons.items():
+            self._reasons[reason] = self._reasons.get(reason, 0) + number
+        if self._bar is not None:
+            self._bar.update(self._task, completed=self.done + self.failed, failed=f"{self.failed} failed" if self.failed else "")
+        if perf_counter() - self._page_at >= PAGE_EVERY:
+            self._write("running")
+
+    def end(self, state: str) -> None:
+        """The last page, which no longer reloads itself."""
+        self._write(state)
+
+    @property
+    def rate(self) -> float:
+        """Points a second of this call."""
+        spent = perf_counter() - self._since
+        return (self.done + self.failed - self._before) / spent if spent > 0.0 else 0.0
+
+    def efficiency(self) -> float:
+        """Share of the workers' time that was spent in runs."""
+        spent = (perf_counter() - self._since) * self.workers
+        return self.seconds / spent if spent > 0.0 else 0.0
+
+    def _write(self, state: str) -> None:
+        self._page_at = perf_counter()
+        ended, total, rate = self.done + self.failed, max(self._total, 1), self.rate
+        left = (self._total - ended) / rate if rate > 0.0 else float("nan")
+        rows = [("points", f"{ended} of {self._total}"), ("failed", str(self.failed)), ("rate", f"{rate:.3g} points/s"),
+                ("time left", "–" if state != "running" or left != left else duration(left)),
+                ("workers", f"{self.workers}, {100.0 * self.efficiency():.0f} % of their time in runs")]
+        table = "".join(f"<tr><td>{name}<td>{value}" for name, value in rows)
+        common = sorted(self._reasons.items(), key=lambda item: -item[1])[:SHOWN_REASONS]
+        reasons = "".join(f"<tr><td>{n}<td>{html.escape(text)}" for text, n in common)
+        page = PAGE.format(
+            refresh='<meta http-equiv="refresh" content="3">' if state == "running" else "", percent=100.0 * ended / total,
+            title=html.escape(self._title), done_share=100.0 * self.done / total, failed_share=100.0 * self.failed / total,
+            state=state, rows=table, reasons=f"<h2>Reasons</h2><table>{reasons}</table>" if reasons else "",
+            foot='<a href="report.html">report</a>' if state == "done" else f"written at {int(time())} s since 1970")
+        with suppress(OSError), replaced(self._path) as file:  # a full disk: the points matter more
+            file.write(page)
+
+
+def duration(seconds: float) -> str:
+    """A time left, as a reader says it."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    if seconds < 5400.0:
+        return f"{seconds / 60.0:.0f} min"
+    return f"{seconds / 3600.0:.1f} h"

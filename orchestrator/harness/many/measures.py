@@ -1,0 +1,209 @@
+"""What is kept of one run: numbers with units, a section's points, time histories."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from signal import Signals
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from ....components.core.errors import BadInput, nearest
+from ...results import Result
+from ...run import run
+from ...scene.scene import Scene, read_scene
+from ...settings.plan import KeepSettings
+from ..analysis.records import KINDS, after_transient
+from ..analysis.sections import section as section_of
+from .plan import changes
+
+if TYPE_CHECKING:
+    from ..summary import Summary
+
+T = TypeVar("T")
+log = logging.getLogger("cosimo")
+OUTCOMES = ("done", "failed", "unstable", "refused", "killed", "not run")
+
+
+@dataclass
+class Row:
+    """What a point gives. outcome: of `OUTCOMES`, with its reason.  numbers, units: by column.  section: (k,).
+
+    time: (m,) s of the kept signals.  signals: by name, (m,).  stopped: the signal that has ended the run.
+    """
+
+    outcome: str
+    reason: str = ""
+    numbers: dict[str, float] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    section: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    time: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    signals: dict[str, np.ndarray] = field(default_factory=dict)
+    stopped: Signals | None = None
+
+
+@dataclass(frozen=True)
+class Task:
+    """A scene and what is kept of its runs, as plain data that another process can take.
+
+    data, name: of the scene.  models: of its [analysis], by system.  summarize: figures of a run, an importable function.
+    """
+
+    data: Mapping[str, Any]
+    name: str
+    models: Mapping[str, Any]
+    keep: KeepSettings
+    summarize: Callable[[Result], Summary] | None = None
+
+    @classmethod
+    def of(cls, scene: Scene, keep: KeepSettings, summarize: Callable[[Result], Summary] | None) -> Task:
+        """Of a scene, which then records what is kept; raises `BadInput` for signals that it does not have."""
+        scene = prepared(scene, keep)
+        for text in keep.functions:
+            function_of(text)
+        return cls(scene.settings(), scene.name, scene._models, keep, summarize if keep.summary else None)
+
+    def scene(self) -> Scene:
+        """The scene, read anew."""
+        return read_scene(self.data, self.name, analysis=self.models)
+
+
+def prepared(scene: Scene, keep: KeepSettings) -> Scene:
+    """The scene with all that is kept among its quantities and recorded signals."""
+    from ..studies.quantities import recording
+
+    wanted = [*scene.study.quantities, *(q for q in keep.quantities if q not in scene.study.quantities)]
+    if keep.quantities:
+        scene = scene.with_changes({"study.quantities": wanted})
+    if wanted:
+        scene = recording(scene)
+    outputs = [f"{u}.{n}" for u, i in scene.coupling.interfaces.items() for n, s in i.outputs.items() if not s.is_text]
+    for name in keep.signals:
+        if name not in outputs:
+            raise BadInput("plan: keep.signals", repr(name), "an output of a unit", nearest(name, outputs))
+    recorded = [".".join(end) for end in scene.coupling.signals]
+    missing = [s for s in dict.fromkeys(keep.signals) if s not in recorded]
+    return scene.with_changes({"record.signals": [*recorded, *missing]}) if missing else scene
+
+
+def function_of(text: str) -> Callable[[Result], Any]:
+    """The function "module:function"; raises `BadInput`."""
+    module, _, name = text.partition(":")
+    try:
+        function = getattr(import_module(module), name)
+    except Exception as error:  # a module may raise anything while it is imported
+        raise BadInput("plan: keep.functions", repr(text), "module:function that can be imported",
+                       f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.") from None
+    return function
+
+
+def measure(scene: Scene, values: Mapping[str, Any], task: Task) -> Row:
+    """Run the scene with the values of a point; every failure is a row with its reason."""
+    try:
+        one = scene.with_changes(changes(scene, values)) if values else scene
+        result = run(one, in_process=True)
+        if result.outcome == "stopped":
+            return Row("not run", stopped=Signals[result.info["signal"]])
+        if result.outcome != "done":
+            return Row(result.outcome, result.message)
+        return _row(result, task)
+    except BadInput as error:  # a value with which this point cannot start, or has no section
+        return Row("refused", str(error))
+    except Exception as error:  # of a user's own code: one point, not all of them
+        log.debug("point %s", values, exc_info=True)
+        return Row("failed", f"{type(error).__name__}: {error}")
+
+
+def _row(result: Result, task: Task) -> Row:
+    """Numbers first named stay: a quantity that is a statistic as well is one column. What cannot be measured fails the point,
+    and leaves the others of its numbers."""
+    row = Row("done")
+    for part in (_statistics, _summary, _quantities, _functions):
+        try:
+            for name, value, unit in part(result, task):
+                row.numbers.setdefault(name, float(value))
+                row.units.setdefault(name, unit)
+        except BadInput as error:
+            row.outcome, row.reason = "failed", str(error)
+    try:
+        row.section = section_points(result)
+    except BadInput as error:
+        row.outcome, row.reason = "failed", str(error)
+    if task.keep.signals:
+        row.time = result.time
+        row.signals = {name: result[name] for name in task.keep.signals}
+        if (interval := task.keep.interval) is not None:
+            row.time = interval * np.arange(int(result.end / interval * (1.0 + 1e-12)) + 1)
+            row.signals = {name: np.interp(row.time, result.time, x) for name, x in row.signals.items()}
+        row.units |= {name: result.measures.get(name, "") for name in task.keep.signals}
+    return row
+
+
+Numbers = Iterator[tuple[str, float, str]]  # name, value, unit
+
+
+def _statistics(result: Result, task: Task) -> Numbers:
+    if task.keep.statistics:
+        kept = after_transient(result)
+        for name, column in result.columns.items():
+            for kind, function in KINDS.items():
+                yield f"{name}, {kind}", function(column[kept]), result.measures[name]
+
+
+def _summary(result: Result, task: Task) -> Numbers:
+    if task.summarize is not None:
+        yield from ((row.name, row.value, row.unit) for row in task.summarize(result))
+
+
+def _quantities(result: Result, task: Task) -> Numbers:
+    from ..studies.quantities import TimeHistory, quantities_of
+
+    if result.scene.study.quantities:
+        history = TimeHistory(result.time, result.columns)
+        yield from ((q.name, q.value(history), q.unit) for q in quantities_of(result.scene) if q.kind != "time history")
+
+
+def _functions(result: Result, task: Task) -> Numbers:
+    for text in task.keep.functions:
+        try:
+            value = function_of(text)(result)
+            items = value.items() if isinstance(value, Mapping) else [(text.partition(":")[2], value)]
+            yield from ((str(name), float(number), "") for name, number in items)
+        except Exception as error:  # the user's own code
+            raise BadInput(f"function {text}", f"{type(error).__name__}: {error}", "a number, or numbers by name") from None
+
+
+def section_points(result: Result) -> np.ndarray:
+    """Values of the section's signal, (k,), where its angle passes multiples of a turn over `turns`; none without a section."""
+    wanted = result.scene.analysis.section
+    if wanted is None:
+        return np.zeros(0)
+    kept = after_transient(result)
+    spacing = 2.0 * np.pi / wanted.turns
+    return section_of(result[wanted.angle][kept], spacing, result[wanted.signal][kept])[0]
+
+
+def check_analysis(scene: Scene) -> None:
+    """Refuse, before the first run, a section or a transient that no run could have."""
+    recorded = [".".join(end) for end in scene.coupling.signals]
+    section, transient = scene.analysis.section, scene.analysis.transient
+    for key, name in (("signal", section.signal), ("angle", section.angle)) if section is not None else ():
+        if name not in recorded:
+            raise BadInput(f"{scene.name}: analysis.section.{key}", repr(name), "a recorded signal", nearest(name, recorded))
+    if not transient < scene.stop_time:
+        raise BadInput(f"{scene.name}: analysis.transient", f"{transient:g} s",
+                       f"less than the length of the run, {scene.stop_time:g} s")
+
+
+def tracked(items: Sequence[T], title: str, progress: bool) -> Iterable[T]:
+    """The items one by one, with a progress bar on a terminal."""
+    if not (progress and sys.stderr.isatty()):
+        return items
+    from rich.console import Console
+    from rich.progress import track
+
+    return iter(track(items, description=title, console=Console(stderr=True), transient=True))

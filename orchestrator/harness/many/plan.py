@@ -1,0 +1,322 @@
+"""A plan with its scene: the points as columns, each point as changes of the scene."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from ....components.core.errors import BadInput, nearest
+from ...scene.scene import Scene, read_toml
+from ...settings.messages import one_message
+from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
+from ...units.component import find
+from .sampling import correlated, matrix_of, quantile, unit_points
+
+MOST_CHECKED = 200  # values of one axis that are checked before the first run
+UNIT_KEYS = ("component", "fmu", "preset", "effects", "every", "isolation", "interface", "solver", "tolerance")
+STRUCTURAL = ("component", "fmu", "preset", "effects", "interface")  # what machine code depends on
+
+
+@dataclass(frozen=True)
+class Column:
+    """What one name takes at the points: numbers (n,), or places (n,) in a list of choices."""
+
+    numbers: np.ndarray
+    choices: tuple[Any, ...] | None = None
+
+    def value(self, i: int) -> Any:
+        """At a point, as the scene takes it."""
+        return float(self.numbers[i]) if self.choices is None else self.choices[int(self.numbers[i])]
+
+    @property
+    def labels(self) -> np.ndarray:
+        """(n,) numbers, or texts where the values are no numbers."""
+        if self.choices is None:
+            return self.numbers
+        if all(isinstance(c, int | float) and not isinstance(c, bool) for c in self.choices):
+            return np.array([float(c) for c in self.choices])[self.numbers]
+        return np.array([label(c) for c in self.choices])[self.numbers]
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of a scene. columns: by name, each of `size` values."""
+
+    settings: PlanSettings
+    columns: Mapping[str, Column]
+    size: int
+
+    def values(self, i: int) -> dict[str, Any]:
+        """What varies, at point i."""
+        return {name: column.value(i) for name, column in self.columns.items()}
+
+    @property
+    def remarks(self) -> list[str]:
+        """What a user should know of the points."""
+        n, texts = self.size, []
+        if self.settings.method == "sobol" and n & (n - 1):
+            texts.append(f"{n} points of a Sobol sequence: it is balanced at powers of two only, such as {1 << n.bit_length()}")
+        if self.settings.method == "latin-hypercube" and self.settings.correlation:
+            texts.append("with correlations, a Latin hypercube keeps its even spacing in the first of the correlated names only")
+        return texts
+
+    @cached_property
+    def kernels(self) -> np.ndarray:
+        """(n,) whole numbers: points of one number use the same machine code."""
+        structural = [c.numbers for n, c in self.columns.items() if c.choices is not None and _structural(n)]
+        if not structural:
+            return np.zeros(self.size, dtype=np.int64)
+        return np.unique(np.stack(structural, axis=1), axis=0, return_inverse=True)[1].ravel()
+
+    def digests(self, base: str) -> np.ndarray:
+        """(n,) 64-bit numbers: of a point's values on the background of `base`, what else results depend on."""
+        names = sorted(self.columns)
+        texts = {n: [json.dumps(c, sort_keys=True) for c in column.choices] if column.choices is not None else None
+                 for n, column in self.columns.items()}
+        digests = np.empty(self.size, dtype=np.int64)
+        for i in range(self.size):
+            whole = hashlib.blake2b(base.encode(), digest_size=8)
+            for name in names:
+                column, known = self.columns[name], texts[name]
+                value = known[int(column.numbers[i])] if known is not None else float(column.numbers[i]).hex()
+                whole.update(f"\n{name}={value}".encode())
+            digests[i] = int.from_bytes(whole.digest(), "little", signed=True)
+        return digests
+
+
+def read_plan(path: str | Path) -> PlanSettings:
+    """A plan from its TOML file; a `table` beside it is found from there."""
+    path = Path(path)
+    settings = plan_settings(read_toml(path), path.name)
+    return settings.model_copy(update={"table": str(path.parent / settings.table)}) if settings.table else settings
+
+
+def plan_settings(data: PlanSettings | Mapping[str, Any], name: str = "plan") -> PlanSettings:
+    """A plan from plain data, checked."""
+    if isinstance(data, PlanSettings):
+        return data
+    try:
+        return PlanSettings.model_validate(dict(data))
+    except ValidationError as error:
+        raise one_message(error, PlanSettings, name) from None
+
+
+def plan_of(scene: Scene, settings: PlanSettings, cube: np.ndarray | None = None) -> Points:
+    """The points of a plan, and a check of every value on its own before anything runs; combinations are refused at their run.
+
+    `cube`: points (n, d) of the unit cube in the place of the method's own. Raises `BadInput`.
+    """
+    if settings.table:
+        settings = settings.model_copy(update={"vary": read_table(Path(settings.table), scene)})
+    columns = _columns(settings, cube)
+    size = next(iter(columns.values())).numbers.size
+    for name in columns:
+        place(scene, name)
+    plan = Points(settings, columns, size)
+    _check_values(scene, plan)
+    return plan
+
+
+def _columns(settings: PlanSettings, cube: np.ndarray | None) -> dict[str, Column]:
+    axes, method = settings.vary, settings.method
+    choices = {name: axis.values for name, axis in axes.items() if isinstance(axis, Choices)}
+    if cube is None and method not in SAMPLED:
+        lengths = [len(c) for c in choices.values()]
+        if method == "list":
+            return {name: Column(np.arange(lengths[0]), c) for name, c in choices.items()}
+        if (size := int(np.prod(lengths, dtype=float))) > MOST_RUNS:
+            raise BadInput("plan", f"{size} points", f"at most {MOST_RUNS}")
+        places = np.unravel_index(np.arange(size), lengths)
+        return {name: Column(k.astype(np.int32), c) for (name, c), k in zip(choices.items(), places, strict=True)}
+    u = unit_points(method, settings.points or 0, len(axes), settings.seed) if cube is None else cube
+    if settings.correlation:
+        u = correlated(u, matrix_of([*axes], settings.correlation))
+    columns = {}
+    for k, (name, axis) in enumerate(axes.items()):
+        if isinstance(axis, Distribution):
+            columns[name] = Column(quantile(axis, u[:, k]))
+        else:
+            columns[name] = Column((u[:, k] * len(axis.values)).astype(np.int32), axis.values)
+    return columns
+
+
+def read_table(path: Path, scene: Scene) -> dict[str, Choices]:
+    """Points from a CSV: names in the first line, with or without ", unit"; raises `BadInput`."""
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            header, *rows = list(csv.reader(file)) or [[]]
+    except (OSError, UnicodeError) as error:
+        raise BadInput("table", repr(str(path)), "a CSV file that can be read", f"{error}.") from None
+    rows = [row for row in rows if row]
+    if not header or not rows:
+        raise BadInput(str(path), "no points", "a line of names and at least one line of values")
+    columns: dict[str, Choices] = {}
+    for k, text in enumerate(header):
+        name, comma, unit = (part.strip() for part in text.partition(","))
+        if comma and unit != unit_of(scene, name):
+            raise BadInput(str(path), f"{name} in {unit!r}", f"its SI unit, {unit_of(scene, name)!r}")
+        if name in columns:
+            raise BadInput(str(path), f"{name!r} twice", "each name once")
+        try:
+            columns[name] = Choices(tuple(_cell(row[k]) for row in rows))
+        except IndexError:
+            raise BadInput(str(path), f"a line without {name}", f"{len(header)} values in each line") from None
+    return columns
+
+
+def from_columns(columns: Mapping[str, Iterable[Any]]) -> dict[str, Any]:
+    """Plain data of a plan for points in columns: a mapping of lists, or a data frame of pandas."""
+    return {"method": "list", "vary": {str(name): list(columns[name]) for name in columns}}
+
+
+def _cell(text: str) -> Any:
+    text = text.strip()
+    for read in (int, float):
+        try:
+            return read(text)
+        except ValueError:
+            pass
+    return {"true": True, "false": False}.get(text.lower(), text)
+
+
+def label(value: Any) -> str:
+    """A value that is no number, as tables and axes show it."""
+    if isinstance(value, list | tuple):
+        return ", ".join(map(label, value)) or "none"
+    if isinstance(value, Mapping):
+        return json.dumps(value, sort_keys=True)
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def place(scene: Scene, name: str) -> tuple[str, ...]:
+    """Where a name stands in the scene: ("effect", unit, effect), ("setting", dotted place); raises `BadInput`.
+
+    "unit.parameter"; "unit.effects.effect" of a component, true or false; "units.unit.preset", "units.unit.effects" ...;
+    "units.unit", a whole unit; "master.step", "stop_time" and other settings.
+    """
+    head, _, rest = name.partition(".")
+    if head in ("master", "record", "analysis", "stop_time", "contacts", "faults") and head not in scene.units:
+        return "setting", name
+    if head == "units" and "units" not in scene.units:
+        if rest in scene.units:
+            return "unit", rest
+        unit, key = scene.split(rest)
+        if unit in scene.units and (key in UNIT_KEYS or key.startswith("parameters.")):
+            return "setting", name
+        if unit in scene.units:
+            raise BadInput(f"{scene.name}: vary", repr(name), "a setting of the unit", nearest(key, UNIT_KEYS))
+        raise BadInput(f"{scene.name}: vary", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
+    unit, parameter = scene.split(name)
+    if unit not in scene.units:
+        raise BadInput(f"{scene.name}: sweep", f"unit {unit!r}", "a unit of the scene", nearest(unit, scene.units))
+    if not parameter:
+        raise BadInput(f"{scene.name}: sweep", repr(name), '"unit.parameter"')
+    if scene.units[unit].component and parameter.startswith("effects."):
+        effect, known = parameter.removeprefix("effects."), scene.coupling.interfaces[unit].effects
+        if effect not in known:
+            raise BadInput(f"{scene.name}: vary", repr(name), f"an effect of {unit}", nearest(effect, known))
+        return "effect", unit, effect
+    return "setting", f"units.{unit}.parameters.{parameter}"
+
+
+def changes(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a point as changes of the scene, whole units and components first, single effects last."""
+    result: dict[str, Any] = {}
+    effects: dict[str, dict[str, bool]] = {}
+    for name, value in values.items():
+        kind, *where = place(scene, name)
+        if kind == "effect":
+            if not isinstance(value, bool):
+                raise BadInput(f"{scene.name}: vary.{name}", repr(value), "true or false")
+            effects.setdefault(where[0], {})[where[1]] = value
+        elif kind == "unit":
+            if not isinstance(value, Mapping):
+                raise BadInput(f"{scene.name}: vary.{name}", repr(value), "a table of a unit, such as { component = ... }")
+            empty = {"component": "", "fmu": "", "preset": "", "effects": (), "parameters": {}}
+            result |= {f"units.{where[0]}.{key}": v for key, v in (empty | dict(value)).items()}
+        else:
+            result |= _setting(scene, where[0], list(value) if isinstance(value, tuple) else value)
+    for unit, switches in effects.items():
+        on = list(result.get(f"units.{unit}.effects", [e for e, why in scene.coupling.interfaces[unit].effects.items() if why]))
+        result[f"units.{unit}.effects"] = [e for e in dict.fromkeys([*on, *switches]) if switches.get(e, True)]
+        preset = result.get(f"units.{unit}.preset", scene.units[unit].preset)
+        if preset and (kept := [e for e, s in switches.items() if not s and e in _of_preset(scene, unit, preset)]):
+            raise BadInput(f"{scene.name}: vary.{unit}.effects.{kept[0]}", "false", f"true: it is part of preset {preset!r}")
+    return result
+
+
+def _of_preset(scene: Scene, unit: str, preset: str) -> Sequence[str]:
+    presets = find(scene.units[unit].component, f"units.{unit}").presets
+    return presets[preset].effects if preset in presets else ()
+
+
+def _setting(scene: Scene, where: str, value: Any) -> dict[str, Any]:
+    """A setting; a component takes the place of an FMU, and the other way round."""
+    if where.startswith("units."):
+        unit, key = scene.split(where.removeprefix("units."))
+        if key in ("component", "fmu"):
+            return {where: value, f"units.{unit}.{'fmu' if key == 'component' else 'component'}": ""}
+    return {where: value}
+
+
+def _structural(name: str) -> bool:
+    """Whether other values of a name may need other machine code."""
+    parts = name.split(".")
+    return (name.startswith("units.") and (len(parts) == 2 or parts[-1] in STRUCTURAL)) or "effects" in parts[:-1]
+
+
+def _check_values(scene: Scene, plan: Points) -> None:
+    """Refuse, before the first run, what the scene cannot take on the background of the first point."""
+    first = plan.values(0)
+    checked = {0}
+    if plan.settings.method != "list":
+        for column in plan.columns.values():
+            if column.choices is not None:
+                checked |= {int(k) for k in np.unique(column.numbers, return_index=True)[1][:MOST_CHECKED]}
+    scene.with_changes(changes(scene, first))
+    for i in sorted(checked - {0}):
+        other = plan.values(i)
+        for name in plan.columns:
+            if other[name] != first[name]:
+                try:
+                    scene.with_changes(changes(scene, first | {name: other[name]}))
+                except BadInput:
+                    # refused with the first point's other values; only what no other values could mend ends the sweep
+                    if plan.settings.method != "grid" or len(plan.columns) == 1 or not _elsewhere(scene, name, other[name]):
+                        raise
+
+
+def _elsewhere(scene: Scene, name: str, value: Any) -> bool:
+    """Whether the scene's own settings take the value."""
+    try:
+        scene.with_changes(changes(scene, {name: value}))
+    except BadInput:
+        return False
+    return True
+
+
+def unit_of(scene: Scene, name: str) -> str:
+    """Unit of measure of what varies; "" for texts, truth values and parameters of an FMU."""
+    kind, *where = place(scene, name)
+    if kind != "setting":
+        return ""
+    if where[0] in ("master.step", "stop_time", "record.interval"):
+        return "s"
+    if not where[0].startswith("units."):
+        return ""
+    unit, key = scene.split(where[0].removeprefix("units."))
+    component, parameter = scene.units[unit].component, key.removeprefix("parameters.")
+    if parameter == key or not component:
+        return ""
+    variables = find(component, unit).variables
+    known = variables.get(parameter) or variables.get(parameter.partition("[")[0])
+    return known.unit if known is not None else ""

@@ -1,0 +1,336 @@
+"""Where the points of a sweep lie: parts that workers write, and what is made of them in the order of the plan.
+
+    points/<base>/*.parquet   what was computed; <base> is the digest of what results depend on besides the values that vary
+    sweep.csv, sweep.parquet  the table, a row a point
+    sweep.zarr                the labelled data set that xarray opens (Zarr 3): the table's columns over "point", kept signals
+                              over "point" and "sample" or "time"
+    sweep.json                plan, scene, versions, units: how it came about
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput
+from ...checkpoint import digest as scene_digest
+from ...output import not_written, write_json, write_table
+from ...scene.scene import Scene
+from .batches import SECTION, SIGNAL, TIME
+from .measures import Task
+from .plan import Points
+
+POINTS = "points"
+DATA_SET = "sweep.zarr"
+CHUNK = 4096  # points of the data set's and the table's pieces
+LARGEST_PIECE = 8_000_000  # numbers of signals that are in memory at a time
+NUMBER = "number "
+
+
+@dataclass(frozen=True)
+class Located:
+    """Rows of a plan in the parts. part, row: (n,) where each point lies, -1 where it was not run. digests: (n,)."""
+
+    folder: Path
+    files: tuple[Path, ...]
+    digests: np.ndarray
+    part: np.ndarray
+    row: np.ndarray
+
+    @property
+    def missing(self) -> np.ndarray:
+        """Points that were not run, in the order of the plan, each digest once."""
+        left = np.flatnonzero(self.part < 0)
+        return left[np.sort(np.unique(self.digests[left], return_index=True)[1])]
+
+
+@dataclass(frozen=True)
+class Collected:
+    """The columns of the numbers in the plan's order: (n,) each, in a file that the system reads as it is needed."""
+
+    numbers: Mapping[str, np.ndarray]
+    outcomes: np.ndarray
+    reasons: tuple[str, ...]
+    reason: np.ndarray
+    section: tuple[np.ndarray, ...]
+    units: Mapping[str, str]
+    signals: tuple[str, ...]
+
+
+def base_of(scene: Scene, task: Task) -> str:
+    """Digest of what the results of all points depend on: scene, what is kept, own code, version."""
+    own = [c.component for c in scene.units.values() if ":" in c.component] + list(task.keep.functions)
+    content = {
+        "scene": scene_digest(scene), "analysis": scene.model_dump(mode="json")["analysis"],
+        "quantities": list(scene.study.quantities), "keep": task.keep.model_dump(mode="json"), "version": _version(),
+        "summary": task.summarize is not None, "sources": {text: _source(text) for text in own},
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _source(text: str) -> str:
+    """Digest of the file of "module:name"."""
+    with suppress(ImportError, ValueError, OSError):
+        spec = find_spec(text.partition(":")[0])
+        if spec is not None and spec.origin:
+            return hashlib.sha256(Path(spec.origin).read_bytes()).hexdigest()
+    return ""
+
+
+def _version() -> str:
+    try:
+        return version("cosimo")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def points_folder(directory: Path, base: str) -> Path:
+    """The folder of the parts, created; what killed processes have left half written is removed."""
+    folder = directory / POINTS / base
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for part in folder.glob("*.part"):
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise not_written(directory, error) from None
+    return folder
+
+
+def locate_points(folder: Path, digests: np.ndarray, retry: bool = False) -> Located:
+    """Where the points of a plan lie; `retry`: only those that are done count."""
+    import pyarrow.parquet as parquet
+
+    files = tuple(sorted(folder.glob("*.parquet")))
+    known, part, row = [], [], []
+    for k, path in enumerate(files):
+        try:
+            table = parquet.read_table(path, columns=["digest", "outcome"], partitioning=None)
+        except Exception:  # damaged: as if it were not there
+            continue
+        mine = table.column("digest").to_numpy()
+        good = np.array(table.column("outcome").to_pylist(), dtype=object) == "done" if retry else np.ones(mine.size, dtype=bool)
+        known.append(mine[good])
+        part.append(np.full(int(good.sum()), k, dtype=np.int32))
+        row.append(np.flatnonzero(good).astype(np.int32))
+    if not known:
+        none = np.full(digests.size, -1, dtype=np.int32)
+        return Located(folder, files, digests, none, none)
+    every, parts, rows = (np.concatenate(x) for x in (known, part, row))
+    order = np.argsort(every, kind="stable")
+    at = np.minimum(np.searchsorted(every[order], digests), every.size - 1)
+    there = every[order][at] == digests
+    return Located(folder, files, digests, np.where(there, parts[order][at], -1), np.where(there, rows[order][at], -1))
+
+
+def collect(located: Located, directory: Path) -> Collected:
+    """The numbers of all points in the plan's order, column by column in one file of the directory; NaN where there is none."""
+    import pyarrow.parquet as parquet
+
+    n = located.digests.size
+    names: dict[str, int] = {}
+    units: dict[str, str] = {}
+    signals: dict[str, None] = {}
+    used = [int(k) for k in np.unique(located.part[located.part >= 0])]
+    for k in used:
+        for item in parquet.read_schema(located.files[k]):
+            name = item.name.removeprefix(NUMBER) if item.name.startswith(NUMBER) else item.name.removeprefix(SIGNAL)
+            if name != item.name:
+                (names if item.name.startswith(NUMBER) else signals).setdefault(name, len(names))  # type: ignore[arg-type]
+                units[name] = (item.metadata or {}).get(b"unit", b"").decode()
+    numbers = _mapped(directory, len(names), n)
+    outcomes = np.full(n, "not run", dtype="U8")
+    reasons, reason = {"": 0}, np.zeros(n, dtype=np.int32)
+    sections: list[np.ndarray] = [np.zeros(0)] * n if n <= CHUNK * 16 else []
+    by_part = np.argsort(located.part, kind="stable")
+    starts = np.searchsorted(located.part[by_part], np.arange(len(located.files) + 1))
+    for k in used:
+        mine = by_part[starts[k] : starts[k + 1]]
+        rows = located.row[mine]
+        table = parquet.read_table(located.files[k], partitioning=None)
+        outcomes[mine] = np.array(table.column("outcome").to_pylist())[rows]
+        texts = table.column("reason").to_pylist()
+        reason[mine] = [reasons.setdefault(texts[r], len(reasons)) for r in rows]
+        for name in table.column_names:
+            if name.startswith(NUMBER):
+                numbers[names[name.removeprefix(NUMBER)], mine] = table.column(name).to_numpy()[rows]
+        if sections and SECTION in table.column_names:
+            lists = table.column(SECTION)
+            for i, r in zip(mine, rows, strict=True):
+                sections[i] = np.array(lists[int(r)].as_py(), dtype=float)
+    return Collected({name: numbers[k] for name, k in names.items()}, outcomes, tuple(reasons), reason, tuple(sections), units,
+                     tuple(signals))
+
+
+def _mapped(directory: Path, columns: int, n: int) -> np.ndarray:
+    """(columns, n) NaNs; of many points in a file that has no name any more, which the system pages in and out."""
+    if columns * n <= LARGEST_PIECE:
+        return np.full((columns, n), np.nan)
+    path = directory / f".columns.{os.getpid()}"
+    values = np.memmap(path, dtype=float, mode="w+", shape=(columns, n))
+    with suppress(OSError):  # on Windows it stays until the end
+        path.unlink()
+    for k in range(columns):
+        values[k] = np.nan
+    return values
+
+
+def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mapping[str, str], collected: Collected) -> Path:
+    """sweep.csv and sweep.parquet: what varies, what was measured, the outcome with its reason."""
+    import pyarrow
+    import pyarrow.parquet as parquet
+
+    columns = {**varied, **collected.numbers}
+    names = [f"{n}, {units[n]}" if units.get(n) else n for n in columns]
+    n = collected.outcomes.size
+    texts = np.array(collected.reasons, dtype=object)
+
+    def rows() -> Iterator[tuple[Any, ...]]:
+        for first in range(0, n, CHUNK):
+            some = slice(first, first + CHUNK)
+            outcome = [o if o in ("done", "not run") else f"{o}: {texts[r]}"
+                       for o, r in zip(collected.outcomes[some], collected.reason[some], strict=True)]
+            yield from zip(*(c[some].tolist() for c in columns.values()), outcome, strict=True)
+
+    path = write_table(directory, "sweep.csv", [*names, "outcome"], rows())
+    fields = [pyarrow.field(name, pyarrow.float64() if c.dtype.kind == "f" else pyarrow.string(),
+                            metadata={"unit": units.get(name, "")}) for name, c in columns.items()]
+    schema = pyarrow.schema([*fields, pyarrow.field("outcome", pyarrow.string()), pyarrow.field("reason", pyarrow.string())])
+    part = directory / f".sweep.parquet.{os.getpid()}"
+    with parquet.ParquetWriter(part, schema, compression="zstd") as writer:
+        for first in range(0, n, CHUNK):
+            some = slice(first, first + CHUNK)
+            data = [np.asarray(c[some]) if c.dtype.kind == "f" else c[some].tolist() for c in columns.values()]
+            data += [collected.outcomes[some].tolist(), texts[collected.reason[some]].tolist()]
+            arrays = [pyarrow.array(x, type=f.type) for x, f in zip(data, schema, strict=True)]
+            writer.write_table(pyarrow.table(arrays, schema=schema))
+    os.replace(part, directory / "sweep.parquet")
+    return path
+
+
+def write_data_set(directory: Path, varied: Mapping[str, np.ndarray], units: Mapping[str, str], collected: Collected,
+                   located: Located, attributes: Mapping[str, Any], interval: float | None) -> Path | None:
+    """sweep.zarr, put in place when it is whole; None where xarray or zarr are not installed."""
+    if find_spec("xarray") is None or find_spec("zarr") is None:
+        return None
+    import xarray
+
+    target, part = directory / DATA_SET, directory / f".{DATA_SET}.{os.getpid()}"
+    shutil.rmtree(part, ignore_errors=True)
+    texts = np.array(collected.reasons)
+
+    def described(name: str) -> dict[str, str]:
+        return {"long_name": name, "units": units.get(name) or "1"}
+
+    n = collected.outcomes.size
+    variables: dict[str, Any] = {name: ("point", np.asarray(c), described(name)) for name, c in collected.numbers.items()}
+    variables |= {"outcome": ("point", collected.outcomes), "reason": ("point", texts[collected.reason])}
+    coordinates = {name: ("point", c, described(name)) for name, c in varied.items()}
+    data = xarray.Dataset(variables, coordinates | {"point": np.arange(n)}, dict(attributes))
+    encoding = {name: {"chunks": (CHUNK,)} for name in data.variables if name != "point"} if n > CHUNK else {}
+    _quietly(data, part, encoding=encoding, mode="w", zarr_format=3, consolidated=False)
+    if collected.signals:
+        _write_signals(part, collected, located, described, attributes, interval)
+    shutil.rmtree(target, ignore_errors=True)
+    os.replace(part, target)
+    return target
+
+
+def _quietly(data: Any, path: Path, **options: Any) -> None:
+    """Zarr warns that its type of texts is not in the specification yet."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data.to_zarr(path, **options)
+
+
+def _write_signals(path: Path, collected: Collected, located: Located, described: Any, attributes: Mapping[str, Any],
+                   interval: float | None) -> None:
+    """Kept signals, piece by piece over the points: over "time" where all were interpolated at its multiples, else "sample"."""
+    import xarray
+
+    longest = max((m for m, _ in _lengths(located)), default=0)
+    if not longest:
+        return
+    n, per = located.digests.size, max(1, min(CHUNK, LARGEST_PIECE // (longest * (1 + len(collected.signals)))))
+    along = "time" if interval is not None else "sample"
+    for first in range(0, n, per):
+        piece = _signals(located, collected.signals, slice(first, min(first + per, n)), longest)
+        variables: dict[str, Any] = {f"{name}, signal" if name in collected.numbers else name: (("point", along), piece[name],
+                                     described(name)) for name in collected.signals}
+        coordinates: dict[str, Any] = {}
+        if interval is not None:
+            coordinates["time"] = ("time", interval * np.arange(longest), {"units": "s"})
+        else:
+            variables["time"] = (("point", along), piece[TIME], {"units": "s", "long_name": "time"})
+        data = xarray.Dataset(variables, coordinates, dict(attributes))
+        if first == 0:
+            chunks = {name: {"chunks": (per, longest)} for name in variables}
+            _quietly(data, path, encoding=chunks, mode="a", consolidated=False)
+        else:
+            _quietly(data.drop_vars("time") if interval is not None else data, path, append_dim="point", consolidated=False)
+
+
+def _lengths(located: Located) -> Iterator[tuple[int, int]]:
+    """(rows of signals, part) of the parts that have them."""
+    import pyarrow.compute as compute
+    import pyarrow.parquet as parquet
+
+    for k in np.unique(located.part[located.part >= 0]):
+        path = located.files[int(k)]
+        if TIME in parquet.read_schema(path).names:
+            lengths = compute.list_value_length(parquet.read_table(path, columns=[TIME], partitioning=None).column(TIME))
+            yield int(compute.max(lengths).as_py() or 0), int(k)
+
+
+def _signals(located: Located, names: Sequence[str], some: slice, longest: int) -> dict[str, np.ndarray]:
+    """Time and signals of some points, (k, longest) each; NaN behind their ends and where there are none."""
+    import pyarrow.parquet as parquet
+
+    part, row = located.part[some], located.row[some]
+    columns = [TIME, *(SIGNAL + name for name in names)]
+    values = {c.removeprefix(SIGNAL): np.full((part.size, longest), np.nan) for c in columns}
+    for k in np.unique(part[part >= 0]):
+        path = located.files[int(k)]
+        there = [c for c in columns if c in parquet.read_schema(path).names]
+        table = parquet.read_table(path, columns=there, partitioning=None)
+        for i in np.flatnonzero(part == k):
+            for c in there:
+                one = table.column(c)[int(row[i])].values
+                if one is not None:
+                    values[c.removeprefix(SIGNAL)][i, : len(one)] = one.to_numpy(zero_copy_only=False)
+    return values
+
+
+def provenance(scene: Scene, plan: Points, base: str, units: Mapping[str, str]) -> dict[str, Any]:
+    """What sweep.json and the data set's attributes tell of how the numbers came about."""
+    return {
+        "scene": {"name": scene.name, **scene.model_dump(mode="json")}, "plan": _plain_plan(plan), "points": plan.size,
+        "base": base, "units": dict(units), "remarks": plan.remarks,
+        "versions": {"cosimo": _version(), "python": platform.python_version(), "numpy": np.__version__,
+                     **{name: version(name) for name in ("numba", "scipy", "pyarrow")}},
+    }
+
+
+def _plain_plan(plan: Points) -> dict[str, Any]:
+    return json.loads(plan.settings.model_dump_json(exclude_unset=True, fallback=lambda x: vars(x)).replace("Infinity", "null"))
+
+
+def write_provenance(directory: Path, content: Mapping[str, Any]) -> None:
+    """sweep.json, in place when it is whole."""
+    try:
+        write_json(directory / "sweep.json", content)
+    except (TypeError, ValueError) as error:
+        raise BadInput("sweep.json", f"{type(error).__name__}: {error}", "values that JSON has") from None

@@ -1,0 +1,54 @@
+"""Components whose runs misbehave on purpose, and what tests of many runs share."""
+
+import os
+import signal
+import time
+
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import DONE, hold_inputs
+from cosimo.components.core.variables import output, parameter
+
+
+class Doubler(Component):
+    """Gives twice its parameter, after a pause; may end its process, once or whenever it is run."""
+
+    value = parameter(1.0, "m", "what is doubled")
+    pause = parameter(0.0, "s", "real time that a step takes")
+    fatal = parameter(-1.0, "m", "the value with which it kills its process")
+    twice = output("m", "two times the value")
+
+    def _initialize(self, t):
+        self.arguments = self._declared_arguments()
+        return DONE
+
+    def _step(self, t, h):
+        time.sleep(self.parameters["pause"])
+        if self.parameters["value"] == self.parameters["fatal"]:
+            os.kill(os.getpid(), signal.SIGKILL)
+        hold_inputs(self.u, h)
+        self._outputs(t + h)
+        return DONE
+
+    def _outputs(self, t):
+        self.y[:] = 2.0 * self.parameters["value"]
+
+
+def scene(**parameters):
+    """A scene of one step with a `Doubler`, as plain data."""
+    unit = {"component": "cosimo.tests.harness.many.points:Doubler", "parameters": parameters}
+    return {"stop_time": 1.0, "units": {"d": unit}, "master": {"step": 1.0}}
+
+
+def last_and_first(result):
+    """An own measure."""
+    return {"last": result["d.twice"][-1], "rows": result.time.size}
+
+
+def a_third(result):
+    """An own measure that is one number."""
+    return result["d.twice"][-1] / 3.0
+
+
+def fails(result):
+    """An own measure that raises."""
+    raise KeyError("nothing")

@@ -1,0 +1,185 @@
+"""Runs of a plan: the same for any number of workers, resumed, extended, and nothing lost however a process ends."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.many.execute import KILLED
+from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems.many import sweep
+from cosimo.tests.harness.many.points import scene
+from cosimo.tests.harness.test_sweep import MASS
+
+SAMPLES = {"method": "sobol", "points": 16, "seed": 3, "keep": {"signals": ["m.x_out"], "interval": 0.25}, "vary": {
+    "m.k": {"distribution": "uniform", "low": 100.0, "high": 900.0},
+    "m.m": {"distribution": "triangular", "low": 1.0, "mode": 2.0, "high": 4.0}}}
+VALUES = {"vary": {"d.value": list(map(float, range(12)))}}
+HERE = "cosimo.tests.harness.many.points"
+
+
+def contents(directory):
+    """Bytes of all that a sweep writes in the plan's order."""
+    return {str(p.relative_to(directory)): p.read_bytes() for p in directory.rglob("*")
+            if p.is_file() and "points" not in p.parts and p.name != "progress.html"}
+
+
+def test_results_do_not_depend_on_the_number_of_workers(tmp_path):
+    one, two = (sweep(read_scene(MASS), SAMPLES, tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2))
+    assert set(one.outcomes) == {"done"}
+    assert one.measures["m.x_out, maximum"].tobytes() == two.measures["m.x_out, maximum"].tobytes()
+    assert contents(tmp_path / "1") == contents(tmp_path / "2")
+    assert {"sweep.csv", "sweep.parquet", "sweep.json"} < contents(tmp_path / "1").keys()
+    # x = v0 / omega sin(omega t); the samples, 1 ms apart, miss the top by (omega h)^2 / 8 < 2e-4 at most
+    omega = np.sqrt(one.varied["m.k"] / one.varied["m.m"])
+    np.testing.assert_allclose(one.measures["m.x_out, maximum"], 2.0 / omega, rtol=2e-4)
+
+
+def test_the_data_set_has_names_units_signals_and_where_it_comes_from(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    result = sweep(read_scene(MASS), SAMPLES, tmp_path)
+    data = xarray.open_zarr(tmp_path / "sweep.zarr", consolidated=False)
+    assert data["m.k"].attrs["units"] == "N/m"
+    assert data["m.x_out, maximum"].attrs["units"] == "m"
+    assert data["m.x_out, maximum"].values.tobytes() == result.measures["m.x_out, maximum"].tobytes()
+    omega, t = np.sqrt(data["m.k"] / data["m.m"]).values[:, None], data["time"].values
+    assert t.tolist() == [0.25 * k for k in range(9)]
+    np.testing.assert_allclose(data["m.x_out"].values, 2.0 / omega * np.sin(omega * t), atol=1e-9)
+    about = json.loads(data.attrs["provenance"])
+    assert about["plan"]["seed"] == 3
+    assert about["versions"]["cosimo"]
+    assert about["scene"]["master"]["step"] == 1e-3
+
+
+def test_whole_signals_end_where_their_runs_end(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    pytest.importorskip("zarr")
+    plan = {"vary": {"stop_time": [1.0, 3.0]}, "keep": {"signals": ["d.twice"]}}
+    sweep(read_scene(scene(value=4.0)), plan, tmp_path)
+    data = xarray.open_zarr(tmp_path / "sweep.zarr", consolidated=False)
+    np.testing.assert_array_equal(data["time"].values, [[0.0, 1.0, np.nan, np.nan], [0.0, 1.0, 2.0, 3.0]])
+    np.testing.assert_array_equal(data["d.twice"].values, [[8.0, 8.0, np.nan, np.nan], [8.0] * 4])
+
+
+def test_a_second_call_computes_what_is_missing(tmp_path):
+    plan = {"method": "random", "points": 4, "vary": {"d.value": {"distribution": "uniform", "low": 0.0, "high": 1.0}}}
+    first = sweep(read_scene(scene()), plan, tmp_path)
+    again = sweep(read_scene(scene()), plan, tmp_path)
+    more = sweep(read_scene(scene()), plan, tmp_path, add=3)
+    assert (first.computed, again.computed, more.computed) == (4, 0, 3)
+    assert more.measures["d.twice, mean"].tolist() == (2.0 * more.varied["d.value"]).tolist()
+    assert more.varied["d.value"][:4].tolist() == first.varied["d.value"].tolist()
+    other = sweep(read_scene(scene() | {"stop_time": 2.0}), plan, tmp_path)
+    assert other.computed == 4  # of another scene
+    with pytest.raises(BadInput, match="Latin hypercube cannot"):
+        sweep(read_scene(scene()), plan | {"method": "latin-hypercube"}, tmp_path, add=1)
+
+
+def test_own_functions_and_quantities_are_columns():
+    keep = {"statistics": False, "functions": [f"{HERE}:last_and_first", f"{HERE}:a_third"], "quantities": ["d.twice, end"]}
+    result = sweep(read_scene(scene()), {"vary": {"d.value": [1.0, 2.0]}, "keep": keep})
+    assert {n: v.tolist() for n, v in result.measures.items()} == {
+        "d.twice, end": [2.0, 4.0], "last": [2.0, 4.0], "rows": [2.0, 2.0], "a_third": [2.0 / 3.0, 4.0 / 3.0]}
+    failed = sweep(read_scene(scene()), {"vary": {"d.value": [1.0]}, "keep": {"functions": [f"{HERE}:fails"]}})
+    assert "KeyError" in failed.outcomes[0]
+    with pytest.raises(BadInput, match="can be imported"):
+        sweep(read_scene(scene()), {"vary": {"d.value": [1.0]}, "keep": {"functions": [f"{HERE}:nothing"]}})
+
+
+@pytest.mark.full
+def test_a_point_that_kills_its_process_is_a_row_and_the_others_are_done(tmp_path):
+    result = sweep(read_scene(scene(fatal=7.0)), VALUES, tmp_path, jobs=2)
+    assert [o == "done" for o in result.outcomes] == [v != 7.0 for v in range(12)]
+    assert result.outcomes[7] == KILLED
+    assert result.measures["d.twice, mean"][8] == 16.0
+
+
+SCRIPT = f"""
+import sys
+from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems.many import sweep
+from {HERE} import scene
+if __name__ == "__main__":
+    sweep(read_scene(scene(pause=0.3)), {{"vary": {{"d.value": list(map(float, range(40)))}}}}, sys.argv[1], jobs=2)
+"""
+
+
+def parts(directory):
+    return list(directory.glob("points/*/*.parquet"))
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_killed_sweep_keeps_what_was_computed(tmp_path, number):
+    """Its workers write their present points and end."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    out = tmp_path / "out"
+    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], env={**os.environ}, start_new_session=True)
+    try:
+        while not parts(out):
+            assert process.poll() is None
+            time.sleep(0.1)
+        process.send_signal(number)
+        process.wait()
+        for _ in range(600):  # its workers, in the session of the killed one
+            if not _session(process.pid):
+                break
+            time.sleep(0.1)
+        assert _session(process.pid) == []
+    finally:
+        for worker in _session(process.pid):
+            os.kill(worker, signal.SIGKILL)
+    import pyarrow.parquet as parquet
+
+    kept = sum(parquet.read_metadata(p).num_rows for p in parts(out))
+    assert kept > 0
+    rest = sweep(read_scene(scene(pause=0.3)) , {"vary": {"d.value": list(map(float, range(40)))}}, out, jobs=2)
+    assert rest.computed == 40 - kept
+    assert set(rest.outcomes) == {"done"}
+    assert rest.measures["d.twice, mean"].tolist() == [2.0 * k for k in range(40)]
+
+
+def _session(leader):
+    """Processes of a session that are left."""
+    pids = []
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                with open(f"/proc/{name}/stat") as file:
+                    fields = file.read().rpartition(")")[2].split()
+            except OSError:
+                continue
+            if int(fields[3]) == leader and fields[0] != "Z":
+                pids.append(int(name))
+    return pids
+
+
+@pytest.mark.full
+def test_killed_workers_lose_no_points(tmp_path):
+    """While two workers run, one is killed from outside; every point is computed in the end."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    out = tmp_path / "out"
+    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], start_new_session=True)
+    while not parts(out):
+        assert process.poll() is None
+        time.sleep(0.1)
+    workers = [p for p in _session(process.pid) if p != process.pid and "spawn_main" in _command(p)]
+    os.kill(workers[0], signal.SIGKILL)
+    assert process.wait() == 0
+    rest = sweep(read_scene(scene(pause=0.3)), {"vary": {"d.value": list(map(float, range(40)))}}, out)
+    assert rest.computed == 0
+    assert set(rest.outcomes) == {"done"}
+
+
+def _command(pid):
+    try:
+        with open(f"/proc/{pid}/cmdline") as file:
+            return file.read()
+    except OSError:
+        return ""
