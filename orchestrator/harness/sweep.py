@@ -141,9 +141,10 @@ def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray,
         missing, jobs = store.locate_points(folder, digests).missing, cores()
         if not missing.size:
             return None
-    if not scheduler and min(jobs, missing.size) == 1:
+    count = min(jobs or 1, missing.size)
+    if not scheduler and count == 1:
         return compute_here(task, plan, digests, missing, folder, live)
-    workers: Workers = Cluster(scheduler) if scheduler else Pool(min(jobs, missing.size))
+    workers: Workers = Cluster(scheduler) if scheduler else Pool(count)
     try:
         return compute_with(workers, task, plan, digests, missing, folder.resolve(), live)
     except BaseException:

@@ -147,7 +147,10 @@ def collect(located: Located, directory: Path) -> Collected:
         for item in parquet.read_schema(located.files[k]):
             name = item.name.removeprefix(NUMBER) if item.name.startswith(NUMBER) else item.name.removeprefix(SIGNAL)
             if name != item.name:
-                (names if item.name.startswith(NUMBER) else signals).setdefault(name, len(names))  # type: ignore[arg-type]
+                if item.name.startswith(NUMBER):
+                    names.setdefault(name, len(names))
+                else:
+                    signals[name] = None
                 units[name] = (item.metadata or {}).get(b"unit", b"").decode()
     numbers = _mapped(directory, len(names), n)
     outcomes = np.full(n, "not run", dtype="U8")

@@ -136,9 +136,9 @@ def parallel(table: Table) -> Figure:
     kept = np.sort(np.random.default_rng(0).permutation(n)[:LINES])
     dimensions = [_dimension(name, x[kept], table) for name, x in columns.items()]
     colour = next(iter(table.measured.values()))[kept]
-    line = {"color": drawn(colour, 4), "colorscale": [[s, c] for s, c in RISING[1:-1] if s] + [[1, INK]], "showscale": True,
+    scale = [[0.0, RISING[1][1]], [0.5, RISING[3][1]], [1.0, INK]]  # none is the paper's
+    line = {"color": drawn(colour, 4), "colorscale": scale, "showscale": True,
             "colorbar": {"title": {"text": next(iter(table.measured)), "side": "right"}, "thickness": 12}}
-    line["colorscale"] = [[k / (len(line["colorscale"]) - 1), c] for k, (_, c) in enumerate(line["colorscale"])]
     data = {"type": "parcoords", "dimensions": dimensions, "line": line, "labelangle": -20, "labelfont": {"size": 11}}
     figure = layout(430, margin={"l": 80, "r": 90, "t": 130, "b": 30})
     few = f" {LINES} of {n} runs, chosen by chance." if n > LINES else ""
