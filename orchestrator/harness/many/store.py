@@ -28,6 +28,7 @@ from ....components.core.errors import BadInput
 from ...checkpoint import digest as scene_digest
 from ...output import not_written, write_json, write_table
 from ...scene.scene import Scene
+from ..code_digests import components_digest
 from .batches import SECTION, SIGNAL, TIME
 from .measures import Task
 from .plan import Points
@@ -71,11 +72,10 @@ class Collected:
 
 def base_of(scene: Scene, task: Task) -> str:
     """Digest of what the results of all points depend on: scene, what is kept, own code, version."""
-    own = [c.component for c in scene.units.values() if ":" in c.component] + list(task.keep.functions)
     content = {
         "scene": scene_digest(scene), "analysis": scene.model_dump(mode="json")["analysis"],
         "quantities": list(scene.study.quantities), "keep": task.keep.model_dump(mode="json"), "version": _version(),
-        "summary": task.summarize is not None, "sources": {text: _source(text) for text in own},
+        "summary": task.summarize is not None, "components": components_digest(scene), "functions": {text: _source(text) for text in task.keep.functions},
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
