@@ -75,7 +75,8 @@ def base_of(scene: Scene, task: Task) -> str:
     content = {
         "scene": scene_digest(scene), "analysis": scene.model_dump(mode="json")["analysis"],
         "quantities": list(scene.study.quantities), "keep": task.keep.model_dump(mode="json"), "version": _version(),
-        "summary": task.summarize is not None, "components": components_digest(scene), "functions": {text: _source(text) for text in task.keep.functions},
+        "summary": task.summarize is not None, "components": components_digest(scene),
+        "functions": {text: _source(text) for text in task.keep.functions},
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
