@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import traceback
+from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
 
 from .core.component import Component
+from .core.declaration import check_declaration, line_of
 from .core.errors import BadInput, nearest
 
 CATALOGUE = {
@@ -56,7 +60,58 @@ CATALOGUE = {
 
 
 def component_class(name: str, where: str = "component") -> type[Component]:
-    """The class behind a catalogue name; raises `BadInput` with the near names."""
+    """The class of a catalogue name or of "module:Class"; raises `BadInput` with the near names, or with file and line."""
+    if ":" in name:
+        return _of_module(name, where)
     if name not in CATALOGUE:
-        raise BadInput(where, f"component {name!r}", "a component of the catalogue", nearest(name, CATALOGUE))
+        raise BadInput(where, f"component {name!r}", "a component of the catalogue, or module:Class", nearest(name, CATALOGUE))
     return getattr(import_module("." + CATALOGUE[name], __package__), name)
+
+
+@lru_cache(maxsize=256)
+def _checked(cls: type[Component]) -> type[Component]:
+    check_declaration(cls)
+    return cls
+
+
+def _of_module(name: str, where: str) -> type[Component]:
+    """The class of "module:Class", with its declarations checked."""
+    module, _, class_name = name.partition(":")
+    try:
+        loaded = import_module(module)
+    except Exception as error:  # a module may raise anything while it is imported
+        raise _not_imported(name, where, error) from None
+    cls = getattr(loaded, class_name, None)
+    if not (isinstance(cls, type) and issubclass(cls, Component)):
+        classes = [n for n, c in vars(loaded).items() if isinstance(c, type) and issubclass(c, Component)]
+        raise BadInput(where, f"component {name!r}", f"a component of {module}", nearest(class_name, classes))
+    return _checked(cls)
+
+
+def _not_imported(name: str, where: str, error: Exception) -> BadInput:
+    """What is wrong with a user's module: its file and line, where the error is in one."""
+    cause = error.__cause__ if isinstance(error.__cause__, BadInput) else error
+    if isinstance(error, ModuleNotFoundError) and name.startswith(str(error.name)):
+        return BadInput(where, f"component {name!r}", "module:Class that can be imported",
+                        f"{error}. The folder of a module of your own belongs into PYTHONPATH.")
+    own = [f for f in traceback.extract_tb(error.__traceback__)
+           if not f.filename.startswith((str(Path(__file__).parent), "<frozen"))]
+    file, line = (own[-1].filename, own[-1].lineno or 1) if own else ("", 1)
+    if isinstance(error, SyntaxError):
+        file, line = str(error.filename), error.lineno or 1
+    if isinstance(cause, BadInput):  # of a declaration: "Class.name"
+        owner, _, attribute = cause.where.partition(".")
+        return BadInput(f"{file}:{max(line_of(Path(file), owner, attribute), line)}: {cause.where}", cause.actual, cause.expected,
+                        cause.remedy)
+    place = f" ({file}:{line})" if file else ""
+    return BadInput(where, f"component {name!r}", "module:Class that can be imported", f"{type(error).__name__}: {error}{place}.")
+
+
+def component_name(cls: type[Component]) -> str:
+    """What a scene calls a class: its name in the catalogue, or "module:Class". Raises `BadInput` for one inside a function."""
+    if cls.__module__.endswith(f".components.{CATALOGUE.get(cls.__name__, '?')}"):
+        return cls.__name__
+    if "." in cls.__qualname__:
+        raise BadInput("component", f"class {cls.__qualname__}", "a class of a module, not of a function or another class",
+                       "Worker processes and FMUs look it up by its name.")
+    return f"{cls.__module__}:{cls.__name__}"

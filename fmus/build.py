@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from .. import components
-from ..components.catalogue import CATALOGUE, component_class
+from ..components.catalogue import CATALOGUE, component_class, component_name
 from ..components.core import folders
 from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description, shared_files
 from .interface import interface
+from .own import own_sources
 
 COMPONENTS = Path(components.__file__).parent
 HERE = Path(__file__).parent
@@ -52,22 +53,23 @@ keep(globals())
 '''
 
 
-def build(name: str, directory: Path, *, derivatives: bool = False) -> Path:
-    """Write the FMU of the component `name` to directory/<name>.fmu and return its path.
+def build(name: str | type, directory: Path, *, derivatives: bool = False) -> Path:
+    """Write the FMU of a component to directory/<class>.fmu and return its path.
 
-    `derivatives`: list "der(v)" and "der(v,2)" of each input, for masters that extrapolate. Raises `BadInput` for a name that
-    is not in the catalogue.
+    name: of the catalogue, "module:Class", or the class.  derivatives: list "der(v)" and "der(v,2)" of each input, for masters
+    that extrapolate. Raises `BadInput` for a component that does not exist or cannot be packed.
     """
-    return write(_members(name, derivatives)[1], Path(directory) / f"{name}.fmu")
+    name = name if isinstance(name, str) else component_name(name)
+    return write(_members(name, derivatives)[1], Path(directory) / f"{file_stem(name)}.fmu")
 
 
 def built(name: str) -> Path:
-    """The FMU of the component `name`, kept in the user's cache by digest and built if it is missing.
+    """The FMU of a component of the catalogue, or of "module:Class", kept in the user's cache by digest and built if missing.
 
-    Raises `BadInput` for a name that is not in the catalogue.
+    Raises `BadInput` as `build`.
     """
     digest, members = _members(name)
-    return kept(Path(loader.cache_root()) / "fmus" / digest[:16] / f"{name}.fmu", lambda path: _holds(path, members),
+    return kept(Path(loader.cache_root()) / "fmus" / digest[:16] / f"{file_stem(name)}.fmu", lambda path: _holds(path, members),
                 lambda path: write(members, path))
 
 
@@ -114,6 +116,11 @@ def _holds(path: Path, members: dict[str, bytes]) -> bool:
     return _contents(path, status.st_mtime_ns, status.st_size) == members
 
 
+def file_stem(name: str) -> str:
+    """What the FMU of a component is called: by its class."""
+    return name.rpartition(":")[2]
+
+
 def sources(module: str) -> dict[str, bytes]:
     """The files a component's module needs, its import closure within `components`: relative path -> content."""
     file = COMPONENTS.joinpath(*module.split(".")).with_suffix(".py")
@@ -135,9 +142,10 @@ def slave_script() -> str:
 
 
 def _members(name: str, derivatives: bool = True) -> tuple[str, dict[str, bytes]]:
-    """(digest, path in the FMU -> content) of a component of the catalogue."""
+    """(digest, path in the FMU -> content) of a component of the catalogue, or of "module:Class"."""
     component = component_class(name, "build")
-    return fmu_members(name, component, CATALOGUE[name], sources(CATALOGUE[name]), derivatives)
+    where = own_sources(name, COMPONENTS) if ":" in name else (CATALOGUE[name], sources(CATALOGUE[name]))
+    return fmu_members(file_stem(name), component, *where, derivatives)
 
 
 def fmu_members(name: str, component: Any, module: str, files: dict[str, bytes],

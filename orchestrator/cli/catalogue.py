@@ -66,7 +66,7 @@ def _cases() -> list[dict[str, Any]]:
 
 @app.command()
 def build(
-    names: Annotated[list[str] | None, typer.Argument(help="components; all without it. With --native also module:Class")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="components, or module:Class; without it the catalogue")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
     native: Annotated[bool, typer.Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
     target: Annotated[str, typer.Option(help="With --native: linux64, win64 or both; default: this machine.")] = "",
@@ -97,17 +97,23 @@ def build(
 
 
 @app.command()
-def check(fmu: Annotated[Path, typer.Argument(help="an FMU file")], as_json: AsJson = False) -> None:
+def check(fmu: Annotated[str, typer.Argument(help="an FMU file; or a component or module:Class, whose FMU is built")],
+          as_json: AsJson = False) -> None:
     """Check an FMU against FMI 2.0. Example: cosimo check Pantograph.fmu"""
+    from ...components.catalogue import CATALOGUE
+    from ...fmus.build import built
     from ...fmus.check import check as check_fmu
 
-    if not fmu.is_file():
-        raise BadInput("check", repr(str(fmu)), "an FMU file")
-    findings = check_fmu(fmu)
+    path = Path(fmu)
+    if not path.is_file():
+        if fmu not in CATALOGUE and (":" not in fmu or path.suffix):
+            raise BadInput("check", repr(fmu), "an FMU file, a component or module:Class", nearest(fmu, CATALOGUE))
+        path = built(fmu)
+    findings = check_fmu(path)
     if as_json:
         records = [{"name": f.name, "ok": f.ok, "detail": f.detail} for f in findings]
-        print(json.dumps({"fmu": str(fmu), "findings": records}, indent=2))
+        print(json.dumps({"fmu": fmu, "findings": records}, indent=2))
     else:
-        print_table(str(fmu), ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
+        print_table(fmu, ("check", "ok", "detail"), [(f.name, "yes" if f.ok else "NO", f.detail) for f in findings])
     if not all(f.ok for f in findings):
         raise SystemExit(FAILED_CHECK)

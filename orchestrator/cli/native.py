@@ -7,11 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...components.catalogue import CATALOGUE
+from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, nearest
 from ...fmus.native.build import build_native, own_target
-from ..units.component import find
 from .common import listed, parameters_of
 
 
@@ -46,7 +45,7 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
 
 
 def _component(name: str, effects: Sequence[str], values: dict[str, Any]) -> Component:
-    return find(name, "build")(effects, values)
+    return component_class(name, "build")(effects, values)
 
 
 def scene_units(name: str, wanted: Sequence[str]) -> dict[str, Callable[[], Component]]:

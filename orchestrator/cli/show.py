@@ -52,10 +52,10 @@ def show(
 
 
 def _component(name: str, effects: list[str], parameters: Mapping[str, Any]) -> dict[str, Any]:
+    from ...components.catalogue import component_class
     from ..advice.stepping_path import python_of
-    from ..units.component import find
 
-    cls = find(name, "show")
+    cls = component_class(name, "show")
     component = cls(effects, parameters)
     variables = [(v, v.name) for v in cls.own_variables]
     variables += [(v, f"{e}.{v.name}") for e, effect in cls.effects.items() for v in effect.variables]

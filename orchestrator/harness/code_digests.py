@@ -8,10 +8,9 @@ import inspect
 from functools import cache
 from pathlib import Path
 
-from ...components.catalogue import CATALOGUE
+from ...components.catalogue import CATALOGUE, component_class
 from ...fmus.build import sources
 from ..scene.scene import Scene
-from ..units.component import find
 
 
 def components_digest(scene: Scene) -> str:
@@ -28,7 +27,7 @@ def component_digest(name: str) -> str:
 def _code_digests(component: str, unit: str) -> list[str]:
     if component in CATALOGUE:
         return [_code_digest(content) for _, content in sorted(sources(CATALOGUE[component]).items())]
-    return [_code_digest(Path(inspect.getfile(find(component, unit))).read_bytes())] if component else []
+    return [_code_digest(Path(inspect.getfile(component_class(component, unit))).read_bytes())] if component else []
 
 
 @cache

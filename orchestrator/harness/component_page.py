@@ -18,12 +18,11 @@ from math import isfinite
 from textwrap import dedent
 from typing import Any
 
-from ...components.catalogue import CATALOGUE
+from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component, Effect
 from ...components.core.errors import BadInput
 from ...components.core.variables import Causality, Variable
 from ..scene.files import read_file, scene_files
-from ..units.component import find
 from .studies.full_model import with_required
 from .studies.hard_cases import declared
 
@@ -143,7 +142,7 @@ def component_page(name: str, *, count_states: bool = True) -> ComponentPage:
 
 def component_pages(names: Sequence[str] = tuple(CATALOGUE), *, count_states: bool = True) -> list[ComponentPage]:
     """Pages of several components; all of the catalogue without names."""
-    classes = {name: find(name, "component") for name in names}
+    classes = {name: component_class(name, "component") for name in names}
     states = states_of(names) if count_states else {}
     return [_page(name, cls, states.get(name, {})) for name, cls in classes.items()]
 
@@ -235,7 +234,7 @@ def count_states() -> None:
     """Names of components as JSON on standard input; counts of their states on standard output. For `states_of`."""
     counts = {}
     for name in json.load(sys.stdin):
-        cls = find(name, "component")
+        cls = component_class(name, "component")
         bare = _states(cls, ())
         counts[name] = {"": bare}
         for effect in cls.effects:

@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ...components.catalogue import CATALOGUE
+from ...components.catalogue import component_name
 from ...components.core.component import Component
-from ...components.core.errors import BadInput
-
-
-def component_name(cls: type[Component]) -> str:
-    """What a scene calls a class: its name in the catalogue, or "module:Class". Raises `BadInput` for one inside a function."""
-    if cls.__module__.endswith(f".components.{CATALOGUE.get(cls.__name__, '?')}"):
-        return cls.__name__
-    if "." in cls.__qualname__:
-        raise BadInput("unit", f"class {cls.__qualname__}", "a class of a module, not of a function or another class",
-                       "Worker processes and FMUs look it up by its name.")
-    return f"{cls.__module__}:{cls.__name__}"
 
 
 def unit(what: str | Path | type[Component], *, effects: Iterable[str] = (), preset: str = "",
@@ -45,3 +35,8 @@ def scene_data(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[st
     entries = {name: entry if isinstance(entry, Mapping) else unit(entry) for name, entry in units.items()}
     return {"stop_time": float(stop_time), "units": entries, "connections": list(connections),
             "master": {**master, "step": float(step)}, **tables}
+
+
+def snake_case(name: str) -> str:
+    """"ServoMotor" as "servo_motor"."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name).lower()

@@ -8,9 +8,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
 from ...components.core.variables import Causality
-from ..units.component import find
 
 Scene = Any  # `scene.Scene`, which imports this module
 
@@ -109,7 +109,7 @@ def _unit(scene: Scene, name: str) -> dict[str, tuple[Any, str]]:
     values: dict[str, Any] = {}
     if unit.component:
         with suppress(BadInput):  # a module that is not here
-            cls = find(unit.component, name)
+            cls = component_class(unit.component, name)
             values = {n: v.start for n, v in cls.variables.items() if v.causality is not Causality.OUTPUT}
             values |= cls.presets[unit.preset].parameters if unit.preset else {}
     values |= unit.parameters

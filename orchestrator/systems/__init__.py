@@ -11,8 +11,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.errors import BadInput, nearest
 from ..scene import scene as scenes
+from ..scene.build import scene_data, snake_case
 
 if TYPE_CHECKING:
     from ..harness.summary import SummaryTable
@@ -44,7 +46,15 @@ ANALYSIS = scenes.KnownSystems({name: system.keys for name, system in SYSTEMS.it
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`."""
+    """A shipped scene by its name, or a scene file by its path: .toml, .ssd or .ssp. Faults are one `BadInput`.
+
+    A component of the catalogue or "module:Class" is a scene of it alone, over the run and with the step that it declares.
+    """
+    name = str(name_or_path)
+    if name in CATALOGUE or (":" in name and not name.endswith((".toml", ".ssd", ".ssp"))):
+        cls = component_class(name, "scene")
+        data = scene_data({snake_case(cls.__name__): name}, (), cls.default_stop, cls.default_step, {}, {"title": cls.title})
+        return read_scene(data, cls.__name__)
     return scenes.load_scene(name_or_path, ANALYSIS)
 
 
@@ -62,8 +72,6 @@ def build_scene(units: Mapping[str, Any], connections: Iterable[Any] | Mapping[s
     stop_time, step: s; step: the macro step.  master: what else its table says, such as {"algorithm": "jacobi"}.
     tables: whatever else a scene may say: title, record, contacts, faults, analysis ...
     """
-    from ..scene.build import scene_data
-
     return read_scene(scene_data(units, connections, stop_time, step, master or {}, tables), name, folder)
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.component import Component
-from ...components.core.errors import BadInput, StepFailed, nearest
+from ...components.core.errors import StepFailed
 from ...components.core.kernels import DONE
 from ..settings import UnitSettings
 from .call_table import IN_MEMORY, OF_COMPONENT, CallTable
@@ -22,27 +21,12 @@ from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
 HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 
 
-def find(component: str, where: str) -> type[Component]:
-    """The class of a catalogue name or of "module:Class"."""
-    if ":" not in component:
-        return component_class(component, where)
-    module, _, name = component.partition(":")
-    try:
-        cls = getattr(import_module(module), name, None)
-    except Exception as error:  # a module may raise anything while it is imported
-        missing = isinstance(error, ModuleNotFoundError)
-        remedy = "The folder of a module of your own belongs into PYTHONPATH." if missing else ""
-        raise BadInput(where, f"component {component!r}", "module:Class that can be imported",
-                       f"{type(error).__name__}: {error}. {remedy}".strip()) from None
-    if not (isinstance(cls, type) and issubclass(cls, Component)):
-        classes = [n for n, c in vars(import_module(module)).items() if isinstance(c, type) and issubclass(c, Component)]
-        raise BadInput(where, f"component {component!r}", f"a component of {module}", nearest(name, classes))
-    return cls
+find = component_class
 
 
 def make(name: str, settings: UnitSettings) -> Component:
     """The component of a scene's entry, with its parameters checked."""
-    cls = find(settings.component, f"units.{name}")
+    cls = component_class(settings.component, f"units.{name}")
     return cls(settings.effects, settings.parameters, preset=settings.preset, name=name)
 
 

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from ....components.catalogue import component_class
 from ....components.core.errors import BadInput, nearest
 from ...scene.scene import Scene, read_toml
 from ...settings.messages import one_message
 from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
-from ...units.component import find
 from .sampling import correlated, matrix_of, quantile, unit_points
 
 MOST_CHECKED = 200  # values of one axis that are checked before the first run
@@ -255,7 +255,7 @@ def changes(scene: Scene, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_preset(scene: Scene, unit: str, preset: str) -> Sequence[str]:
-    presets = find(scene.units[unit].component, f"units.{unit}").presets
+    presets = component_class(scene.units[unit].component, f"units.{unit}").presets
     return presets[preset].effects if preset in presets else ()
 
 
@@ -317,6 +317,6 @@ def unit_of(scene: Scene, name: str) -> str:
     component, parameter = scene.units[unit].component, key.removeprefix("parameters.")
     if parameter == key or not component:
         return ""
-    variables = find(component, unit).variables
+    variables = component_class(component, unit).variables
     known = variables.get(parameter) or variables.get(parameter.partition("[")[0])
     return known.unit if known is not None else ""

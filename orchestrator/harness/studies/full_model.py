@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, nearest
 from ....components.core.variables import Causality
 from ...scene.scene import Scene
-from ...units.component import find
 
 Place = tuple[str, str]  # unit, effect
 
@@ -47,7 +47,7 @@ class Model:
 
 def classes(scene: Scene) -> dict[str, type[Component]]:
     """The class of every unit that is a component."""
-    return {name: find(unit.component, f"units.{name}") for name, unit in scene.units.items() if unit.component}
+    return {name: component_class(unit.component, f"units.{name}") for name, unit in scene.units.items() if unit.component}
 
 
 def effects_on(scene: Scene) -> dict[str, tuple[str, ...]]:

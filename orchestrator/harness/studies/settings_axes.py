@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.core.variables import Causality
 from ...scene.scene import Scene
-from ...units.component import find, make
+from ...units.component import make
 
 DEGREES = ("held", "linear", "quadratic")
 ADAPTIVE = (1e-2, 1e-3, 1e-4, 1e-5)  # tolerances of the step control
@@ -46,7 +47,7 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
 def substeps(scene: Scene) -> dict[str, float]:
     """Place in the scene -> internal step, s, of every component that has a parameter `substep`."""
     return {f"units.{name}.parameters.substep": float(make(name, unit).get("substep")) for name, unit in scene.units.items()
-            if unit.component and "substep" in find(unit.component, name).variables}
+            if unit.component and "substep" in component_class(unit.component, name).variables}
 
 
 def refined(scene: Scene, factor: float, unit: str = "") -> dict[str, Any]:
@@ -64,7 +65,8 @@ def meshes(scene: Scene) -> dict[str, float]:
         if given is None or not given.component or not parameter:
             raise BadInput(f"{scene.name}: study.mesh", repr(name), '"unit.parameter" of a component')
         value = make(unit, given).get(parameter)
-        if find(given.component, unit).variables[parameter].causality is not Causality.PARAMETER or not isinstance(value, float):
+        variable = component_class(given.component, unit).variables[parameter]
+        if variable.causality is not Causality.PARAMETER or not isinstance(value, float):
             raise BadInput(f"{scene.name}: study.mesh", repr(name), "a parameter that is a length")
         lengths[f"units.{unit}.parameters.{parameter}"] = value
     return lengths

@@ -42,18 +42,14 @@ TOLERANCE = "0.0001"  # of OMSimulator's master; it has no effect with a fixed s
 
 
 def check(scene: Scene, path: Path) -> None:
-    """Raises `BadInput` for what no other tool could run: components that are not in the catalogue, and contacts, whose laws
-    are the master's; and for a path that names no package.
+    """Raises `BadInput` for contacts, whose laws are the master's, so that no other tool could run them; and for a path that
+    names no package.
     """
     if scene.contacts:
         raise BadInput(f"{scene.name}: contacts", "a contact law that the master integrates", "connections between units",
                        "A package holds FMUs and connections only.")
     if path.suffix != ".ssp":
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
-    for name, unit in scene.units.items():
-        if ":" in unit.component:
-            raise BadInput(f"{scene.name}: units.{name}", f"component {unit.component!r}",
-                           "a component of the catalogue or an FMU", "Others cannot be packed as an FMU.")
 
 
 def write(scene: Scene, path: Path) -> Path:

@@ -177,9 +177,6 @@ def test_fmus_of_one_name_and_different_content_do_not_meet(folder, library):
 
 
 def test_what_cannot_be_packed_is_refused(tmp_path):
-    scene = read_scene({**RIGID, "units": {"p": {"component": "cosimo.tests.support:Probe"}}}, "bad")
-    with pytest.raises(BadInput, match=r"bad: units\.p: component '.*:Probe'; expected a component of the catalogue"):
-        write(scene, tmp_path / "bad.ssp")
     sides = {side: {"force": f"{u}.force", "position": f"{u}.x_out", "velocity": f"{u}.v_out", "inertia": 1.0}
              for side, u in (("first", "a"), ("second", "b"))}
     mass = {"component": "cosimo.tests.support:Mass"}
