@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import traceback
-from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
@@ -68,12 +67,6 @@ def component_class(name: str, where: str = "component") -> type[Component]:
     return getattr(import_module("." + CATALOGUE[name], __package__), name)
 
 
-@lru_cache(maxsize=256)
-def _checked(cls: type[Component]) -> type[Component]:
-    check_declaration(cls)
-    return cls
-
-
 def _of_module(name: str, where: str) -> type[Component]:
     """The class of "module:Class", with its declarations checked."""
     module, _, class_name = name.partition(":")
@@ -85,7 +78,8 @@ def _of_module(name: str, where: str) -> type[Component]:
     if not (isinstance(cls, type) and issubclass(cls, Component)):
         classes = [n for n, c in vars(loaded).items() if isinstance(c, type) and issubclass(c, Component)]
         raise BadInput(where, f"component {name!r}", f"a component of {module}", nearest(class_name, classes))
-    return _checked(cls)
+    check_declaration(cls)
+    return cls
 
 
 def _not_imported(name: str, where: str, error: Exception) -> BadInput:

@@ -43,8 +43,11 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
             if variable_name not in cls.variables:
                 yield ("presets", "a parameter of the class", f"preset {name!r} with {variable_name!r}",
                        nearest(variable_name, cls.variables))
-            else:
-                cls.variables[variable_name].checked(value, f"{place_of(cls, 'presets')}: preset {name!r}")
+                continue
+            try:
+                cls.variables[variable_name].checked(value, "")
+            except BadInput as error:
+                yield "presets", error.expected, f"preset {name!r} with {error.actual}", error.remedy
 
 
 def _of_variable(variable: Variable, name: str) -> Iterator[tuple[str, str, str, str]]:

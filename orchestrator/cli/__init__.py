@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from ...components.core.errors import BadInput
-from . import accuracy, cache, catalogue, effects, many, packing, railway, run, show, stability, validate  # noqa: F401 - adds commands
+from . import accuracy, cache, catalogue, effects, many, new, packing, railway, run, show, stability, validate  # noqa: F401 - adds commands
 from .common import BAD_INPUT, app
 
 

@@ -62,7 +62,8 @@ class Scene(SceneSettings):
 
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""
-        interfaces, signals = self.coupling.interfaces, {}
+        interfaces = self.coupling.interfaces
+        signals: dict[tuple[str, str], list[str]] = {}
         for link in (*self.coupling.links, *self.coupling.texts):
             names = (link.source[1], link.target[1])
             signals.setdefault((link.source[0], link.target[0]), []).append(
@@ -73,7 +74,7 @@ class Scene(SceneSettings):
             kind = unit.component.rpartition(":")[2] or Path(unit.fmu).name
             hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
             boxes.append(Box(name, (kind, ", ".join(effects)), hint))
-        return draw(boxes, (Arrow(*ends, tuple(names)) for ends, names in signals.items()), self.title or self.name)
+        return draw(boxes, (Arrow(a, b, tuple(names)) for (a, b), names in signals.items()), self.title or self.name)
 
     def _repr_html_(self) -> str:
         return f"<b>{escape(self.title or self.name)}</b><br>{self.show()}"
