@@ -377,7 +377,10 @@ def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
     x[1::W] *= -1.0  # the wires swing against each other: droppers take part
     value = 0.0
     for _ in range(60):
-        y = mesh.inverse_mass * banded_product(stiffness, x)
+        x[mesh.clamped] = x[mesh.clamp]
+        force = banded_product(stiffness, x)
+        np.add.at(force, mesh.clamp, force[mesh.clamped])
+        y = mesh.inverse_mass * force
         value = float(np.linalg.norm(y))
         x = y / value
     return 1.02 * value

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -48,6 +50,40 @@ def lumped(
                 [(text, *(f"{100.0 * e:+.3g} %" for e in domain.errors[name]), domain_text(domain, name, allowed))
                  for name, text in ERRORS.items()])
     print(f"wrote {', '.join(map(str, written))}")
+
+
+@railway.command("line")
+def line_(
+    table: Annotated[Path | None, typer.Argument(help="the line's table, a TOML file")] = None,
+    values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
+        "Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."))] = None,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help=(
+        "Directory for droppers.csv, supports.csv and line.svg."))] = None,
+) -> None:
+    """Find the form of a line: dropper lengths, preloads, reactions. Example: cosimo railway line my-line.toml -o out"""
+    from ...components.railway.line.table import schema as line_schema
+    from ..systems.railway import line
+
+    if schema:
+        print(json.dumps(line_schema(), indent=2))
+        return
+    if table is None:
+        raise BadInput("railway line", "no table", "the path of one", "Such as my-line.toml; --schema prints its keys.")
+    show_line(table, parameters_of(values or []))
+    if output is not None:
+        form, title = line.read(table, parameters_of(values or []))
+        print(f"wrote {', '.join(map(str, line.save(form, title, output)))}")
+
+
+def show_line(table: Path, values: Mapping[str, Any]) -> None:
+    """A line's drawing and its dropper table on the terminal."""
+    from ..systems.railway import line
+
+    form, title = line.read(table, values)
+    print(title, line.text_drawing(form), sep="\n\n", end="\n\n")
+    print_table("droppers", line.DROPPER_COLUMNS, line.dropper_rows(form))
+    print_table("supports", line.SUPPORT_COLUMNS, line.support_rows(form))
 
 
 @railway.command("fit-pantograph")

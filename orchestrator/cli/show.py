@@ -7,6 +7,7 @@ import json
 import sys
 from collections.abc import Mapping
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -23,7 +24,8 @@ STEPPED = "compiled loop, units called by address"
 
 @app.command()
 def show(
-    name: Annotated[str, typer.Argument(help="a component, module:Class, the name of a shipped scene, or a scene file")],
+    name: Annotated[str, typer.Argument(help=(
+        "a component, module:Class, the name of a shipped scene, a scene file, or the table of an overhead line"))],
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
         "Effects that are on; of a scene unit.effect, beside its own. May be repeated."))] = None,
     values: Changes = None,
@@ -32,7 +34,13 @@ def show(
     """What a component or a scene consists of, and whether Python is in its steps. Example: cosimo show Pantograph"""
     from ...components.catalogue import CATALOGUE
     from ..scene.scene import scene_files
+    from ..systems.railway.line import is_line
 
+    if name.endswith(".toml") and is_line(Path(name)):
+        from .railway import show_line
+
+        show_line(Path(name), parameters_of(values or []))
+        return
     with status_spinner() as progress:
         progress("initializing, which compiles kernels where the cache has none")
         if name in CATALOGUE or ":" in name:

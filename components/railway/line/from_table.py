@@ -117,6 +117,14 @@ def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None)
     return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4))
 
 
+def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
+    """Positions of the droppers of the first contact wires, in order, m."""
+    base = DropperData(FIRST, GAP)
+    return tuple(sorted(
+        round(float(x + xi), 9) for s in sections for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
+        for xi in _positions(span.positions, span, over(span.droppers, s.section.droppers, base), f"{s.name}.spans[{k + 1}]")))
+
+
 class _Section:
     """Wires, droppers and springs of one section in its lanes."""
 

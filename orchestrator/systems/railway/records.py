@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,8 @@ import numpy as np
 
 from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
+from ....components.railway.line.from_table import dropper_positions, resolved_sections
+from ....components.railway.line.table import read_line
 from ...harness.analysis.signals import Filter
 from .contact import ContactRecord, ContactStatistics
 from .keys import RailwayKeys
@@ -37,10 +40,27 @@ def parameters(scene: Scene, unit: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Track:
-    """What lies along the track, as the catenary of a run has it. span: m, 0 for none.  droppers: positions in a span, m."""
+    """What lies along the track, as the catenary of a run has it. droppers: positions in m, of a uniform line in its first span.
+
+    supports: positions in m of a line from a table; empty for a uniform one, which has `span` instead, 0 for none.
+    """
 
     span: float
     droppers: tuple[float, ...]
+    supports: tuple[float, ...] = ()
+
+    def support(self, number: int) -> float:
+        """Position of a support, counted from 0, m; the last one beyond it."""
+        return self.supports[min(number, len(self.supports) - 1)] if self.supports else self.span * number
+
+    def supports_between(self, low: float, high: float) -> list[tuple[int, float]]:
+        """Numbers and positions of the supports between two places, m."""
+        if self.supports:
+            return [(i, x) for i, x in enumerate(self.supports) if low - 1e-9 <= x <= high + 1e-9]
+        if not self.span:
+            return []
+        numbers = np.arange(np.ceil(low / self.span - 1e-9), np.floor(high / self.span + 1e-9) + 1)
+        return [(round(i), float(i * self.span)) for i in numbers]
 
     @property
     def dropper_spacing(self) -> float:
@@ -54,7 +74,15 @@ class Track:
 def track_of(result: Result) -> Track:
     """Of the catenary above the foremost pantograph, by the parameters that the run had."""
     run_of = passages(result)
-    values = result.info["units"][run_of[0].catenary]["parameters"] if run_of else {}
+    return _track(result.info["units"][run_of[0].catenary]["parameters"] if run_of else {})
+
+
+def _track(values: Mapping[str, Any]) -> Track:
+    """Of the parameters of a catenary."""
+    if "line_table.table" in values:
+        sections = resolved_sections(read_line(values["line_table.table"]))
+        supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
+        return Track(float(np.median(np.diff(supports))), dropper_positions(sections), tuple(supports.tolist()))
     count = int(values.get("droppers", 0))
     return Track(float(values.get("span_length", 0.0)), tuple(float(values[f"dropper_position[{i + 1}]"]) for i in range(count)))
 
@@ -67,12 +95,12 @@ def analysis_window(result: Result) -> tuple[float, float]:
     if keys.spans is None:
         raise BadInput(f"{scene.name}: analysis.spans", "nothing", "the first and the last span for the statistics",
                        "Add spans = [first, last] to [analysis], or window = [from, to] in m.")
-    span = track_of(result).span
-    if not span > 0.0:
+    track = track_of(result)
+    if not track.span > 0.0:
         raise BadInput(f"{scene.name}: analysis.spans", f"[{keys.spans[0]}, {keys.spans[1]}]",
                        "a catenary with a parameter span_length", "Give window = [from, to] in m instead.")
     first, last = keys.spans
-    return (first - 1) * span, last * span
+    return track.support(first - 1), track.support(last)
 
 
 STRIPS = ".two_strips"  # behind the name of a pantograph: its rear strip
@@ -114,8 +142,8 @@ def _support_positions(result: Result, catenary: str, watched: list[str]) -> tup
         if name not in values:
             raise BadInput(f"units.{catenary}", f"no parameter {name!r}", "what tells where the supports of its uplifts are",
                            f"Or do not record {catenary}.support_uplift.")
-    first = values["first_watched_support"]
-    return tuple(values["span_length"] * (first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
+    first, track = values["first_watched_support"], _track(values)
+    return tuple(track.support(first + int(n[n.index("[") + 1 : -1]) - 1) for n in watched)
 
 
 def statistics(result: Result, low_pass: Filter | None = None, pantograph: int = 0) -> ContactStatistics:

@@ -1,0 +1,166 @@
+"""A line's table read from a file, its form as tables for the crew, and its drawing as text and SVG."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from html import escape
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput
+from ....components.railway.catenary import Catenary
+from ....components.railway.line.form import Form, find_form
+from ....components.railway.line.layout import GRAVITY
+from ....components.railway.line.table import read_line
+from ...output import ensure_directory
+from ...scene.files import read_text
+
+DROPPER_COLUMNS = ("position, m", "contact wire", "hangs from", "height, m", "length, m", "cut length, m", "preload, N")
+SUPPORT_COLUMNS = ("position, m", "reaction, N", "rest height of the spring, m")
+WIDTH, HEIGHT = 110, 14  # characters of the drawing
+PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a metre up, pixels a metre to the side
+
+
+def read(path: Path, values: Mapping[str, Any]) -> tuple[Form, str]:
+    """Form and title of the line in a file; values: parameters of `Catenary` for what it leaves out."""
+    line = read_line(read_text(path, "line"), str(path))
+    return find_form(line, Catenary((), values)._declared_arguments()[0]), line.title or path.stem
+
+
+def is_line(path: Path) -> bool:
+    """Whether a TOML file is a line's table and no scene: it has sections, and no units."""
+    import tomllib
+
+    try:
+        data = tomllib.loads(read_text(path))
+    except (tomllib.TOMLDecodeError, BadInput):
+        return False
+    return "sections" in data and "units" not in data
+
+
+def _wire(form: Form, lane: int) -> str:
+    stitch = any(w.lane == lane and w.clamped_to is not None for w in form.layout.wires)
+    return "stitch" if stitch else "messenger"
+
+
+def dropper_rows(form: Form) -> list[tuple[str, ...]]:
+    """The table that a crew gets, a row a dropper, text."""
+    d = form.layout.droppers
+    return [(f"{x:.3f}", str(lower // 2 + 1), _wire(form, upper), f"{z:+.4f}", f"{length:.4f}", f"{cut:.4f}", f"{force:.1f}")
+            for x, lower, upper, z, length, cut, force in zip(
+                d.position, d.lower, d.upper, d.height, form.length, form.cut_length, form.preload, strict=True)]
+
+
+def support_rows(form: Form) -> list[tuple[str, ...]]:
+    """Messenger supports, text."""
+    return [(f"{x:.3f}", f"{force:.1f}", f"{rest:.4f}") for x, force, rest in zip(
+        form.support, form.reaction, form.rest_height, strict=True)]
+
+
+def save(form: Form, title: str, folder: Path) -> list[Path]:
+    """droppers.csv, supports.csv and line.svg."""
+    ensure_directory(folder)
+    paths = [folder / "droppers.csv", folder / "supports.csv", folder / "line.svg"]
+    for path, columns, rows in ((paths[0], DROPPER_COLUMNS, dropper_rows(form)), (paths[1], SUPPORT_COLUMNS, support_rows(form))):
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(column.replace(", ", " [") + "]" if ", " in column else column for column in columns)
+            writer.writerows(rows)
+    paths[2].write_text(svg(form, title), encoding="utf-8")
+    return paths
+
+
+def _shape(form: Form, wire: Any, points: int = 6) -> Iterator[tuple[float, float]]:
+    """Positions and heights along a wire, with the parabola between its nodes."""
+    inside = np.flatnonzero((form.position > wire.start - 1e-6) & (form.position < wire.end + 1e-6))
+    for i, j in pairwise(inside):
+        a, b = form.position[i], form.position[j]
+        za, zb = form.height[i, wire.lane], form.height[j, wire.lane]
+        for s in np.linspace(0.0, 1.0, points)[: points - 1 if j != inside[-1] else points]:
+            sag = GRAVITY * wire.mass * (b - a) ** 2 / (2.0 * wire.tension) * s * (1.0 - s)
+            yield float(a + s * (b - a)), float((1.0 - s) * za + s * zb - sag)
+
+
+def text_drawing(form: Form, width: int = WIDTH) -> str:
+    """The line to scale along the track, heights enlarged, as lines of text."""
+    shapes = [list(_shape(form, wire)) for wire in form.layout.wires]
+    every = np.array([p for shape in shapes for p in shape])
+    (left, low), (right, high) = every.min(axis=0), every.max(axis=0)
+    rows = [[" "] * width for _ in range(HEIGHT)]
+
+    def place(x: float, z: float) -> tuple[int, int]:
+        return (round((high - z) / max(high - low, 1e-9) * (HEIGHT - 1)), round((x - left) / (right - left) * (width - 1)))
+
+    d = form.layout.droppers
+    for x, lower, z, length in zip(d.position, d.lower, d.height, form.length, strict=True):
+        (bottom, column), (top, _) = place(x, z), place(x, z + length)
+        for row in range(top + 1, bottom):
+            rows[row][column] = "|" if lower == 0 else ":"
+    for shape, wire in zip(shapes, form.layout.wires, strict=True):
+        line = np.array(shape)
+        for column in range(width):
+            x = left + (right - left) * column / (width - 1)
+            if line[0, 0] <= x <= line[-1, 0]:
+                row, _ = place(x, float(np.interp(x, line[:, 0], line[:, 1])))
+                rows[row][column] = "=" if wire.lane in form.layout.contact_lanes else "~" if wire.clamped_to is not None else "-"
+    marks = [" "] * width
+    for x in form.layout.supports:
+        marks[place(x, low)[1]] = "^"
+    scale = (right - left) / (high - low) * HEIGHT / width * 2.0  # a character is twice as high as wide
+    ends = f"{left:g} m" + f"{right:g} m".rjust(width - len(f"{left:g} m"))
+    legend = f"= contact wire  - messenger  ~ stitch  | dropper  ^ support; heights {scale:.0f} times as large as lengths"
+    return "\n".join(["".join(row).rstrip() for row in rows] + ["".join(marks).rstrip(), ends, legend])
+
+
+def svg(form: Form, title: str) -> str:
+    """Side view and, where there is stagger, plan: lengths to scale, heights and sides enlarged by a stated factor."""
+    shapes = [list(_shape(form, wire)) for wire in form.layout.wires]
+    every = np.array([p for shape in shapes for p in shape])
+    (left, low), (right, high) = every.min(axis=0), every.max(axis=0)
+    lateral = form.layout.lateral
+    staggered = bool(lateral.size and np.any(lateral[:, 2]))
+    width, side = (right - left) * PER_METRE + 80.0, (high - low) * TALL + 110.0
+    total = side + (180.0 if staggered else 0.0)
+
+    def at(x: float, z: float) -> str:
+        return f"{40.0 + (x - left) * PER_METRE:.1f},{60.0 + (high - z) * TALL:.1f}"
+
+    def path(points: list[tuple[float, float]], **style: str) -> str:
+        styled = " ".join(f'{k.replace("_", "-")}="{v}"' for k, v in style.items())
+        return f'<polyline points="{" ".join(at(*p) for p in points)}" fill="none" {styled}/>'
+
+    def text(x: float, y: float, words: str, anchor: str = "middle") -> str:
+        return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(words)}</text>'
+
+    scale = f"heights {TALL / PER_METRE:g} times as large as lengths"
+    parts = [text(40.0, 24.0, title, "start"), text(40.0, 42.0, scale, "start")]
+    for i, x in enumerate(form.layout.supports):
+        parts.append(path([(x, low - 0.2), (x, high + 0.1)], stroke="#888", stroke_dasharray="4 4"))
+        parts.append(text(40.0 + (x - left) * PER_METRE, side - 12.0, f"S{i} {x:g} m"))
+    d = form.layout.droppers
+    for x, z, length in zip(d.position, d.height, form.length, strict=True):
+        parts.append(path([(x, z), (x, z + length)], stroke="#444", stroke_width="1"))
+    for shape, wire in zip(shapes, form.layout.wires, strict=True):
+        contact = wire.lane in form.layout.contact_lanes
+        colour = "#0072B2" if wire.lane == 0 else "#CC3311" if contact else "#E69F00" if wire.clamped_to is not None else "#222"
+        parts.append(path(shape, stroke=colour, stroke_width="2.5" if contact else "1.5"))
+    if staggered:
+        middle = side + 80.0
+        scale = f"plan, sides {BESIDE / PER_METRE:g} times as large as lengths, and forces on the arms"
+        parts.append(text(40.0, side + 16.0, scale, "start"))
+        parts.append(f'<line x1="40" x2="{width - 40.0:.1f}" y1="{middle}" y2="{middle}" stroke="#888" stroke-dasharray="8 4"/>')
+        for wire in np.unique(lateral[:, 0]):
+            rows = lateral[lateral[:, 0] == wire]
+            places = [(40.0 + (x - left) * PER_METRE, middle - b * BESIDE, force) for _, x, b, force in rows]
+            points = " ".join(f"{x:.1f},{y:.1f}" for x, y, _ in places)
+            colour = "#0072B2" if wire == 0 else "#CC3311"
+            parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="2"/>')
+            parts += [text(x, y + (16.0 if y > middle else -8.0), f"{force:+.0f} N") for x, y, force in places if force]
+    body = "\n".join(parts)
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
+            f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'
+            f'<rect width="100%" height="100%" fill="white"/>\n{body}\n</svg>\n')
