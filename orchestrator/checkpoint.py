@@ -1,8 +1,10 @@
 """Checkpoints: files from which an interrupted run goes on, bit-identical to a run that was not interrupted.
 
-A file holds numbers and texts only: the states of the units as their own bytes, what the master extrapolates from, and all that
-was recorded so far. What kind of object they belong to is known from the scene, which must be the same, so that nothing in a
-file is ever executed, and only fields that such an object has are filled. A digest of the content shows damage.
+A file holds numbers and texts only: the states of the units as their own bytes, what the master extrapolates from, and where the
+rows recorded so far are: parts of the result directory, by their number and one digest. So neither memory nor file grow with the
+run. Rows of a run without a result directory are in memory, and in the file. What kind of object they belong to is known from the
+scene, which must be the same, so that nothing in a file is ever executed, and only fields that such an object has are filled. A
+digest of the content shows damage.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ from .engine.stepping.observers import BatchObserver
 from .scene.scene import Scene
 from .units import Interface, Unit
 
-FORMAT = "cosimo checkpoint 3"
+FORMAT = "cosimo checkpoint 4"
 CONTENT = {"format", "version", "name", "digest", "tick", "t", "kinds", "master", "units", "parts"}
 
 
@@ -46,6 +48,7 @@ class Part(Protocol):
 class Checkpoint:
     """A file that was read, and fits the scene."""
 
+    folder: Path  # of the file
     tick: int
     t: float
     kinds: Mapping[str, str]  # of the units, by name
@@ -103,20 +106,20 @@ class Checkpoints(BatchObserver):
         """Write what stands now, between two steps; a temporary file takes the place of the old one when it is complete."""
         saved = self._loop.master.save()
         t = self._loop.clock.seconds(self._loop.tick)
-        content = self._header | {
-            "tick": self._loop.tick, "t": t, "units": _packed(self._master, saved), "master": _without_units(saved),
-            "parts": {name: part.state() for name, part in self._parts.items()},
-        }
-        for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
-            node.unit.release(state)
         try:
-            write_content(self._file, content)
+            write_content(self._file, self._header | {
+                "tick": self._loop.tick, "t": t, "units": _packed(self._master, saved), "master": _without_units(saved),
+                "parts": {name: part.state() for name, part in self._parts.items()},
+            })
         except OSError as error:
             if not self._failed:
                 warnings.warn(f"the checkpoint at t = {t:.9g} s could not be written to {self.path.name}: {error.strerror}",
                               stacklevel=2)
             self._failed = True
             return
+        finally:
+            for node, state in zip(self._master.nodes, _of_master(saved).units, strict=True):
+                node.unit.release(state)
         self.written, self.last = self.written + 1, t
 
     def report(self) -> dict[str, Any]:
@@ -143,7 +146,7 @@ def read_checkpoint(path: Path, scene: Scene) -> Checkpoint:
     if content["digest"] != digest(scene):
         raise BadInput(where, f"{shown}, of another scene or other settings ({content['name']})",
                        f"a checkpoint of {scene.name} as it is now")
-    return Checkpoint(*(content[key] for key in ("tick", "t", "kinds", "master", "units", "parts")))
+    return Checkpoint(path.resolve().parent, *(content[key] for key in ("tick", "t", "kinds", "master", "units", "parts")))
 
 
 def restore(checkpoint: Checkpoint, master: Master, loop: Stepping, parts: Mapping[str, Part]) -> None:

@@ -10,14 +10,16 @@ import csv
 import errno
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import IO, Any
 
 import numpy as np
 
+from ..components.core.errors import BadInput
 from .engine.stepping.observers import BatchObserver
 from .output import HOLDER, UNFINISHED, write_json
 from .recorders import Recorder, TextRecorder
@@ -39,10 +41,15 @@ class OutputFailed(Exception):
 class Spool:
     """Recorders of the same rows and the table these go to; takes part in checkpoints."""
 
-    def __init__(self, recorder: Recorder, table: Table, columns: Sequence[int] | None = None, texts: TextRecorder | None = None):
-        """`columns`: those of the recorder that the table has; default: all. `texts`: records the same rows."""
+    def __init__(self, recorder: Recorder, table: Table, columns: Sequence[int] | None = None, texts: TextRecorder | None = None,
+                 beside: Path | None = None):
+        """`columns`: those of the recorder that the table has; default: all. `texts`: records the same rows.
+
+        `beside`: folder of the checkpoint from which the run goes on, where its result may be whatever its name was.
+        """
         self.recorder, self.table, self.texts = recorder, table, texts
-        self._columns = columns
+        self._columns, self._beside = columns, beside
+        self.write: Callable[[], None] = self.flush  # with the messages of who writes the files
 
     @property
     def last(self) -> float:
@@ -61,21 +68,46 @@ class Spool:
         self.table.append(*self.drain())
 
     def state(self) -> dict[str, Any]:
-        """All rows so far, for a checkpoint."""
-        self.flush()
-        time, values, texts = joined(self.table)
+        """Where the rows so far are stored, or where they are in memory the rows, for a checkpoint."""
+        self.write()
         recorders = [r.state() for r in (self.recorder, self.texts) if r is not None]
+        if isinstance(self.table, StoredTable):
+            folder = self.table.folder.parents[self.table.folder.parts[::-1].index(UNFINISHED)]
+            stored = {"directory": str(folder), "table": self.table.folder.relative_to(folder / UNFINISHED).as_posix()}
+            return {"stored": stored | self.table.mark(), "recorders": recorders}
+        time, values, texts = joined(self.table)
         return {"time": time, "values": values, "texts": texts.tolist(), "recorders": recorders}
 
     def take(self, state: Mapping[str, Any]) -> None:
-        """Go on from a `state`."""
+        """Go on from a `state`; raises `BadInput` where the rows are not stored where they were any more."""
+        for recorder, own in zip([r for r in (self.recorder, self.texts) if r is not None], state["recorders"], strict=True):
+            recorder.take(own)
+        if "stored" in state:
+            self._take_stored(state["stored"])
+            return
         time, values = state["time"], state["values"]
         texts = np.array(state["texts"], dtype=object).reshape(time.size, len(self.table.texts))
         if values.shape != (time.size, len(self.table.names)):
             raise ValueError(f"rows of shape {values.shape}, expected {time.size, len(self.table.names)}")
-        for recorder, own in zip([r for r in (self.recorder, self.texts) if r is not None], state["recorders"], strict=True):
-            recorder.take(own)
+        if isinstance(self.table, StoredTable):
+            self.table.go_on(self.table.folder, {"parts": 0, "rows": 0, "digest": b""})
         self.table.append(time, values, texts)
+
+    def _take_stored(self, stored: Mapping[str, Any]) -> None:
+        directories = [d for d in (self._beside, Path(stored["directory"])) if d is not None]
+        folders = [Path(d, *between, stored["table"]) for d in directories for between in ([UNFINISHED], [])]
+        source = next((folder for folder in folders if StoredTable.has(folder, stored)), None)
+        if source is None:
+            raise BadInput("resume", f"a checkpoint whose {stored['rows']} rows are not in {stored['directory']!r} any more",
+                           "the result directory of its run, unchanged", "Another run has written there, or it is damaged.")
+        if isinstance(self.table, StoredTable):
+            self.table.go_on(source, stored)
+        elif stored["parts"]:
+            rest = stored["rows"]
+            for time, values, texts in StoredTable.read(source).chunks():
+                if rest:
+                    self.table.append(time, values, texts)
+                rest -= min(rest, time.size)
 
 
 class ResultFiles(BatchObserver):
@@ -91,12 +123,16 @@ class ResultFiles(BatchObserver):
         self._pause, self._due = FIRST_SECONDS, perf_counter() + FIRST_SECONDS
         self.failure = ""  # why nothing more is written
 
-    def open(self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: Mapping[str, Any]) -> Table:
-        """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`."""
+    def open(self, names: Sequence[str], texts: Sequence[str], units: Mapping[str, str], info: Mapping[str, Any], *,
+             resumed: bool = False) -> Table:
+        """Begin with nothing, and `info` of a run that has not ended; the table of the result. Raises `OSError`.
+
+        `resumed`: tables that are there stay, until it is known whether the run goes on with them.
+        """
         for name in (*DERIVED, TABLE, SNAPSHOTS, CSV, INFO):  # now, not after a long run
             _refuse_foreign(self.directory / name, name in (TABLE, SNAPSHOTS))
         for entry in self._folder.iterdir():
-            if entry.name != HOLDER:
+            if entry.name != HOLDER and not (resumed and entry.name in (TABLE, SNAPSHOTS)):
                 shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
         (self._folder / RESERVE).write_bytes(os.urandom(RESERVED))
         write_json(self._folder / INFO, info)
@@ -105,6 +141,7 @@ class ResultFiles(BatchObserver):
         self._writer.writerow(["time", *names, *texts])
         self._csv.flush()
         self._whole = os.fstat(self._csv.fileno()).st_size  # bytes of whole chunks
+        self._resumed = resumed
         table = _WithCsv(self._folder / TABLE, names, texts, units, title=info["scene"]["name"], write=self._write_rows)
         self._tables.append(table)
         return table
@@ -117,6 +154,8 @@ class ResultFiles(BatchObserver):
     def watch(self, spools: Sequence[Spool]) -> None:
         """What is written from now on."""
         self._spools = list(spools)
+        for spool in spools:
+            spool.write = partial(self._write_out, spool)
         self._limits = [min(CHUNK_ROWS, max(CHUNK_VALUES // (1 + len(s.table.names)), 1)) for s in spools]
 
     def __call__(self, tick: int, t: float) -> None:
@@ -134,7 +173,12 @@ class ResultFiles(BatchObserver):
             self._flush(spool)
 
     def finish(self, info: Mapping[str, Any]) -> None:
-        """All rows are written: the result takes the place of an earlier one. Raises `OutputFailed`."""
+        """All rows are written: the result takes the place of an earlier one. Raises `OutputFailed`.
+
+        Also where a run that was to go on has ended before it did: what the earlier one has left stays.
+        """
+        if self._resumed and not all(table.begun for table in self._tables):
+            raise OutputFailed(f"the run has ended before it went on; in {str(self.directory)!r} nothing was changed")
         try:
             (self._folder / RESERVE).unlink(missing_ok=True)
             write_json(self._folder / INFO, info)
@@ -154,6 +198,12 @@ class ResultFiles(BatchObserver):
             self._csv.close()
         if self.failure:
             os.truncate(self._folder / CSV, self._whole)
+
+    def _write_out(self, spool: Spool) -> None:
+        """Write what a checkpoint relies on."""
+        self._flush(spool)
+        if self.failure:
+            raise OutputFailed(self.failure)
 
     def _flush(self, spool: Spool) -> None:
         if self.failure:
@@ -187,6 +237,11 @@ class _WithCsv(StoredTable):
     def append(self, time: np.ndarray, values: np.ndarray, texts: np.ndarray) -> None:
         super().append(time, values, texts)
         self._write(time, values, texts)
+
+    def go_on(self, folder: Path, mark: Mapping[str, Any]) -> None:
+        super().go_on(folder, mark)
+        for rows in self.chunks():
+            self._write(*rows)
 
 
 def _refuse_foreign(path: Path, folder: bool) -> None:

@@ -137,13 +137,15 @@ class Run:
             texts = TextRecorder(reading(self.units, ends, texts=True), len(ends), every, end)
         places = {end: k for k, end in enumerate(self._ends)}
         columns = [places[signal] for signal in coupling.signals]
-        self.signals = Spool(signals, self._table(), columns, texts)
+        beside = past.folder if past else None
+        self.signals = Spool(signals, self._table(past), columns, texts, beside)
         self.arrays = {}
         for (unit, array), names in coupling.snapshots.items():
             recorder = Recorder(self.units[unit].reader(names), len(names), snapshot_every, end,
                                 columns=self.stepping.watch([(unit, n) for n in names]))
             name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
-            self.arrays[name] = Spool(recorder, self.files.snapshots(name, elements) if self.files else MemoryTable(elements))
+            table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
+            self.arrays[name] = Spool(recorder, table, beside=beside)
         self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
         recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
@@ -168,7 +170,7 @@ class Run:
             since = past.t if past else 0.0
             self.observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, since)))
 
-    def _table(self) -> Table:
+    def _table(self, past: Checkpoint | None) -> Table:
         """Where the rows of the recorded signals go."""
         names, texts = ([f"{u}.{n}" for u, n in ends] for ends in (self.coupling.signals, self.coupling.recorded_texts))
         if self.files is None:
@@ -176,7 +178,7 @@ class Run:
         self.stack.callback(self.files.close)
         info = {"scene": scene_info(self.scene), "outcome": "running", "message": "the run has not ended", "warnings": []}
         try:
-            return self.files.open(names, texts, self._measures, info)
+            return self.files.open(names, texts, self._measures, info, resumed=past is not None)
         except OSError as error:
             raise not_written(self.files.directory, error) from None
 
@@ -223,8 +225,11 @@ class Run:
             self.outcome, taken = "stopped", self._interrupt.taken
             self.message = f"stopped by {(taken or SIGINT).name} at t = {self._now:.9g} s"
             if self.checkpoints is not None and taken:
-                self.checkpoints.write()
-                self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
+                try:
+                    self.checkpoints.write()
+                    self.message += f". resume = {str(self.checkpoints.path)!r} goes on from there"
+                except OutputFailed as error:
+                    self.outcome, self.message = "failed", str(error)
         self._until = perf_counter(), process_time()
         self._return()
 

@@ -6,7 +6,9 @@ Parquet or HDF5 that is still open has no index, and none of it is.
 
 from __future__ import annotations
 
+import hashlib
 import os
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -73,6 +75,8 @@ class StoredTable:
         """A new table in `folder`, which is created."""
         self.folder, self.names, self.texts, self.rows = folder, names, texts, 0
         self._units, self._title, self._parts = units or {}, title, 0
+        self._chain, self._synced = b"", 0
+        self.begun = False  # has rows of its own, or goes on with those of another
         folder.mkdir(parents=True, exist_ok=True)
 
     @classmethod
@@ -88,6 +92,7 @@ class StoredTable:
         fields = [f for f in schema if f.name != TIME]
         table = cls.__new__(cls)
         table.folder, table._parts = folder, len(paths)
+        table._chain, table._synced, table.begun = b"", len(paths), True  # it is only read
         table.names = [f.name for f in fields if pyarrow.types.is_floating(f.type)]
         table.texts = [f.name for f in fields if not pyarrow.types.is_floating(f.type)]
         table._units = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in fields}
@@ -110,6 +115,7 @@ class StoredTable:
         import pyarrow
         import pyarrow.parquet as parquet
 
+        self.begun = True
         if not time.size:
             return
         schema = self._schema()
@@ -127,6 +133,45 @@ class StoredTable:
             raise
         self._parts += 1
         self.rows += time.size
+        self._chain = _linked(self._chain, path)
+
+    def mark(self) -> dict[str, Any]:
+        """What is there now, on the disk for good: numbers of parts and rows, and one digest over all parts, for `go_on`."""
+        for k in range(self._synced, self._parts):
+            with open(self.folder / PART.format(k), "rb+") as part:
+                os.fsync(part.fileno())
+        self._synced = self._parts
+        return {"parts": self._parts, "rows": self.rows, "digest": self._chain}
+
+    @staticmethod
+    def has(folder: Path, mark: Mapping[str, Any]) -> bool:
+        """Whether a folder holds the parts that were there at a `mark`, undamaged; there may be more."""
+        chain = b""
+        try:
+            for k in range(mark["parts"]):
+                chain = _linked(chain, folder / PART.format(k))
+        except OSError:
+            return False
+        return chain == mark["digest"]
+
+    def go_on(self, folder: Path, mark: Mapping[str, Any]) -> None:
+        """Be the table that was in a folder, which may be the own one, at a `mark`: its parts, and none that came later.
+
+        Parts are never changed, so that two folders may share one.
+        """
+        kept = {PART.format(k) for k in range(mark["parts"])}
+        same = folder.resolve() == self.folder.resolve()
+        for path in self.folder.iterdir():
+            if not (same and path.name in kept):
+                path.unlink()
+        for name in sorted(kept) if not same else ():
+            try:
+                os.link(folder / name, self.folder / name)
+            except OSError:  # another disk, or a file system without links
+                shutil.copyfile(folder / name, self.folder / (name + INTERNAL))
+                os.replace(self.folder / (name + INTERNAL), self.folder / name)
+        self._parts, self.rows, self._chain = mark["parts"], mark["rows"], mark["digest"]
+        self._synced, self.begun = 0, True
 
     def _schema(self) -> Any:
         import pyarrow
@@ -169,6 +214,12 @@ class StoredTable:
         for (values,) in self._each([name]):
             low, high, last = np.minimum(low, values.min()), np.maximum(high, values.max()), values[-1]
         return float(low), float(high), float(last)
+
+
+def _linked(chain: bytes, path: Path) -> bytes:
+    """The digest of a chain of files with one more at its end."""
+    with open(path, "rb") as file:
+        return hashlib.sha256(chain + hashlib.file_digest(file, "sha256").digest()).digest()
 
 
 def joined(table: Table) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness import code_digests
 from cosimo.orchestrator.harness.code_digests import components_digest
 from cosimo.orchestrator.harness.studies import fronts
 from cosimo.orchestrator.harness.studies.accuracy import OWN, Accuracy, Point
@@ -63,14 +64,14 @@ def test_a_kept_front_is_found_again(cache):
 def test_other_components_make_a_kept_front_unknown(cache, monkeypatch):
     keep(SCENE, front())
     before = components_digest(SCENE)
-    monkeypatch.setattr(fronts, "sources", lambda module: {"x.py": b"changed"})
+    monkeypatch.setattr(code_digests, "sources", lambda module: {"x.py": b"changed"})
     assert components_digest(SCENE) != before
     assert known(SCENE) is None
 
 
 def test_comments_and_docstrings_of_components_are_no_physics(monkeypatch):
     def digest(text):
-        monkeypatch.setattr(fronts, "sources", lambda module: {"x.py": text.encode()})
+        monkeypatch.setattr(code_digests, "sources", lambda module: {"x.py": text.encode()})
         return components_digest(SCENE)
 
     plain = digest("def f(x):\n    return 2.0 * x\n")
