@@ -31,6 +31,7 @@ from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError
 from .open_all import open_units, read_in_every_step
 from .output import UNFINISHED, locked, not_written
+from .pacing import Pacing
 from .progress import Interrupt, Progress
 from .recorders import Recorder, TextRecorder, reading
 from .recording import OutputFailed, ResultFiles, Spool
@@ -51,7 +52,7 @@ TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 def run(scene: Scene, *, in_process: bool = False, native: bool = False, progress: bool = False,
         checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None,
-        resume: str | Path | None = None, output: str | Path | None = None) -> Result:
+        resume: str | Path | None = None, output: str | Path | None = None, real_time: bool = False) -> Result:
     """Simulate a scene from 0 to its stop_time.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
@@ -65,10 +66,11 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     `output`: a directory, into which the result is written as it comes, as with `Result.save`, so that the memory does not grow
     with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
+    `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
     """
     with ExitStack() as stack:
         files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
-        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files)
+        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files, real_time=real_time)
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -81,9 +83,10 @@ class Run:
     """One run of a scene, from `prepare` over `observe` and `execute` to `conclude`; `stack` closes what it opens."""
 
     def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool,
-                 files: ResultFiles | None = None):
+                 files: ResultFiles | None = None, real_time: bool = False):
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
+        self.pacing = Pacing() if real_time else None
         self.started = perf_counter()
         self._folder, self._moved = _working_directory(), False
         stack.callback(self._return)
@@ -158,7 +161,7 @@ class Run:
         if scene.master.control is None:  # steps that follow an error estimate need no other
             self.resolution = StepResolution(master, steps)
             self.observers.append(self.resolution)
-        if repeatable(scene):
+        if repeatable(scene) and self.pacing is None:  # steps made twice would be late
             self.repeated = RepeatedSteps(master, self.stepping, steps)
             self.observers.append(self.repeated)
         if any(len(group) > 1 for group in coupling.groups):
@@ -169,6 +172,8 @@ class Run:
         if self.progress:
             since = past.t if past else 0.0
             self.observers.append(stack.enter_context(Progress(scene.title or scene.name, scene.stop_time, since)))
+        if self.pacing is not None:
+            self.observers.append(stack.enter_context(self.pacing))
 
     def _table(self, past: Checkpoint | None) -> Table:
         """Where the rows of the recorded signals go."""
@@ -284,6 +289,7 @@ class Run:
         info |= {"traceback": self.log} if self.log else {}
         info |= {"signal": (self._interrupt.taken or SIGINT).name} if self.outcome == "stopped" else {}
         info |= {"energy": self.account.report()} if self.account else {}
+        info |= {"real_time": self.pacing.report()} if self.pacing else {}
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}

@@ -67,6 +67,8 @@ def run(
         "The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."))] = None,
     verify: Annotated[bool, typer.Option("--verify", help=(
         "With --accuracy: a second, finer run, and how far it differs."))] = False,
+    real_time: Annotated[bool, typer.Option("--real-time", help=(
+        "No macro step ends before its time on the clock; how late steps were is in the report and in summary.json."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
         "Do not run: show units, connections and loops, how long the macro step may be, and what a run costs; "
         "with -o a drawing, too."))] = False,
@@ -106,7 +108,8 @@ def run(
         if wanted and all(unit.fmu for unit in loaded.units.values()):
             raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
-        for option, value in (("--checkpoint-every", checkpoint_every), ("--resume", resume), ("--native", native or None)):
+        for option, value in (("--checkpoint-every", checkpoint_every), ("--resume", resume), ("--native", native or None),
+                              ("--real-time", real_time or None)):
             if value is not None:
                 raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
         _dry_run(loaded, in_process)
@@ -117,9 +120,11 @@ def run(
         raise BadInput("--checkpoint-every", f"{checkpoint_every:g} s without -o", "an output directory as well")
     with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
         checkpoint = None if output is None or checkpoint_every is None else output / CHECKPOINT
-        result = run_scene(loaded, in_process=in_process, native=native, progress=True, checkpoint_every=checkpoint_every,
-                           checkpoint_to=checkpoint, resume=resume, output=output)
-        unchanged = result
+        # at the pace of the clock nothing is written or drawn between the steps
+        result = run_scene(loaded, in_process=in_process, native=native, progress=not real_time,
+                           checkpoint_every=checkpoint_every, checkpoint_to=checkpoint, resume=resume,
+                           output=None if real_time else output, real_time=real_time)
+        unchanged = None if real_time else result
         if reason is not None:
             result = replace(result, info={**result.info, "accuracy": reason})
         if choice is not None and within is not None:
@@ -148,6 +153,7 @@ def run(
 
 def _summary(result: Result) -> tuple[Summary, list[str]]:
     """The run in numbers, and a remark where [analysis] asks for what a run that reached its end does not have."""
+    from ..harness.summary import pacing_rows
     from ..systems import summary
 
     if not result.held:
@@ -155,7 +161,7 @@ def _summary(result: Result) -> tuple[Summary, list[str]]:
     try:
         return summary(result), []
     except BadInput as error:
-        return (), [f"no summary: {error}"] if result.outcome == "done" else []
+        return pacing_rows(result.info), [f"no summary: {error}"] if result.outcome == "done" else []
 
 
 def _numbers(numbers: Summary, output: Path) -> list[str]:

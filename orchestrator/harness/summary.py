@@ -26,6 +26,7 @@ class SummaryRow:
 
 
 Summary = tuple[SummaryRow, ...]
+PACING = {"duration": "duration of a step, without its wait", "lateness": "behind the clock at the end of a step"}
 
 
 class SummaryTable(Summary):
@@ -50,6 +51,18 @@ class SummaryTable(Summary):
 def rows(unit: str, values: Mapping[str, float | None], texts: Mapping[str, tuple[str, str]]) -> Iterable[SummaryRow]:
     """Rows of a unit of a scene for the values that there are. texts: quantity -> (unit of measure, what it is)."""
     return (SummaryRow(f"{unit}.{name}", float(value), *texts[name]) for name, value in values.items() if value is not None)
+
+
+def pacing_rows(info: Mapping[str, Any]) -> Summary:
+    """How punctual a run at the pace of the clock was; none of another run. info: of the result."""
+    of = info.get("real_time")
+    if not of:
+        return ()
+    counts = {"steps": "macro steps at the pace of the clock", "late": "of these ended behind the clock"}
+    of_steps = [SummaryRow(f"real_time.{name}", float(of[name]), "1", text) for name, text in counts.items()]
+    ends = (("50 %", "median", "median"), ("99 %", "p99", "99 % are below"), ("100 %", "max", "longest"))
+    return (*of_steps, *(SummaryRow(f"real_time.{name}_{end}", 1e3 * of[name][p], "ms", f"{text}: {what}")
+                         for name, text in PACING.items() for p, end, what in ends))
 
 
 def to_json(summary: Summary) -> dict[str, Any]:

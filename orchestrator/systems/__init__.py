@@ -124,10 +124,11 @@ def summary(result: Result) -> SummaryTable:
 
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
-    from ..harness.summary import SummaryTable
+    from ..harness.summary import SummaryTable, pacing_rows
 
     system = result.scene.analysis.system
-    return SummaryTable(SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ())
+    of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
+    return SummaryTable((*of_system, *pacing_rows(result.info)))
 
 
 def write_report(result: Result, directory: str | Path) -> Path:

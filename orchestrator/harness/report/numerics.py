@@ -15,6 +15,7 @@ from ..charts.blocks import Block, Cells, Facts, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import number
+from . import pacing
 from .windows import fault_name
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def blocks(result: Result) -> list[Block]:
         parts.append(Facts("Facts of the run", rows))
     if (given := result.info.get("counters", {}).get("stepping")) and (steps := steps_chart(result, given)) is not None:
         parts.append(steps)
+    parts += pacing.blocks(result)
     if energy := result.info.get("energy"):
         parts.append(energy_table(energy, result.scene))
     return parts
