@@ -419,7 +419,10 @@ def catenary_outputs(x, u, y, points, mesh, watched, profile):
         y[i + next_one] = at_contact(position, v, wire, mesh)
         y[i + 2 * next_one] = contact_compliance(x[3 * N + 2 * k + 1], position, wire, mesh)
     for k in range(WATCHED):
-        y[UPLIFT + k] = q[W * mesh.support[min(watched + k, mesh.support.size - 1)]]
+        j = W * mesh.support[min(watched + k, mesh.support.size - 1)]
+        y[UPLIFT + k] = q[j]
+        if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
+            y[UPLIFT + k] = max(q[j], q[j + 2])
     if profile is not None:
         heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
 

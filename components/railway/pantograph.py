@@ -32,6 +32,7 @@ from .pantograph_effects import (
     LiftFluctuation,
     LowerFrame,
     OuterContact,
+    SecondWire,
     StripLift,
     TwoStrips,
     WireUnevenness,
@@ -60,6 +61,7 @@ class Pantograph(OdeComponent):
     contact_loss = ContactLoss
     lower_frame = LowerFrame
     two_strips = TwoStrips
+    second_wire = SecondWire
     aerodynamic_uplift = AerodynamicUplift
     strip_lift = StripLift
     lift_fluctuation = LiftFluctuation
@@ -155,15 +157,27 @@ class Pantograph(OdeComponent):
         if e.two_strips is not None:
             x = self._on_two_strips(p, e, lift, wire, base_height)
         else:
-            base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
             contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
-            above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
-            lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
-            force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
-            x = [wire + force * contact, 0.0, wire + force * above_wire, 0.0]
-            if e.lower_frame is not None:
-                x += [wire + force * lowest, 0.0]
+            x = self._on_wire(p, e, lift, wire, contact, base_height)
+            if e.second_wire is not None:
+                second = self.u[0, e.second_wire.u]
+                its = 1.0 / p.contact_stiffness + self.u[0, e.second_wire.u + 1]
+                if x[0] > second:  # both springs as one, or the second alone
+                    joint = 1.0 / (1.0 / contact + 1.0 / its)
+                    x = self._on_wire(p, e, lift, joint * (wire / contact + second / its), joint, base_height)
+                    if x[0] < wire:
+                        x = self._on_wire(p, e, lift, second, its, base_height)
         return np.array(x if e.actuator is None else [*x, limited(self.u[0, e.actuator.u], e.actuator.limit)])
+
+    @staticmethod
+    def _on_wire(p, e, lift: float, wire: float, contact: float, base_height: float) -> list[float]:
+        """Equilibrium with the head on a wire; contact: compliance of the contact, m/N."""
+        base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
+        above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
+        lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
+        force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
+        x = [wire + force * contact, 0.0, wire + force * above_wire, 0.0]
+        return x if e.lower_frame is None else [*x, wire + force * lowest, 0.0]
 
     def _on_two_strips(self, p, e, lift: float, wire: float, base_height: float) -> list[float]:
         """Equilibrium with both strips on the wire: heights and pitch with their rates."""
@@ -192,6 +206,8 @@ class Pantograph(OdeComponent):
         x = self.x
         springs = p.head_stiffness * (x[2] - x[0]) ** 2
         front, rear = contact_forces(self.t, x, self.u[0], p, e)
+        if e.second_wire is not None:
+            springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, e.second_wire.u + 1])
         if e.outer_contact is None:
             springs += front**2 * (1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE])
         base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
@@ -249,7 +265,8 @@ class Pantograph(OdeComponent):
     def stable_step(self) -> float:
         """RK4's limit, radius / max |eigenvalue| with every spring engaged, s."""
         p, e = self._declared_arguments()
-        K, C, m = self._matrices(p, e, (p.contact_stiffness, p.contact_stiffness))
+        contact = p.contact_stiffness * (1.0 if e.second_wire is None else 2.0)
+        K, C, m = self._matrices(p, e, (contact, contact))
         n = m.size
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / m[:, None], -C / m[:, None]]])
         fastest = float(np.abs(np.linalg.eigvals(A)).max())
@@ -319,13 +336,17 @@ def spring_force(approach, compliance, p, loss):
 
 @kernel
 def contact_forces(t, x, u, p, e):
-    """Force of the head or of its front strip, and of the rear strip, N; of the head also what comes from outside."""
+    """Force of the head or of its front strip, or what comes from outside; force of the rear strip or on the second wire; N."""
     if e.outer_contact is not None:
         return -u[e.outer_contact.u], 0.0
     wire = u[WIRE_HEIGHT]
     if e.wire_unevenness is not None:
         position = front_position(t, p, e)
         wire += sum_of_sines(position, 0, e.wire_unevenness)
+    if e.second_wire is not None:
+        beside = x[0] - u[e.second_wire.u]
+        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
+                spring_force(beside, u[e.second_wire.u + 1], p, e.contact_loss))
     if e.two_strips is None:
         return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss), 0.0
     i, rear = first_strip(e), u[e.two_strips.u]
@@ -375,6 +396,8 @@ def pantograph_derivatives(t, x, u, dx, p, e):
     down, rear = contact_forces(t, x, u, p, e)
     if e.two_strips is not None:
         down = strip_rates(t, x, dx, down, rear, p, e)
+    if e.second_wire is not None:
+        down += rear
     dx[0], dx[2] = x[1], x[3]
     dx[1] = (head - down) / p.head_mass
     if e.lower_frame is not None:
@@ -399,6 +422,8 @@ def pantograph_outputs(t, x, u, y, p, e):
         i, k = first_strip(e), e.two_strips.y
         y[k], y[k + 1] = rear, y[POSITION] - e.two_strips.distance
         y[k + 2], y[k + 3], y[k + 4] = x[i], x[i + 2], x[i + 4]
+    if e.second_wire is not None:
+        y[e.second_wire.y], y[e.second_wire.y + 1] = rear, y[FORCE] + rear
     if e.actuator is not None:
         y[e.actuator.y] = x[x.size - 1]
 

@@ -63,6 +63,26 @@ class TwoStrips(Effect):
     pitch = output("rad", "pitch of the head, positive with the front up", nominal=0.01)
 
 
+class SecondWire(Effect):
+    """A contact of its own with a second contact wire: of a twin, or where two sections of a line overlap.
+
+        F_2 = max(0, k_c (z1 - w_2)),    head and frame bear F + F_2
+
+    Which wire carries how much follows from both heights. Where there is no second wire, its height is out of reach.
+    """
+
+    explicit_only = True
+    requires = ("contact_loss",)
+    excludes = ("two_strips", "outer_contact")
+
+    wire_height = input_(10.0, "m", "height of the second contact wire at the contact point", nominal=0.05)
+    wire_compliance = input_(0.0, "m/N", "compliance of the second wire that its model leaves out", nominal=1e-5)
+    contact_force = output("N", "force on the second wire, positive upwards", nominal=100.0,
+                           feedthrough=(".wire_height", ".wire_compliance"))
+    total_force = output("N", "force on both wires", nominal=100.0,
+                         feedthrough=("wire_height", "wire_compliance", ".wire_height", ".wire_compliance"))
+
+
 class AerodynamicUplift(Effect):
     """Lift of the air stream on the lowest mass, coefficient * speed²."""
 

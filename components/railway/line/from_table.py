@@ -47,7 +47,7 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
         if i == 1 and start != 0.0:
             raise BadInput(f"{at}.start", f"{start:g} m", "0 for the first section: positions count from its first support")
         x = start + np.concatenate(([0.0], np.cumsum([s.length for s in spans])))
-        if sections and not sections[-1].x[0] < x[0] <= sections[-1].x[-1]:
+        if sections and not sections[-1].x[0] <= x[0] <= sections[-1].x[-1]:
             raise BadInput(f"{at}.start", f"{x[0]:g} m", f"a position in section {i - 1}, up to {sections[-1].x[-1]:g} m")
         if len(sections) > 1 and x[0] < sections[-2].x[-1]:
             raise BadInput(f"{at}.start", f"{x[0]:g} m", f"at least {sections[-2].x[-1]:g} m: a third contact wire has no place")

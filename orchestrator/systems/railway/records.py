@@ -103,13 +103,15 @@ def analysis_window(result: Result) -> tuple[float, float]:
     return track.support(first - 1), track.support(last)
 
 
+SECOND = ".second_wire"  # behind the name of a pantograph: what it does on a second contact wire
 STRIPS = ".two_strips"  # behind the name of a pantograph: its rear strip
 
 
 def passages(result: Result) -> list[Passage]:
     """The pantographs of a run, foremost first: units whose contact force and wire height are recorded.
 
-    One with two strips comes three times: with the sum of their forces, as EN 50317 judges it, then either strip.
+    One with two strips comes three times: with the sum of their forces, as EN 50317 judges it, then either strip. So does one on
+    two contact wires: with the sum, at the lower wire's height, then on either wire.
     """
     all_passages = []
     for connection in result.scene.arrows:
@@ -117,17 +119,21 @@ def passages(result: Result) -> list[Passage]:
         unit, _, name = target.rpartition(".")
         if name != "wire_height":
             continue
-        needed = [f"{unit}.contact_force", f"{unit}.contact_position", source]
+        needed = [f"{unit}.contact_force", f"{unit.removesuffix(SECOND)}.contact_position", source]
         if any(n not in result.columns for n in needed):
             continue
         force, position, height = (result.columns[n] for n in needed)
-        catenary = source.rpartition(".")[0]
+        catenary = source.rpartition(".")[0].removesuffix(SECOND)
         watched = [n for n in result.columns if n.startswith(f"{catenary}.support_uplift[")]
         speed = float((position[-1] - position[0]) / (result.time[-1] - result.time[0]))
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
         all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     named = {p.pantograph: p for p in all_passages}
     for name, rear in named.items():
+        if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):
+            height = np.minimum(first.record.height, rear.record.height)
+            whole = replace(first.record, force=first.record.force + rear.record.force, height=height)
+            all_passages.insert(0, replace(first, pantograph=f"{first.pantograph}.both_wires", record=whole))
         if name.endswith(STRIPS) and (front := named.get(name.removesuffix(STRIPS))):
             whole = replace(front.record, force=front.record.force + rear.record.force)
             all_passages.insert(0, replace(front, pantograph=f"{front.pantograph}.both_strips", record=whole))

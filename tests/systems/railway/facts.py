@@ -23,7 +23,7 @@ FACTS = {
             "acceleration.rate": ({}, 1e-2),
             "actuator.command": ({}, 1.0),
         },
-        structural=frozenset({"contact_loss", "lower_frame", "outer_contact", "two_strips"}),
+        structural=frozenset({"second_wire", "contact_loss", "lower_frame", "outer_contact", "two_strips"}),
         form=frozenset({"bump_stops.travel", "frame_friction.width", "base_excitation.velocity", "acceleration.final_speed",
                         "actuator.time_constant", "actuator.limit",
                         *(f"lift_fluctuation.{n}" for n in ("lowest", "highest", "components", "seed")),

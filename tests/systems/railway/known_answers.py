@@ -17,6 +17,7 @@ KNOWN: dict[str, dict[str, str]] = {
                   lift_fluctuation="lift_fluctuates_with_its_standard_deviation",
                   acceleration="train_accelerates_and_then_keeps_its_speed",
                   actuator="actuator_follows_its_command_with_a_lag"),
+        **in_file("railway/test_second_wire.py", second_wire="wires_share_the_force_by_their_heights"),
     },
     "Catenary": {
         **here(steady_arm="a_steady_arm_is_a_spring_beside_the_compliance_of_the_wire"),

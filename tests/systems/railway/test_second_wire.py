@@ -1,0 +1,115 @@
+"""Two contact wires under one head: how they share its force, and sections that overlap."""
+
+import numpy as np
+import pytest
+from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.pantograph import Pantograph
+from cosimo.components.railway.statics import elasticity
+from cosimo.orchestrator.systems import load_scene
+
+KC, F0 = 50e3, 120.0
+
+
+def pantograph(first, second, effects=(), **parameters):
+    made = Pantograph(["contact_loss", "second_wire", *effects], {"frame_stiffness": 0.0} | parameters)
+    made.set("wire_height", first)
+    made.set("second_wire.wire_height", second)
+    made.initialize(0.0)
+    return made
+
+
+@pytest.mark.parametrize(("first", "second", "shares"), [
+    (0.0, 0.0, (60.0, 60.0)),
+    (0.0, 1e-3, (85.0, 35.0)),  # k_c 1 mm = 50 N between them
+    (1e-3, 0.0, (35.0, 85.0)),
+    (0.0, 4e-3, (120.0, 0.0)),
+    (4e-3, 0.0, (0.0, 120.0)),
+    (0.0, 10.0, (120.0, 0.0)),
+])
+def test_wires_share_the_force_by_their_heights(first, second, shares):
+    """F_1 + F_2 = F_0 and F_1 - F_2 = k_c (w_2 - w_1) where both touch; at rest, then after a hundred steps."""
+    made = pantograph(first, second)
+    for _ in range(2):
+        assert made["contact_force"] == pytest.approx(shares[0], abs=1e-9)
+        assert made["second_wire.contact_force"] == pytest.approx(shares[1], abs=1e-9)
+        assert made["second_wire.total_force"] == pytest.approx(F0, abs=1e-9)
+        for i in range(100):
+            made.step(i * 1e-3, 1e-3)
+
+
+def test_a_second_wire_out_of_reach_changes_no_bit():
+    alone = Pantograph(["contact_loss"], {"frame_stiffness": 0.0})
+    alone.initialize(0.0)
+    beside = pantograph(0.0, 10.0)
+    for i in range(200):
+        for made in (alone, beside):
+            made.set("wire_height", 0.01 * np.sin(0.05 * i))
+            made.step(i * 1e-3, 1e-3)
+    assert np.array_equal(alone.x, beside.x)
+
+
+def test_two_wires_at_one_height_are_a_contact_of_twice_the_stiffness():
+    two, stiff = pantograph(0.0, 0.0), Pantograph(["contact_loss"], {"frame_stiffness": 0.0, "contact_stiffness": 2.0 * KC})
+    stiff.initialize(0.0)
+    for i in range(300):
+        height = 0.01 * np.sin(0.03 * i)
+        two.set("wire_height", height)
+        two.set("second_wire.wire_height", height)
+        stiff.set("wire_height", height)
+        for made in (two, stiff):
+            made.step(i * 1e-3, 1e-3)
+    assert two.x == pytest.approx(stiff.x, rel=1e-9, abs=1e-12)
+    assert two["second_wire.total_force"] == pytest.approx(stiff["contact_force"], rel=1e-6)
+    assert two.energy() == pytest.approx(stiff.energy(), rel=1e-9)
+
+
+def overlap(effects=("dropper_slackening", "gravity_sag", "line_table", "second_wire")):
+    settings = load_scene("overlap").units["catenary"]
+    made = Catenary(effects, {"line_table.table": settings.parameters["line_table.table"], "method": "implicit"})
+    made.set("contact_position", 380.0)
+    made.initialize(0.0)
+    return made
+
+
+def test_an_overlap_is_its_own_mirror_image():
+    """Two sections that mirror one another about 380 m: statics of one wire here are those of the other there."""
+    made = overlap()
+    places = [341.7, 366.3, 380.0, 402.2]
+    mirrored = [760.0 - x for x in places]
+    assert elasticity(made.mesh, places, 100.0) == pytest.approx(elasticity(made.mesh, mirrored, 100.0, wire=1), rel=1e-6)
+    n = made.mesh.position.size
+    first, second = made.mesh.height[:n], made.mesh.height[n:]
+    at = made.mesh.position
+    both = (at > 242.0) & (at < 518.0)
+    assert np.interp(760.0 - at[both], at, second) == pytest.approx(first[both], abs=1e-4)
+
+
+def test_wires_of_an_overlap_move_by_themselves():
+    """A force on one moves the other by nothing; where a wire is not, it is out of reach and takes no force."""
+    made = overlap(("dropper_slackening", "gravity_sag", "line_table", "second_wire", "damping"))
+    for i in range(60):
+        made.u[0, made.input_positions(["contact_force"])] = 150.0
+        made.step(i * 5e-3, 5e-3)
+    N, W = made.mesh.mass.size, made.mesh.bending_gradient.size
+    u = made.x[:N].reshape(-1, W)
+    assert np.abs(u[:, 0]).max() > 0.02
+    assert np.abs(u[:, 2:]).max() < 1e-12
+    made.set("contact_position", 100.0)
+    made.refresh()
+    assert made["second_wire.wire_height[1]"] == pytest.approx(10.0, abs=1e-9)
+
+
+@pytest.mark.full
+def test_a_pantograph_passes_an_overlap_from_wire_to_wire():
+    """It starts on the first, leaves on the second, and touches both over a span or more; it never loses contact."""
+    from cosimo.orchestrator.run import run
+
+    result = run(load_scene("overlap").with_changes({"record.snapshots": [], "record.snapshot_interval": None}), in_process=True)
+    assert result.outcome == "done"
+    x, first = result["pantograph.contact_position"], result["pantograph.contact_force"]
+    second = result["pantograph.second_wire.contact_force"]
+    assert second[x < 330.0].max() == 0.0
+    assert first[x > 430.0].max() == 0.0
+    both = (first > 0.0) & (second > 0.0)
+    assert 5.0 < np.count_nonzero(both) * 69.444 * 1e-3 < 60.0  # m of track
+    assert (first + second)[x > 60.0].min() > 20.0
