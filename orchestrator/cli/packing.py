@@ -32,6 +32,7 @@ def ssp(
     Other masters exchange values once per step with held inputs. A run shows what they will get; where that is farther from
     the scene than the tolerance, nothing is written (exit code 1) unless --force is given.
     """
+    from ..native import initial_inputs
     from ..scene.ssp.write import check, write
     from ..systems import load_scene
 
@@ -47,13 +48,14 @@ def ssp(
         print(f"cosimo: {path} is not written: other masters would be farther than {100.0 * limit:g} % from the scene. "
               "--force writes it all the same", file=sys.stderr)
         raise SystemExit(FAILED_CHECK)
+    starts = initial_inputs(packed) if packed.connections else None
     if native:
         from ..native import with_native_fmus
 
         with status_spinner() as progress:
             progress("building native FMUs")
             packed = with_native_fmus(packed)
-    print(f"wrote {write(packed, path)}")
+    print(f"wrote {write(packed, path, starts)}")
 
 
 def _close_enough(scene: Scene, step: float | None, limit: float) -> bool:

@@ -1,1 +1,1 @@
-"""System Structure and Parameterization 1.0 (Modelica Association): systems of FMUs read as scenes, and scenes written."""
+"""System Structure and Parameterization (Modelica Association): systems of FMUs read as scenes, 1.0 and 2.0; scenes written."""

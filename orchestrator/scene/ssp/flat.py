@@ -15,7 +15,7 @@ from typing import Any
 from ....components.core.errors import BadInput, nearest
 from .measures import between
 from .parameters import Assignment, Transformation, Value
-from .system import GIVES, Connection, Connector, Element
+from .system import GIVES, TAKES, Connection, Connector, Element
 
 SHOWN = 5  # names in a remark
 Path = tuple[str, ...]  # names of elements from the root system down, which has ()
@@ -36,8 +36,12 @@ class Flat:
     `units`: settings by unit, `connections` as a scene gives them, `remarks`: what was left out.
     """
 
-    def __init__(self, root: Element, names: Mapping[str, str]):
-        """`names`: of units by the names of elements of the root system, where they are to have others."""
+    def __init__(self, root: Element, names: Mapping[str, str], starts: bool = False):
+        """`names`: of units by the names of elements of the root system, where they are to have others.
+
+        `starts`: values of inputs that a connection drives are start values for other masters, which need no remark.
+        """
+        self._starts = starts
         self.elements: dict[Path, Element] = dict(_walk(root, ()))
         self.remarks: list[str] = []
         self._edges: dict[Place, Edge] = {}
@@ -51,15 +55,30 @@ class Flat:
         self.units = {self.names[path]: self._settings(path, e) for path, e in self.components.items()}
 
     def _connect(self, path: Path, system: Element, connection: Connection) -> None:
-        """Note who feeds whom: an element's outputs and the system's own inputs give, whichever end stands first."""
+        """Note who feeds whom: an element's outputs and the system's own inputs give, whichever end stands first.
+
+        Arrays are connected element by element.
+        """
+        inner_of = [self._element(path, system, element, connection) for element, _ in connection.ends]
+        elements = [inner.arrays.get(name, [name]) for inner, (_, name) in zip(inner_of, connection.ends, strict=True)]
+        if len(elements[0]) != len(elements[1]):
+            raise BadInput(connection.where, f"ends of {len(elements[0])} and {len(elements[1])} values", "as many at both")
+        for names in zip(*elements, strict=True):
+            self._connect_scalars(path, system, connection, inner_of, names)
+
+    def _element(self, path: Path, system: Element, element: str, connection: Connection) -> Element:
+        inner = self.elements.get((*path, element)) if element else system
+        if inner is None:
+            raise BadInput(connection.where, f"element {element!r}", f"an element of {system.name!r}",
+                           nearest(element, [e.name for e in system.elements]))
+        return inner
+
+    def _connect_scalars(self, path: Path, system: Element, connection: Connection, inner_of: list[Element],
+                         names: tuple[str, ...]) -> None:
         gives: list[Place] = []
         takes: list[Place] = []
-        for element, name in connection.ends:
-            inner = self.elements.get((*path, element)) if element else system
-            if inner is None:
-                raise BadInput(connection.where, f"element {element!r}", f"an element of {system.name!r}",
-                               nearest(element, [e.name for e in system.elements]))
-            if name not in inner.connectors:
+        for (element, _), inner, name in zip(connection.ends, inner_of, names, strict=True):
+            if name not in inner.connectors and not self._taken_from_fmu(inner, name):
                 raise BadInput(connection.where, f"connector {name!r}", f"a connector of {inner.name!r}",
                                nearest(name, inner.connectors))
             outward = inner.connectors[name].kind in GIVES
@@ -72,6 +91,15 @@ class Flat:
             raise BadInput(connection.where, f"connector {_text(takes[0])} driven a second time",
                            f"one source; {_text(self._edges[takes[0]].source)} drives it already")
         self._edges[takes[0]] = Edge(gives[0], connection)
+
+    def _taken_from_fmu(self, element: Element, name: str) -> bool:
+        """Whether a connector that the file leaves out is a variable of the component's FMU, which then stands in for it."""
+        scalar = element.description.scalars.get(name) if element.description is not None else None
+        if scalar is None or scalar.variable.causality not in GIVES + TAKES:
+            return False
+        element.connectors = {**element.connectors, name: Connector(name, scalar.variable.causality, "", None)}
+        self.remarks.append(f"{element.where}: connector {element.name}.{name} is not listed; the FMU's variable is taken")
+        return True
 
     def _chain(self, target: Place) -> list[tuple[Place, Edge]]:
         """The parts of the way to a connector, from its far end; each with the connector it leads to."""
@@ -166,7 +194,7 @@ class Flat:
                 effects.append(name.removeprefix("effects."))
             elif value is not False or scalars[name].start:
                 raise BadInput(where, f"{name} = {value!r}", "true; a scene switches effects on")
-        self._remark(element, driven, "are of inputs that a connection drives")
+        self._remark(element, [] if self._starts else driven, "are of inputs that a connection drives")
         interfaces = {"CoSimulation": "co-simulation", "ModelExchange": "model-exchange"}
         interface = {"interface": interfaces[element.implementation]} if element.implementation in interfaces else {}
         return {"fmu": str(element.fmu), **({"effects": effects} if effects else {}),

@@ -29,6 +29,7 @@ from ...loading import MOST_INSIDE, check_archive
 NAMESPACES = {letters: f"http://ssp-standard.org/SSP1/SystemStructure{name}" for letters, name in (
     ("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"), ("ssm", "ParameterMapping"))}
 DEFAULT = "SystemStructure.ssd"
+PROXY = "proxyfmu://localhost?file="
 LARGEST_TEXT = 1 << 28  # bytes of an XML file, unpacked: far above what systems need, far below what fills a memory
 
 
@@ -98,6 +99,9 @@ class Package:
 
     def fmu(self, uri: str, where: str) -> Path:
         """The file of an FMU: where it lies in a folder, or its copy in the cache, which is written once for each content."""
+        if uri.startswith(PROXY):  # Open Simulation Platform runs it behind a socket; here isolation = "process" does that
+            self.remarks.append(f"{where}: source {uri!r} is read as the file itself")
+            uri = uri.removeprefix(PROXY)
         path = self.inside(uri, where)
         if self._folder is not None:
             file = self._folder.resolve() / path

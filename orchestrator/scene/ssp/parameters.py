@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
+from itertools import product
+from math import prod
 from pathlib import Path
 
 from lxml import etree
@@ -16,6 +18,9 @@ from ....components.core.errors import BadInput
 from .measures import Measure, definitions, named
 from .package import LARGEST_TEXT, Package, find_all, number, parsed, required, truth
 
+REALS = ("Real", "Float64", "Float32")  # the first of each is of version 1.0, the others of 2.0
+WHOLES = ("Integer", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+OTHERS = ("Boolean", "String", "Enumeration", "Binary")
 MAPPINGS = {"BooleanMappingTransformation": "Boolean", "IntegerMappingTransformation": "Integer",
             "EnumerationMappingTransformation": "Enumeration"}
 
@@ -94,8 +99,8 @@ def assignments(binding: etree._Element, package: Package, fmu: Path | None, whe
     if root is None:
         raise BadInput(where, "a ParameterBinding without values", "a source, or a ParameterSet inside")
     measures, prefix = definitions(root, "ssv", place), binding.get("prefix", "")
-    values = {prefix + required(p, "name", place): _value(p, measures, f"{place}:{p.sourceline}")
-              for p in find_all(root, "ssv:Parameters", "ssv:Parameter")}
+    values = {prefix + name: value for p in find_all(root, "ssv:Parameters", "ssv:Parameter")
+              for name, value in _values(p, required(p, "name", place), measures, f"{place}:{p.sourceline}")}
     mappings = find_all(binding, "ssd:ParameterMapping")
     if not mappings:
         for name, value in values.items():
@@ -135,14 +140,25 @@ def _content(node: etree._Element, holder: str, wanted: str, package: Package, f
     return root, place
 
 
-def _value(node: etree._Element, measures: Mapping[str, Measure], where: str) -> Value:
+def _values(node: etree._Element, name: str, measures: Mapping[str, Measure], where: str) -> Iterator[tuple[str, Value]]:
+    """The value of a parameter by its name; of an array of version 2.0 all elements, "name[1]" ..., by theirs."""
+    sizes = [int(number(d, "size", 0.0, where)) for d in node.findall("{*}Dimension")]
     for child in node:
-        type_ = etree.QName(child).localname
-        if type_ in ("Real", "Integer", "Boolean", "String", "Enumeration", "Binary"):  # the last fits no variable: a remark
-            text = child.get("value")
-            if text is None:
-                raise BadInput(where, f"{type_} without value", 'value="..."')
-            return Value(type_, _plain(type_, text, where), named(child.get("unit"), measures))
+        written = etree.QName(child).localname
+        if written not in (*REALS, *WHOLES, *OTHERS):
+            continue
+        type_ = "Real" if written in REALS else "Integer" if written in WHOLES else written
+        texts = [v.get("value") for v in child.findall("{*}Value")] or [child.get("value")]
+        if texts[0] is None:
+            raise BadInput(where, f"{written} without value", 'value="..."')
+        measure = named(child.get("unit"), measures)
+        if sizes and type_ != "String" and len(texts) == 1:
+            texts = texts[0].split()
+        if len(texts) != prod(sizes):
+            raise BadInput(where, f"{len(texts)} values of {name!r}", f"{prod(sizes)}, as its dimensions say")
+        indices = [f"[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in sizes))] if sizes else [""]
+        yield from ((name + i, Value(type_, _plain(type_, t, where), measure)) for i, t in zip(indices, texts, strict=True))
+        return
     raise BadInput(where, f"parameter {node.get('name')!r} of no known type", "a Real, Integer, Boolean, String or Enumeration")
 
 

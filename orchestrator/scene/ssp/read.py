@@ -41,7 +41,7 @@ def read(path: Path) -> System:
     with closing(package):
         document = Document(package, name)
         own = _annotation(document)
-        flat = Flat(document.system(), own.get("elements", {}))
+        flat = Flat(document.system(), own.get("elements", {}), bool(own))
     remarks, data = [*document.remarks, *flat.remarks], dict(own.get("scene", {}))
     data["stop_time"] = stop = _stop_time(document, flat, remarks)
     if "master" not in data:
@@ -79,9 +79,10 @@ def _stop_time(document: Document, flat: Flat, remarks: list[str]) -> float:
     for node in find_all(document.root, "ssd:DefaultExperiment"):
         start = number(node, "startTime", 0.0, document.where)
         if start != 0.0:
-            raise BadInput(f"{document.where}:{node.sourceline}", f"startTime {start:g} s", "0; every run starts at 0")
+            remarks.append(f"{document.where}:{node.sourceline}: startTime {start:g} s; the run begins at 0 and is as long, "
+                           "which differs where a model depends on the time itself")
         if node.get("stopTime") is not None:
-            return number(node, "stopTime", 0.0, document.where)
+            return number(node, "stopTime", 0.0, document.where) - start
     stop_time = max(_defaults(flat, "stopTime"), default=1.0)
     remarks.append(f"{document.where}: no stop time is given; {stop_time:g} s is taken, "
                    f"{'the longest default of its FMUs' if _defaults(flat, 'stopTime') else 'as nothing tells of one'}")

@@ -1,13 +1,16 @@
 """The tree of a system as its files say it: systems in systems, components with their FMU, connectors, connections.
 
-Source: System Structure and Parameterization 1.0, chapter 5 (SSD); ssp-standard.org.
+Arrays of version 2.0 become their elements, "name[1]" or "name[1,2]", as those of FMUs do.
+
+Source: System Structure and Parameterization 1.0 and 2.0, chapter 5 (SSD); ssp-standard.org.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import count
+from dataclasses import dataclass, field, replace
+from itertools import count, product
+from math import prod
 from pathlib import Path
 
 from lxml import etree
@@ -17,11 +20,15 @@ from ...units.description import Description
 from ...units.description import read as read_description
 from .measures import Measure, definitions, named, of_fmu
 from .package import DEFAULT, LARGEST_TEXT, NAMESPACES, Package, find_all, number, parsed, required, truth
-from .parameters import Assignment, Transformation, assignments, transformation
+from .parameters import REALS, WHOLES, Assignment, Transformation, assignments, transformation
 
 FMU, DEFINITION, ARCHIVE = "application/x-fmu-sharedlibrary", "application/x-ssp-definition", "application/x-ssp-package"
-GIVES, TAKES = ("output", "calculatedParameter"), ("input", "parameter")  # kinds of connectors, as their element is seen
-TYPES = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string", "Enumeration": "enumeration"}
+GIVES = ("output", "calculatedParameter", "constant")  # kinds of connectors, as their element is seen
+TAKES = ("input", "parameter", "structuralParameter")
+INSIDE = ("local",)  # no connection reaches it
+TYPES = {"Boolean": "boolean", "String": "string", "Enumeration": "enumeration", "Binary": "binary",
+         **dict.fromkeys(REALS, "real"), **dict.fromkeys(WHOLES, "integer")}
+UNREAD = ("Clock",)
 DEEPEST = 32  # systems in systems; more of them is a file that contains itself
 MOST = 10_000  # elements; files that each name the next one twice would make millions
 
@@ -59,6 +66,7 @@ class Element:
     fmu: Path | None = None
     description: Description | None = None
     measures: Mapping[str, Measure] = field(default_factory=dict)  # that the FMU defines
+    arrays: dict[str, list[str]] = field(default_factory=dict)  # elements of connectors that are arrays
     implementation: str = "any"
     step_hint: float | None = None  # s, of Open Simulation Platform's annotation
 
@@ -91,8 +99,6 @@ class Document:
         version = self.root.get("version", "")
         if self.root.tag != f"{{{NAMESPACES['ssd']}}}SystemStructureDescription" or version[:2] not in ("1.", "2."):
             raise BadInput(self.where, f"{self.root.tag}, version {version!r}", "a SystemStructureDescription of SSP 1.0 or 2.0")
-        if version.startswith("2."):
-            self.remarks.append(f"{self.where}: SSP {version} is read as 1.0; what is new in it is not used")
         self.measures = definitions(self.root, "ssd", self.where)
 
     def system(self, depth: int = 0) -> Element:
@@ -121,11 +127,16 @@ class Document:
                                "Do its files name one another many times?")
             read = self._system if etree.QName(child).localname == "System" else self._component
             elements.append(read(child, label, depth + 1))
-        return Element(name, self._at(node), self._connectors(node), self._parameters(node, None), tuple(elements),
-                       tuple(self._connection(c) for c in find_all(node, "ssd:Connections", "ssd:Connection")))
+        system = Element(name, self._at(node), self._connectors(node), self._parameters(node, None), tuple(elements),
+                         tuple(self._connection(c) for c in find_all(node, "ssd:Connections", "ssd:Connection")))
+        system.arrays = self._arrays(node)
+        system.connectors = {e: replace(c, name=e) for n, c in system.connectors.items() for e in system.arrays.get(n, [n])}
+        return system
 
     def _component(self, node: etree._Element, name: str, depth: int) -> Element:
         where, kind, source = self._at(node), node.get("type") or FMU, required(node, "source", self.where)
+        if node.get("implementation") == "ScheduledExecution":
+            self.remarks.append(f"{where}: {name!r} is to be run by scheduled execution; its interface for co-simulation is used")
         if kind in (DEFINITION, ARCHIVE) or source.startswith("#"):
             referenced = self._referenced(source, kind, name, depth, where)
             referenced.parameters = (*referenced.parameters, *self._parameters(node, None))
@@ -164,12 +175,25 @@ class Document:
         connectors = {}
         for child in find_all(node, "ssd:Connectors", "ssd:Connector"):
             name, kind = required(child, "name", self.where), required(child, "kind", self.where)
-            if kind not in GIVES + TAKES:
+            if kind not in GIVES + TAKES + INSIDE:
                 raise BadInput(self._at(child), f"connector {name!r} of kind {kind!r}", f"one of {', '.join(TAKES + GIVES)}")
-            types = [t for t in child if etree.QName(t).localname in (*TYPES, "Binary")]
+            types = [t for t in child if etree.QName(t).localname in (*TYPES, *UNREAD)]
             unit = types[0].get("unit") if types else None
             connectors[name] = Connector(name, kind, etree.QName(types[0]).localname if types else "", named(unit, self.measures))
         return connectors
+
+    def _arrays(self, node: etree._Element) -> dict[str, list[str]]:
+        """Elements of a system's connectors that are arrays of version 2.0."""
+        arrays = {}
+        for child in find_all(node, "ssd:Connectors", "ssd:Connector"):
+            name = child.get("name", "")
+            if dimensions := child.findall("{*}Dimension"):
+                sizes = [int(number(d, "size", 0.0, self.where)) for d in dimensions]
+                if not 0 < prod(sizes) <= MOST:
+                    raise BadInput(self._at(child), f"connector {name!r} of sizes {sizes}", f"at most {MOST} elements",
+                                   "Give sizes as numbers: that of a system's connector cannot follow from another connector.")
+                arrays[name] = [f"{name}[{','.join(map(str, i))}]" for i in product(*(range(1, n + 1) for n in sizes))]
+        return arrays
 
     def _connection(self, node: etree._Element) -> Connection:
         where = self._at(node)
@@ -185,16 +209,22 @@ class Document:
         """Connectors of a component against the variables of its FMU."""
         assert element.description is not None
         scalars = element.description.scalars
-        for name in [n for n, c in element.connectors.items() if n not in scalars or c.type == "Binary"]:
-            kind = element.connectors[name].type
-            reason = "its values are Binary" if kind == "Binary" else f"the FMU has no such variable, {nearest(name, scalars)}"
+        for n, s in scalars.items():
+            if s.variable.dimensions:
+                element.arrays.setdefault(s.variable.name, []).append(n)
+        connectors = {e: replace(c, name=e) for n, c in element.connectors.items() for e in element.arrays.get(n, [n])}
+        for name in [n for n, c in connectors.items() if n not in scalars or c.type in UNREAD]:
+            kind = connectors[name].type
+            reason = f"its type is {kind}" if kind in UNREAD else f"the FMU has no such variable, {nearest(name, scalars)}"
             self.remarks.append(f"{element.where}: connector {element.name}.{name} left out: {reason}")
-        element.connectors = {n: c for n, c in element.connectors.items() if n in scalars and c.type != "Binary"}
+        element.connectors = {n: c for n, c in connectors.items() if n in scalars and c.type not in UNREAD}
         for connector in element.connectors.values():
             scalar = scalars[connector.name]
             label = f"connector {element.name}.{connector.name}"
             causality, kind = scalar.variable.causality, TYPES.get(connector.type, scalar.kind)
-            if causality != connector.kind and not (causality == "structuralParameter" and connector.kind == "parameter"):
+            alike = {"structuralParameter": "parameter", "constant": "output"}  # constants are outputs or locals of an FMU
+            if alike.get(causality, causality) != alike.get(connector.kind, connector.kind) \
+                    and (causality, connector.kind) != ("local", "constant"):
                 raise BadInput(element.where, f"{label} of kind {connector.kind!r}", f"{causality!r}, as the FMU says")
             if kind != scalar.kind:
                 raise BadInput(element.where, f"{label} of type {connector.type}", f"{scalar.variable.type}, as the FMU says")

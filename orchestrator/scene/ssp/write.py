@@ -52,10 +52,14 @@ def check(scene: Scene, path: Path) -> None:
         raise BadInput("output", repr(str(path)), "a file name that ends in .ssp")
 
 
-def write(scene: Scene, path: Path) -> Path:
-    """Write the scene to an .ssp file and return its path; the same scene gives the same bytes. Raises `BadInput` as `check`."""
+def write(scene: Scene, path: Path, starts: Mapping[str, Mapping[str, float]] | None = None) -> Path:
+    """Write the scene to an .ssp file and return its path; the same scene gives the same bytes. Raises `BadInput` as `check`.
+
+    `starts`: by unit, what its connected inputs are when the scene has been initialized. Other masters do not look for values
+    that fit together: with these the units begin as they do in the scene.
+    """
     check(scene, path)
-    system = _System(scene)
+    system = _System(scene, starts or {})
     try:
         text = system.text()
     except ValueError as error:
@@ -71,8 +75,8 @@ def write(scene: Scene, path: Path) -> Path:
 class _System:
     """The description of a scene, and the FMUs that it names."""
 
-    def __init__(self, scene: Scene):
-        self.scene, self.coupling = scene, scene.coupling
+    def __init__(self, scene: Scene, starts: Mapping[str, Mapping[str, float]]):
+        self.scene, self.coupling, self.starts = scene, scene.coupling, starts
         self.files: dict[str, Path] = {}  # place in the package -> FMU
         self.names = _identifiers(scene.units)
         self.sources = {name: self._packed(name, unit) for name, unit in scene.units.items()}
@@ -126,7 +130,10 @@ class _System:
             group = _add(component, "ssd:Connectors")
             for variable, kind in connectors:
                 self._type(_add(group, "ssd:Connector", name=variable, kind=kind), name, variable)
-        values = _values(name, self.scene.units[name])
+        scalars = self.descriptions[name].scalars
+        driven = {link.target[1] for link in self.coupling.links if link.target[0] == name}
+        values = _values(name, self.scene.units[name]) | {
+            n: v for n, v in self.starts.get(name, {}).items() if n in driven and v != scalars[n].start}
         if values:
             binding = _add(_add(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
             inline = _add(_add(binding, "ssd:ParameterValues"), "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)

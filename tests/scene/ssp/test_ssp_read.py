@@ -3,6 +3,7 @@
 The FMU: x' = u, y = gain u + count + 100 flag + 1000 mode + 10000 letters of the text.
 """
 
+import shutil
 import zipfile
 
 import pytest
@@ -11,6 +12,7 @@ from cosimo.orchestrator.engine.coupling import resolve_coupling
 from cosimo.orchestrator.run import run
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.scene.ssp.systems import bindings, component, connection, document, parameter_set, system, units
+from cosimo.tests.units.native import native_fmu
 
 STEP = '<ssc:Annotation type="com.opensimulationplatform"><osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="0.5"/>' \
        "</osp:Algorithm></ssc:Annotation>"
@@ -273,7 +275,7 @@ def test_bad_systems_give_one_message_with_the_place(load, root, more, named):
     (document(system("s", A)).replace('version="1.0" name="test"', 'version="3.0" name="test"'), ["version '3.0'"]),
     (document(system("s", A)).replace('source="adder.fmu"', ""), ["Component without source"]),
     (document(system("s", A)).replace('kind="input"', 'kind="inpt"'), ["'inpt'", "input"]),
-    (document(system("s", A), experiment='startTime="1"'), ["startTime 1 s", "every run starts at 0"]),
+    (document(system("s", A), experiment='startTime="1" stopTime="1"'), ["stop_time", "0"]),
     (document(system("s", A), experiment='stopTime="x"'), ['stopTime="x"', "a finite number"]),
     (document(system("s", A), experiment='stopTime="-1"'), ["stop_time", "-1"]),
     (document(system("s", A), annotations=OURS.format("{")), ["no JSON"]),
@@ -289,13 +291,19 @@ def test_files_that_the_schema_would_refuse_give_one_message_too(load, text, nam
 
 
 LENIENT = [  # what other tools write, and what the one remark on it names
-    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace('version="1.0" name="test"',
-                                                                                     'version="2.0" name="test"'), "SSP 2.0"),
+    (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP, experiment='startTime="5" stopTime="6"'),
+     "startTime 5 s; the run begins at 0"),
+    (document(system("s", component("a", "u<") + component("b"), connection("a.y", "b.u")), annotations=STEP),
+     "connector a.y is not listed; the FMU's variable is taken"),
+    (document(system("s", component("a", source="proxyfmu://localhost?file=adder.fmu") + component("b"),
+                     connection("a.y", "b.u")), annotations=STEP), "is read as the file itself"),
+    (document(system("s", component("a", more='implementation="ScheduledExecution"') + component("b"), connection("a.y", "b.u")),
+              annotations=STEP), "'a' is to be run by scheduled execution"),
     (document(system("s", component("a", "y> v<") + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
      "connector a.v left out: the FMU has no such variable"),
-    (document(system("s", component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Binary/>").replace(
-        "<ssc:Binary/>", "<ssc:Real/>", 1) + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
-     "connector a.u left out: its values are Binary"),
+    (document(system("s", component("a", "y> u<").replace("<ssc:Real/>", "<ssc:Clock/>").replace(
+        "<ssc:Clock/>", "<ssc:Real/>", 1) + component("b", "u<"), connection("a.y", "b.u")), annotations=STEP),
+     "connector a.u left out: its type is Clock"),
     (document(system("s", component("a", more='tool:colour="red"') + component("b"), connection("a.y", "b.u")),
               annotations=STEP), "the prefix 'tool' is not declared; what it stands for is not read"),
     (document(system("s", PAIR, connection("a.y", "b.u")), annotations=STEP).replace(" xmlns:ssc=", " xmlns:other="),
@@ -327,3 +335,63 @@ def test_entities_are_refused(load, folder):
     for bad in (text.replace("</ssd:System>", "&e;</ssd:System>"), text.replace('value="1"', 'value="&f;"')):
         with pytest.raises(BadInput, match="entities"):
             load(bad, valid=False)
+
+
+def arrays(name: str, ports: dict[str, tuple[str, str]], values: str) -> str:
+    """A component of FMI 3 with connectors that are arrays of two or three elements, name -> (kind, size)."""
+    rows = "".join(f'<ssd:Connector name="{n}" kind="{kind}"><ssc:Float64/><ssd:Dimension size="{size}"/></ssd:Connector>'
+                   for n, (kind, size) in ports.items())
+    return (f'<ssd:Component name="{name}" source="state_space.fmu"><ssd:Connectors>{rows}</ssd:Connectors>'
+            f"<ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>{values}</ssd:ParameterValues>"
+            "</ssd:ParameterBinding></ssd:ParameterBindings></ssd:Component>")
+
+
+def values2(**given: tuple[str, str, tuple[int, ...]]) -> str:
+    """A ParameterSet of version 2.0: name -> (type, value, sizes)."""
+    rows = "".join(f'<ssv:Parameter name="{n}"><ssv:{type_} value="{value}"/>'
+                   + "".join(f'<ssv:Dimension size="{k}"/>' for k in sizes) + "</ssv:Parameter>"
+                   for n, (type_, value, sizes) in given.items())
+    return f'<ssv:ParameterSet version="2.0" name="set"><ssv:Parameters>{rows}</ssv:Parameters></ssv:ParameterSet>'
+
+
+PORT = '<ssd:Connectors><ssd:Connector name="u" kind="input"><ssc:Float64/><ssd:Dimension size="3"/></ssd:Connector>' \
+       "</ssd:Connectors>"
+
+
+def test_arrays_and_types_of_version_2_go_from_unit_to_unit(load, folder):
+    """x' = A x + B u, y = C x + D u: `a` passes its input on doubled, `b` integrates it; through a system's connector as well."""
+    shutil.copy(native_fmu("state_space", 3), folder / "state_space.fmu")
+    zero, one = "0 0 0 0 0 0 0 0 0", "1 0 0 0 1 0 0 0 1"
+    square = (3, 3)
+    a = arrays("a", {"y": ("output", "3")}, values2(
+        A=("Float64", zero, square), B=("Float64", zero, square), C=("Float64", zero, square),
+        D=("Float64", "2 0 0 0 2 0 0 0 2", square), u=("Float64", "1 -2 3", (3,))))
+    b = arrays("b", {"u": ("input", "3"), "y": ("output", "3")}, values2(
+        A=("Float64", zero, square), B=("Float64", one, square), C=("Float64", one, square), D=("Float64", zero, square)))
+    inner = system("inner", b, connection("u", "b.u")).replace("<ssd:Elements>", PORT + "<ssd:Elements>", 1)
+    text = document(system("s", a + inner, connection("a.y", "inner.u")), annotations=STEP)
+    scene = load(text.replace('version="1.0" name="test"', 'version="2.0" name="test"'), valid=False)
+    assert scene.remarks == ()
+    assert scene.arrows == tuple(f"a.y[{k}] -> inner.b.u[{k}]" for k in (1, 2, 3))
+    last = values(scene)
+    assert [last[f"inner.b.y[{k}]"] for k in (1, 2, 3)] == pytest.approx([2.0, -4.0, 6.0], rel=1e-12)  # over one second
+
+
+@pytest.mark.parametrize(("old", "new", "named"), [
+    ('value="1 -2 3"', 'value="1 -2"', ["2 values of 'u'", "3"]),
+    ('<ssv:Float64 value="1 -2 3"/>', '<ssv:UInt8 value="1 -2.5 3"/>', ["'-2.5'", "whole number"]),
+    ('<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+     '<ssd:Dimension size="2"/></ssd:Connector></ssd:Connectors><ssd:Elements>', ["3 and 2 values"]),
+    ('<ssd:Dimension size="3"/></ssd:Connector></ssd:Connectors><ssd:Elements>',
+     '<ssd:Dimension sizeConnector="n"/></ssd:Connector></ssd:Connectors><ssd:Elements>', ["connector 'u' of sizes [0]"]),
+])
+def test_arrays_that_do_not_fit_are_refused(load, folder, old, new, named):
+    shutil.copy(native_fmu("state_space", 3), folder / "state_space.fmu")
+    a = arrays("a", {"y": ("output", "3")}, values2(u=("Float64", "1 -2 3", (3,))))
+    b = arrays("b", {"u": ("input", "3")}, values2())
+    inner = system("inner", b, connection("u", "b.u")).replace("<ssd:Elements>", PORT + "<ssd:Elements>", 1)
+    text = document(system("s", a + inner, connection("a.y", "inner.u")), annotations=STEP)
+    assert old in text
+    with pytest.raises(BadInput) as caught:
+        load(text.replace(old, new), valid=False)
+    assert [part for part in named if part not in str(caught.value)] == [], caught.value

@@ -1,0 +1,65 @@
+"""Masters of other makers as functions: a package in, histories of its signals out. Each run is a process of its own.
+
+`COSIMO_INTEROP_PYTHON` names a Python that has libcosimpy, ecospy and what the FMUs need; without it, this one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+PYTHON = os.environ.get("COSIMO_INTEROP_PYTHON", sys.executable)
+LIBCOSIM = """
+import json, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+
+package, step, looks, every, signals = sys.argv[1], *map(json.loads, sys.argv[2:])
+execution = CosimExecution.from_ssp_file(ssp_path=package, step_size=round(step * 1e9))
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer=observer)
+units = {u.name.decode(): u.index for u in execution.slave_infos()}
+known = {n: {v.name.decode(): v.reference for v in execution.slave_variables(slave_index=i)} for n, i in units.items()}
+places = [(units[unit], known[unit][name]) for unit, name in signals]
+rows = []
+for _ in range(looks):
+    assert execution.step(step_count=every)
+    rows.append([observer.last_real_values(slave_index=u, variable_references=[r])[0] for u, r in places])
+print("found " + json.dumps(rows))
+"""
+ECOS = """
+import json, sys
+from ecospy import EcosSimulation
+
+package, step, looks, every, signals = sys.argv[1], *map(json.loads, sys.argv[2:])
+with EcosSimulation(ssp_path=package, step_size=step) as simulation:
+    simulation.init(parameter_set="initialValues")
+    rows = []
+    for _ in range(looks):
+        simulation.step(every)
+        rows.append([simulation.get_real("::".join(signal)) for signal in signals])
+    print("found " + json.dumps(rows), flush=True)
+    simulation.terminate()
+"""
+CLIENTS = {"libcosim": ("libcosimpy", LIBCOSIM), "Ecos": ("ecospy", ECOS)}
+
+
+def run_in(master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str]]) -> np.ndarray:
+    """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing."""
+    module, client = CLIENTS[master]
+    there = subprocess.run([PYTHON, "-c", f"import {module}"], capture_output=True, text=True)
+    if there.returncode:
+        reason = there.stderr.strip().splitlines()[-1] if there.stderr.strip() else f"code {there.returncode}"
+        pytest.skip(f"needs {module}: {reason}")
+    done = subprocess.run([PYTHON, "-c", client, str(package), repr(step), str(looks), str(every), json.dumps(signals)],
+                          capture_output=True, text=True, timeout=600)
+    rows = [line.removeprefix("found ") for line in done.stdout.splitlines() if line.startswith("found ")]
+    assert rows, f"{master} ended with {done.returncode}: {done.stderr[-2000:]}"
+    return np.array(json.loads(rows[0]))
