@@ -160,6 +160,21 @@ class SecondWire(Effect):
                                 nominal=1e-6, size=2 + FURTHER)
 
 
+class Stagger(Effect):
+    """Lateral position of the contact wires, straight from support to support as the table says: where a head is touched.
+
+    Statics of a string: lateral and vertical motion decouple to first order, and lateral motion is not integrated. The arms'
+    lateral forces and vertical stiffness belong to the table itself.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    lateral_position = output("m", "lateral position of the contact wire at the contact point", nominal=0.1,
+                              feedthrough=("contact_position",))
+    second_lateral_position = output("m", "the same of the second contact wire", nominal=0.1, feedthrough=("contact_position",))
+
+
 class WireProfile(Effect):
     """Shape of the contact wire around the contact point as outputs, for pictures."""
 
@@ -200,6 +215,7 @@ class Catenary(Component):
     moving_window = MovingWindow
     line_table = LineTable
     second_wire = SecondWire
+    stagger = Stagger
     wire_profile = WireProfile
 
     spans = integer(10, "number of spans", low=1, high=1000)
@@ -267,7 +283,8 @@ class Catenary(Component):
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {self._limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
         N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
-        self._points = contact_points(e)
+        rows = self._layout.lateral[:, :3]
+        self._points, self._lateral = contact_points(e), rows.copy() if rows.size else np.zeros((1, 3))
         loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
         for position, *_ in loads:
             if not in_range(position, self.mesh):
@@ -295,16 +312,17 @@ class Catenary(Component):
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, self._points, *self._packed, self._work, self.counts, watched,
-                                    e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.moving_window, e.wire_profile)
-        return advance_implicit(h, n, self.x, self.u, self.y, self._points, *self._packed, self._work, self.counts, watched,
-                                p.spectral_radius, self._prepared, self._stiffness, self._band, self._factors, self._factored,
-                                e.dropper_slackening, e.bending_stiffness, e.damping, e.wire_profile)
+            return advance_explicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
+                                    self.counts, watched, e.dropper_slackening, e.bending_stiffness,
+                                    e.damping, e.moving_window, e.stagger, e.wire_profile)
+        return advance_implicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
+                                self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
+                                self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping, e.stagger, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
-        refresh_outputs(self.x, self.u[0], self.y, self._points, *self._packed, p.first_watched_support, e.wire_profile)
+        refresh_outputs(self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support, e.stagger,
+                        e.wire_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -350,7 +368,7 @@ class Catenary(Component):
             if len(layout.contact_lanes) > 1 and e.second_wire is None:
                 raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
                                "the effect second_wire", "Switch it on, here and at the pantographs.")
-            self.layout = layout
+            self._layout = layout
             self._mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
             self._limit = math.inf if implicit else self._explicit_limit(self._mesh, e.damping)
             self._mesh_key = key
@@ -409,7 +427,18 @@ def contact_points(e) -> np.ndarray:
 
 
 @kernel
-def catenary_outputs(x, u, y, points, mesh, watched, profile):
+def lateral_position(position, wire, lateral):
+    """Lateral position of a contact wire, m, straight between the rows (wire, position, stagger) of `lateral`, 0 beyond them."""
+    for k in range(lateral.shape[0] - 1):
+        a, b = lateral[k, 1], lateral[k + 1, 1]
+        if lateral[k, 0] == wire and lateral[k + 1, 0] == wire and a <= position <= b and b > a:
+            s = (position - a) / (b - a)
+            return (1.0 - s) * lateral[k, 2] + s * lateral[k + 1, 2]
+    return 0.0
+
+
+@kernel
+def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile):
     """Outputs for the state x and the present inputs u, (m,)."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
     q, v = x[:N], x[N : 2 * N]
@@ -423,6 +452,9 @@ def catenary_outputs(x, u, y, points, mesh, watched, profile):
         y[UPLIFT + k] = q[j]
         if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
             y[UPLIFT + k] = max(q[j], q[j + 2])
+    if stagger is not None:
+        for wire in range(2):
+            y[stagger.y + wire] = lateral_position(u[POSITION], wire, lateral)
     if profile is not None:
         heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
 
@@ -445,28 +477,29 @@ def follow_contacts(h, x, u, points, mesh):
 
 
 @kernel
-def refresh_outputs(x, u, y, points, numbers, indices, watched, profile):
+def refresh_outputs(x, u, y, points, lateral, numbers, indices, watched, stagger, profile):
     """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(x, u, y, points, unpacked(numbers, indices), watched, profile)
+    catenary_outputs(x, u, y, points, lateral, unpacked(numbers, indices), watched, stagger, profile)
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, points, numbers, indices, work, counts, watched, slack, bending, damping, window, profile):
+def advance_explicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, slack, bending, damping, window,
+                     stagger, profile):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, damping, window)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, mesh, watched, profile)
+    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile)
     return status
 
 
 @kernel
-def advance_implicit(h, n, x, u, y, points, numbers, indices, work, counts, watched, radius, prepared, stiffness, band, factors,
-                     factored, slack, bending, damping, profile):
+def advance_implicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness, band,
+                     factors, factored, slack, bending, damping, stagger, profile):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
                             bending, damping)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, mesh, watched, profile)
+    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile)
     return status

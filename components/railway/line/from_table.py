@@ -31,7 +31,8 @@ class Resolved:
 
 def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
     """All sections with their spans and supports in place."""
-    sections, end = [], 0.0
+    sections: list[Resolved] = []
+    end = 0.0
     for i, section in enumerate(line.sections, 1):
         at = f"{where}.sections[{i}]"
         spans = tuple(_repeated(section, at))
@@ -156,7 +157,7 @@ class _Section:
         worn = tuple(Stretch(float(x), float(x + span.length), 1.0 - span.wear)
                      for x, span in zip(s.x[:-1], s.spans, strict=True) if span.wear)
         ends = (float(self.z[0]), float(self.z[-1]))
-        tops = tuple(float(z + support.system_height) for z, support in zip(ends, (s.supports[0], s.supports[-1]), strict=True))
+        tops = ends[0] + s.supports[0].system_height, ends[1] + s.supports[-1].system_height
         less = tuple(Stretch(x - t.half_length, x + t.half_length, -t.tension) for x, t in self.stitches)
         w, m = self.wire, self.upper
         wires = [Wire(self.contact, a, b, w.tension, w.mass, w.bending, ends, (), worn),

@@ -131,12 +131,6 @@ def uniform(p: Any, bending: Any, pre_sag: Any, arm: Any, level: Any) -> Layout:
     return Layout(2, supports, wires, droppers, holds)
 
 
-def lateral_position(position: float, wire: int, layout: Layout) -> float:
-    """Lateral position of a contact wire, 0 or 1, m: straight from support to support."""
-    rows = layout.lateral[layout.lateral[:, 0] == wire]
-    return float(np.interp(position, rows[:, 1], rows[:, 2])) if rows.size else 0.0
-
-
 def parabola(x: np.ndarray, first: float, last: float, depth: float) -> np.ndarray:
     """Heights of a parabola, 0 at first and last and `-depth` between them, at x (n,); m."""
     return -4.0 * depth * (x - first) * (last - x) / (last - first) ** 2

@@ -6,8 +6,8 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import contact_compliance, wire_height
 from cosimo.components.railway.line.form import find_form
-from cosimo.components.railway.line.from_table import resolved_sections
-from cosimo.components.railway.line.table import read_line, schema
+from cosimo.components.railway.line.from_table import arm_of, resolved_sections
+from cosimo.components.railway.line.table import Arm, Support, read_line, schema
 from cosimo.components.railway.statics import elasticity, loaded_equilibrium
 from cosimo.tests.systems.railway.network import G, Network
 
@@ -217,6 +217,62 @@ def test_a_uniform_table_is_the_uniform_catenary():
     both = uniform.mesh, catenary(table, ("gravity_sag",)).mesh
     for name in ("position", "mass", "tension", "curvature", "ground", "dropper_stiffness", "preload", "height", "bow"):
         assert getattr(both[1], name) == pytest.approx(getattr(both[0], name), rel=1e-12, abs=1e-15), name
+
+
+STAGGERED = """
+[[sections]]
+contact_wire.tension = 22e3
+support.arm = { length = 1.2, angle = 10.0, mass = 0.9 }
+spans = [55, 55, 55, 55]
+supports = [{ stagger = 0.2 }, { stagger = -0.2 }, { stagger = 0.2 }, { stagger = -0.2 }, { stagger = 0.2 }]
+"""
+
+
+def test_lateral_position_is_that_of_the_table():
+    made = catenary(STAGGERED, ("stagger",))
+    for x, expected in ((55.0, -0.2), (82.5, 0.0), (110.0, 0.2), (68.75, -0.1)):
+        made.set("contact_position", x)
+        made.refresh()
+        assert made["stagger.lateral_position"] == pytest.approx(expected, abs=1e-12)
+
+
+def test_stagger_pulls_at_the_arms():
+    """4 b T / L = 320 N for 0.2 m, 55 m, 22 kN; no force at the anchors. The arm's stiffness is F / (l cos³ phi)."""
+    layout = form(STAGGERED).layout
+    assert np.abs(layout.lateral[:, 3]) == pytest.approx([0.0, 320.0, 320.0, 320.0, 0.0], abs=1e-9)
+    arms = layout.holds.lane == 0
+    assert layout.holds.stiffness[arms] == pytest.approx(np.full(3, 320.0 / 1.2 / np.cos(np.radians(10.0)) ** 3))
+    assert layout.holds.mass[arms] == pytest.approx(np.full(3, 0.3))
+    assert layout.holds.lift[arms] == pytest.approx(np.full(3, 320.0 * np.tan(np.radians(10.0)) - 0.5 * G * 0.9))
+
+
+def test_an_arm_swings_about_its_hinge_as_its_stiffness_says():
+    """Exact statics of a rod with a lateral force at its end: height against vertical force, by moments about the hinge."""
+    length, force, phi = 1.2, 320.0, np.radians(10.0)
+    stiffness, _, _ = arm_of(Support(arm=Arm(length=length, angle=10.0, mass=0.0)), force)
+    angles = phi + np.array([-1e-4, 1e-4])
+    heights, vertical = -length * np.sin(angles), force * np.tan(angles)
+    assert stiffness == pytest.approx(-np.diff(vertical)[0] / np.diff(heights)[0], rel=1e-6)
+    assert [arm_of(Support(arm=Arm(length=length, angle=a)), force)[0] for a in (5.0, 10.0, 20.0)] == pytest.approx(
+        [270.0, 279.0, 321.0], abs=0.8)
+
+
+def test_an_arm_that_carries_more_unloads_the_first_droppers():
+    """Its lift is taken off the droppers beside the support, as a force on the wire between them."""
+    lifted, bare = form(STAGGERED), form(STAGGERED.replace("angle = 10.0, ", ""))
+    x = lifted.layout.droppers.position
+    beside = np.abs(x - 110.0) < 6.0
+    lift = 320.0 * np.tan(np.radians(10.0)) - 0.5 * G * 0.9
+    assert (bare.preload - lifted.preload)[beside].sum() == pytest.approx(lift, rel=1e-9)
+
+
+def test_an_arm_is_a_spring_beside_the_compliance_of_the_wire():
+    """Elasticity at a support with arms e / (1 + k e), but for what the other arms take."""
+    bare = catenary(STAGGERED.replace("support.arm = { length = 1.2, angle = 10.0, mass = 0.9 }", ""), ())
+    stiff = catenary(STAGGERED, ())
+    e, held = (elasticity(m.mesh, [110.0], 50.0, unilateral=False)[0] for m in (bare, stiff))
+    assert held == pytest.approx(e / (1.0 + 279.2 * e), rel=0.02)
+    assert held < e
 
 
 @pytest.mark.parametrize(("text", "message"), [
