@@ -317,7 +317,8 @@ class Catenary(Component):
                                     e.damping, e.moving_window, e.stagger, e.wire_profile)
         return advance_implicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
                                 self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
-                                self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping, e.stagger, e.wire_profile)
+                                self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping,
+                                e.stagger, e.wire_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
