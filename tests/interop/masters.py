@@ -51,14 +51,20 @@ with EcosSimulation(ssp_path=package, step_size=step) as simulation:
 CLIENTS = {"libcosim": ("libcosimpy", LIBCOSIM), "Ecos": ("ecospy", ECOS)}
 
 
-def run_in(master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str]]) -> np.ndarray:
-    """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing."""
-    module, client = CLIENTS[master]
+def require(master: str) -> None:
+    """Skip the test where a master cannot be imported; Ecos needs libtbb of the system."""
+    module = CLIENTS[master][0]
     there = subprocess.run([PYTHON, "-c", f"import {module}"], capture_output=True, text=True)
     if there.returncode:
         reason = there.stderr.strip().splitlines()[-1] if there.stderr.strip() else f"code {there.returncode}"
         pytest.skip(f"needs {module}: {reason}")
-    done = subprocess.run([PYTHON, "-c", client, str(package), repr(step), str(looks), str(every), json.dumps(signals)],
+
+
+def run_in(master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str]]) -> np.ndarray:
+    """Values of signals, (looks, signals), after each `every` steps, from a master; skips the test where it is missing."""
+    require(master)
+    numbers = [repr(step), str(looks), str(every), json.dumps(signals)]
+    done = subprocess.run([PYTHON, "-c", CLIENTS[master][1], str(package), *numbers],
                           capture_output=True, text=True, timeout=600)
     rows = [line.removeprefix("found ") for line in done.stdout.splitlines() if line.startswith("found ")]
     assert rows, f"{master} ended with {done.returncode}: {done.stderr[-2000:]}"

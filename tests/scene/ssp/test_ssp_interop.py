@@ -1,42 +1,10 @@
-"""Systems written here, run by libcosim. `COSIMO_LIBCOSIM_PYTHON` names a Python that has libcosimpy; without it, this one."""
-
-import json
-import os
-import subprocess
-import sys
+"""A system written here, run by libcosim: conversions, types and held inputs in numbers that follow by hand."""
 
 import pytest
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import read_scene
-
-PYTHON = os.environ.get("COSIMO_LIBCOSIM_PYTHON", sys.executable)
-CLIENT = """
-import json, sys
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimObserver import CosimObserver
-
-execution = CosimExecution.from_ssp_file(ssp_path=sys.argv[1], step_size=int(sys.argv[2]))  # ns
-observer = CosimObserver.create_last_value()
-execution.add_observer(observer=observer)
-assert execution.step(step_count=int(sys.argv[3]))
-found = {}
-for unit in execution.slave_infos():
-    for variable in execution.slave_variables(slave_index=unit.index):
-        if variable.name.decode() in ("x", "y"):
-            (value,) = observer.last_real_values(slave_index=unit.index, variable_references=[variable.reference])
-            found[f"{unit.name.decode()}.{variable.name.decode()}"] = value
-print("found " + json.dumps(found))
-"""
-
-
-def libcosim(*arguments: object) -> dict[str, float]:
-    """Values of the outputs after some steps, from a process of its own: a fault of libcosim ends the process."""
-    if subprocess.run([PYTHON, "-c", "import libcosimpy"], capture_output=True).returncode:
-        pytest.skip("needs libcosimpy")
-    done = subprocess.run([PYTHON, "-c", CLIENT, *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return json.loads(next(line for line in done.stdout.splitlines() if line.startswith("found ")).removeprefix("found "))
+from cosimo.tests.interop.masters import run_in
 
 
 def test_libcosim_comes_to_the_same_numbers(folder):
@@ -50,7 +18,9 @@ def test_libcosim_comes_to_the_same_numbers(folder):
         "master": {"algorithm": "jacobi", "step": 0.01, "extrapolation": 0, "feedthrough": "delayed"},
     }, "adders", folder)
     ours = {name: column[-1] for name, column in run(scene).columns.items()}
-    theirs = libcosim(write(scene, folder / "there.ssp"), 10_000_000, 100)
+    signals = [tuple(name.split(".")) for name in ours]
+    last = run_in("libcosim", write(scene, folder / "there.ssp"), 0.01, 1, 100, signals)[0]
+    theirs = dict(zip(ours, last.tolist(), strict=True))
     assert theirs["b.x"] == pytest.approx(1000.0 * 30101.3, rel=1e-13)  # a.y, in mm, over one second
     moved = [n for n in ours if n != "c.y"]  # which follows c's input: libcosim shows it with that of the step before
     assert [theirs[n] for n in moved] == pytest.approx([ours[n] for n in moved], rel=1e-13)  # rounding of 100 steps
