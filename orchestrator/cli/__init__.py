@@ -11,7 +11,21 @@ import sys
 from collections.abc import Sequence
 
 from ...components.core.errors import BadInput
-from . import accuracy, cache, catalogue, effects, many, new, packing, railway, run, show, stability, validate  # noqa: F401 - adds commands
+from . import (  # noqa: F401 - each adds its commands
+    accuracy,
+    answers,
+    cache,
+    catalogue,
+    effects,
+    many,
+    new,
+    packing,
+    railway,
+    run,
+    show,
+    stability,
+    validate,
+)
 from .common import BAD_INPUT, app
 
 

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..harness import sweep as sweeps
 from ..harness.sweep import Sweep
 from ..scene.scene import Scene
 from ..settings.plan import PlanSettings
 from . import summary
+
+if TYPE_CHECKING:
+    from ..harness.many.design import Design
+    from ..harness.many.fitting import SceneFit
+    from ..harness.many.sensitivity import Sensitivity
+    from ..harness.many.uncertainty import Uncertainty
+    from ..settings.answers import DesignSettings, FitSettings
 
 PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
@@ -27,3 +34,31 @@ def sweep(scene: Scene, plan: PlanLike | None = None, directory: str | Path | No
     """
     return sweeps.sweep(scene, plan, directory, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=progress,
                         summarize=summary)
+
+
+def sensitivity(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:
+    """Which parameters matter: as `harness.many.sensitivity`, with the figures of the scene's system among the quantities."""
+    from ..harness.many.sensitivity import sensitivity as answer
+
+    return answer(scene, plan, directory, summarize=summary, **options)
+
+
+def uncertainty(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Uncertainty:
+    """Distributions of quantities: as `harness.many.uncertainty`, with the figures of the scene's system among them."""
+    from ..harness.many.uncertainty import uncertainty as answer
+
+    return answer(scene, plan, directory, summarize=summary, **options)
+
+
+def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, **options: Any) -> SceneFit:
+    """Parameters from measurements: as `harness.many.fitting`, with the figures of the scene's system among the targets."""
+    from ..harness.many.fitting import fit as answer
+
+    return answer(scene, settings, summarize=summary, **options)
+
+
+def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, **options: Any) -> Design:
+    """Parameters for a small or large quantity: as `harness.many.design`, with the figures of the scene's system."""
+    from ..harness.many.design import design as answer
+
+    return answer(scene, settings, summarize=summary, **options)

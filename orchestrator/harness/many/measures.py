@@ -103,19 +103,22 @@ def function_of(text: str) -> Callable[[Result], Any]:
 
 def measure(scene: Scene, values: Mapping[str, Any], task: Task) -> Row:
     """Run the scene with the values of a point; every failure is a row with its reason."""
+    return measured_run(scene, values, task)[0]
+
+
+def measured_run(scene: Scene, values: Mapping[str, Any], task: Task) -> tuple[Row, Result | None]:
+    """The same with the run itself, as far as there is one."""
+    result = None
     try:
-        one = scene.with_changes(changes(scene, values)) if values else scene
-        result = run(one, in_process=True)
+        result = run(scene.with_changes(changes(scene, values)) if values else scene, in_process=True)
         if result.outcome == "stopped":
-            return Row("not run", stopped=Signals[result.info["signal"]])
-        if result.outcome != "done":
-            return Row(result.outcome, result.message)
-        return _row(result, task)
-    except BadInput as error:  # a value with which this point cannot start, or has no section
-        return Row("refused", str(error))
+            return Row("not run", stopped=Signals[result.info["signal"]]), result
+        return _row(result, task) if result.outcome == "done" else Row(result.outcome, result.message), result
+    except BadInput as error:  # a value with which this point cannot start
+        return Row("refused", str(error)), result
     except Exception as error:  # of a user's own code: one point, not all of them
         log.debug("point %s", values, exc_info=True)
-        return Row("failed", f"{type(error).__name__}: {error}")
+        return Row("failed", f"{type(error).__name__}: {error}"), result
 
 
 def _row(result: Result, task: Task) -> Row:

@@ -183,3 +183,26 @@ def _command(pid):
             return file.read()
     except OSError:
         return ""
+
+
+@pytest.mark.full
+def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
+    """A scheduler and two workers as processes; one worker is killed by a point, which alone has no numbers."""
+    distributed = pytest.importorskip("distributed")
+    here = sweep(read_scene(MASS), SAMPLES, tmp_path / "here")
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
+    import dask
+
+    dask.config.refresh()
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        there = sweep(read_scene(MASS), SAMPLES, tmp_path / "there", scheduler=address)
+        four = {"vary": {"d.value": [1.0, 2.0, 3.0, 4.0]}}
+        deadly = sweep(read_scene(scene(fatal=3.0)), four, tmp_path / "d", scheduler=address)
+    assert there.computed == 16
+    assert here.measures["m.x_out, maximum"].tobytes() == there.measures["m.x_out, maximum"].tobytes()
+    assert contents(tmp_path / "here") == contents(tmp_path / "there")
+    assert [o == "done" for o in deadly.outcomes] == [True, True, False, True]
+    assert deadly.outcomes[2] == KILLED
+    with pytest.raises(BadInput, match="address of a running scheduler"):
+        sweep(read_scene(MASS), SAMPLES, tmp_path / "none", scheduler="tcp://127.0.0.1:1")

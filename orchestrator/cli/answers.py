@@ -1,0 +1,133 @@
+"""What follows from many runs of one scene: sensitivity, uncertainty, fits, designs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .common import FAILED_CHECK, Changes, app, print_table, status_spinner, warn
+from .many import Jobs, SceneName, Scheduler, scene_of, stopped_early
+
+Quantities = Annotated[list[str] | None, typer.Option("--quantity", help=(
+    '"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].'))]
+PlanFile = Annotated[Path, typer.Option("--plan", help="TOML file with [vary]: distributions of the parameters.")]
+Directory = Annotated[Path, typer.Option("-o", "--output", help="Directory for tables, data set and report.")]
+Settings = Annotated[Path, typer.Option("--plan", help="TOML file: what varies, and what is wanted.")]
+
+
+@app.command()
+def sensitivity(
+    scene: SceneName, plan: PlanFile, quantity: Quantities = None,
+    method: Annotated[str, typer.Option("--method", help=(
+        "sobol: shares of the variance; morris: cheap, which matter at all."))] = "sobol",
+    samples: Annotated[int, typer.Option("--samples", help=(
+        "Blocks of as many runs as parameters, and 2 (sobol) or 1 more."))] = 128,
+    output: Directory = Path("sensitivity"),
+    values: Changes = None, jobs: Jobs = None, scheduler: Scheduler = "",
+) -> None:
+    """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values)
+    with locked(output):
+        answer = many.sensitivity(loaded, plan, output, quantities=quantity or [], method=method, samples=samples, jobs=jobs,
+                                  scheduler=scheduler, progress=True)
+        stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
+        written = [answer.save(output), answers.for_sensitivity(answer, output)]
+    first, total = answer.columns
+    print_table("", ["quantity", "parameter", first, "±", total, "±"],
+                [(i.quantity, i.parameter, i.first, i.first_half, i.total, i.total_half) for i in answer.indices])
+    warn(answer.messages)
+    print(f"{len(answer.sweep.outcomes)} runs; wrote {', '.join(map(str, written))}")
+
+
+@app.command()
+def uncertainty(
+    scene: SceneName, plan: PlanFile, quantity: Quantities = None,
+    effects: Annotated[bool, typer.Option("--effects", help=(
+        "Which effects are needed so that the others change less than the parameters' uncertainty."))] = False,
+    share: Annotated[float, typer.Option("--share", help="Of the standard deviation that the others may change.")] = 1.0,
+    output: Directory = Path("uncertainty"),
+    values: Changes = None, jobs: Jobs = None, scheduler: Scheduler = "",
+) -> None:
+    """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values)
+    with locked(output):
+        answer = many.uncertainty(loaded, plan, output, quantities=quantity or [], effects=effects, share=share, jobs=jobs,
+                                  scheduler=scheduler, progress=True)
+        stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
+        written = [*answer.save(output), answers.for_uncertainty(answer, output)]
+    print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high"],
+                [(s.quantity, s.mean, s.deviation, *s.tolerance) for s in answer.spreads])
+    if effects:
+        print(f"effects that are needed: {', '.join(answer.needed) or 'none'}; the others change {answer.left_error:.3g} of a "
+              "standard deviation at most")
+    warn(answer.messages)
+    print(f"{len(answer.sweep.outcomes)} runs; wrote {', '.join(map(str, written))}")
+
+
+@app.command()
+def fit(
+    scene: SceneName, plan: Settings,
+    output: Directory = Path("fit"),
+    values: Changes = None,
+) -> None:
+    """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values)
+    with locked(output), _counted() as observe:
+        answer = many.fit(loaded, plan, observe=observe)
+        written = [answer.save(output), answers.for_fit(answer, output)]
+    print_table("", ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)"],
+                [(n, answer.units[n], *rest) for n, *rest in answer.fit.rows()])
+    warn(answer.fit.messages)
+    print(f"{answer.runs} runs; wrote {', '.join(map(str, written))}")
+    if not answer.fit.converged:
+        raise SystemExit(FAILED_CHECK)
+
+
+@app.command()
+def design(
+    scene: SceneName, plan: Settings,
+    output: Directory = Path("design"),
+    values: Changes = None,
+) -> None:
+    """Parameters for a small or large quantity within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
+    from ..harness.report import answers
+    from ..output import locked
+    from ..systems import many
+
+    loaded = scene_of(scene, values)
+    with locked(output), _counted() as observe:
+        answer = many.design(loaded, plan, observe=observe)
+        written = [answer.save(output), answers.for_design(answer, loaded, output)]
+    print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
+    if answer.best >= 0:
+        active = f"; at their limits: {'; '.join(answer.active)}" if answer.active else ""
+        print(f"{answer.quantity} = {answer.steps[answer.best].quantity:.6g}{active}")
+    else:
+        print("no run keeps all limits")
+    warn([answer.message] if answer.message else [])
+    print(f"{len(answer.steps)} runs; wrote {', '.join(map(str, written))}")
+    if answer.best < 0:
+        raise SystemExit(FAILED_CHECK)
+
+
+@contextmanager
+def _counted() -> Iterator[Callable[[int], None]]:
+    """A function that shows on a terminal how many runs there were."""
+    with status_spinner() as show:
+        yield lambda n: show(f"{n} runs")

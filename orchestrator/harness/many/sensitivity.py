@@ -1,0 +1,174 @@
+"""Which parameters matter: Sobol's indices and Morris' elementary effects, by SALib, with their confidence intervals.
+
+Sobol: S1 the share of a quantity's variance that goes with a parameter alone, ST the share that goes with it and all its
+interactions (Saltelli 2010, Jansen 1999, as SALib has them). Morris: mean of the absolute elementary effects mu*, the change of a
+quantity per range of a parameter, and their standard deviation sigma, large where it is nonlinear or acts with others. One failed
+run voids the block of runs it belongs to: the block is left out, and counted.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput
+from ...output import write_table
+from ...scene.scene import Scene
+from ...settings.plan import PlanSettings
+from ..sweep import Sweep, sweep
+from .evaluations import Summarize, column_name, keep_for
+from .plan import plan_settings, read_plan
+from .sampling import SMALLEST
+
+METHODS = ("sobol", "morris")
+LEVELS = 4  # of Morris' grid
+MARGIN = 0.01  # Morris: of the probability at either end, where quantiles may be infinite
+CONFIDENCE = 0.95
+RESAMPLES = 500  # of the bootstrap
+FEWEST_BLOCKS = 8
+
+
+@dataclass(frozen=True)
+class Index:
+    """Of a quantity and a parameter. first, total: Sobol's S1 and ST, or Morris' mu* and sigma; *_half: half of their 95 %
+    intervals, NaN for sigma."""
+
+    quantity: str
+    parameter: str
+    first: float
+    first_half: float
+    total: float
+    total_half: float
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Indices of every quantity over every parameter. blocks: that were complete, of how many.  constant: quantities that no
+    parameter changes, which have no indices."""
+
+    method: str
+    indices: tuple[Index, ...]
+    sweep: Sweep
+    blocks: int
+    planned: int
+    constant: tuple[str, ...]
+
+    @property
+    def columns(self) -> tuple[str, str]:
+        """What `first` and `total` are."""
+        return ("S1", "ST") if self.method == "sobol" else ("mu*", "sigma")
+
+    @property
+    def messages(self) -> list[str]:
+        """What a user should know."""
+        texts = []
+        if self.blocks < self.planned:
+            texts.append(f"{self.planned - self.blocks} of {self.planned} blocks of runs have a failed run and are left out; "
+                         "where runs fail for some values more than for others, the indices are of what is left")
+        if wide := [i for i in self.indices if self.method == "sobol" and i.total_half > 0.1]:
+            texts.append(f"{len(wide)} indices are known to ± 0.1 or worse: take more samples")
+        texts += [f"{name} is the same everywhere" for name in self.constant]
+        return texts
+
+    def save(self, directory: str | Path) -> Path:
+        """Write sensitivity.csv."""
+        first, total = self.columns
+        header = ["quantity", "parameter", first, f"{first} ± (95 %)", total, f"{total} ± (95 %)"]
+        rows = [(i.quantity, i.parameter, i.first, i.first_half, i.total, i.total_half) for i in self.indices]
+        return write_table(directory, "sensitivity.csv", header, rows)
+
+
+def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
+                quantities: Sequence[str] = (), method: str = "sobol", samples: int = 128, jobs: int | None = 1,
+                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None) -> Sensitivity:
+    """Indices of quantities over what the plan varies; `samples` blocks of d + 2 runs (Sobol) or d + 1 (Morris).
+
+    `quantities`: columns of a sweep, by default those of the plan or of the scene's [study]. The plan's own method and number of
+    points do not count. Raises `BadInput`, also for correlated parameters, of which shares of the variance mean nothing.
+    """
+    if find_spec("SALib") is None:
+        raise BadInput("sensitivity", "no SALib", "an installed SALib", "pip install cosimo[many]")
+    settings = read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
+    if method not in METHODS or samples < FEWEST_BLOCKS:
+        raise BadInput("sensitivity", f"method {method!r}, {samples} samples", f"{' or '.join(METHODS)}, {FEWEST_BLOCKS} or more")
+    if settings.correlation:
+        raise BadInput("sensitivity", "correlated parameters", "independent ones", "Remove correlation from the plan.")
+    if settings.table or len(settings.vary) < 2:
+        raise BadInput("sensitivity", "a table of points" if settings.table else f"{len(settings.vary)} parameter",
+                       "two or more in [vary]")
+    names = list(quantities) or [*settings.keep.quantities, *scene.study.quantities]
+    if not names:
+        raise BadInput("sensitivity", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
+    keep = keep_for(names, settings.keep)
+    problem = {"num_vars": len(settings.vary), "names": list(settings.vary), "bounds": [[0.0, 1.0]] * len(settings.vary)}
+    cube = sample(problem, method, samples, settings.seed)
+    chosen = settings.model_copy(update={"keep": keep})
+    points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
+    runs = sweep(scene, chosen, directory, jobs=jobs, scheduler=scheduler, progress=progress, summarize=summarize,
+                 cube=np.clip(points, SMALLEST, 1.0 - SMALLEST))
+    indices: list[Index] = []
+    constant: list[str] = []
+    blocks = 0
+    if runs.stopped is None:
+        for name in names:
+            key = column_name(runs.measures, name, "sensitivity")
+            answer = analyse(problem, method, cube, runs.measures[key], settings.seed)
+            blocks = answer[1]
+            if answer[0] is None:
+                constant.append(key)
+            else:
+                indices += [Index(key, p, *row) for p, row in zip(problem["names"], answer[0], strict=True)]  # type: ignore[arg-type]
+    return Sensitivity(method, tuple(indices), runs, blocks, samples, tuple(constant))
+
+
+def sample(problem: Mapping[str, Any], method: str, samples: int, seed: int) -> np.ndarray:
+    """(samples * block, d) points of the unit cube."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # n is no power of two
+        if method == "sobol":
+            from SALib.sample import sobol
+
+            return np.asarray(sobol.sample(dict(problem), samples, calc_second_order=False, seed=seed))
+        from SALib.sample import morris
+
+        return np.asarray(morris.sample(dict(problem), samples, num_levels=LEVELS, seed=seed))
+
+
+def analyse(problem: Mapping[str, Any], method: str, cube: np.ndarray, values: np.ndarray, seed: int
+            ) -> tuple[np.ndarray | None, int]:
+    """((d, 4) of first, half interval, total, half interval; complete blocks) of values (n,) at points (n, d).
+
+    None where the values are all the same. Raises `BadInput` where too few blocks are complete.
+    """
+    d = int(problem["num_vars"])
+    block = d + 2 if method == "sobol" else d + 1
+    whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
+    if whole.sum() < FEWEST_BLOCKS:
+        raise BadInput("sensitivity", f"{int(whole.sum())} complete blocks of runs", f"{FEWEST_BLOCKS} or more",
+                       "Look at the outcomes in sweep.csv; take narrower ranges.")
+    kept = np.repeat(whole, block)
+    y = np.asarray(values)[kept]
+    if np.ptp(y) <= 1e-12 * np.abs(y).max():
+        return None, int(whole.sum())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if method == "sobol":
+            from SALib.analyze import sobol
+
+            r = sobol.analyze(dict(problem), y, calc_second_order=False, num_resamples=RESAMPLES, conf_level=CONFIDENCE,
+                              seed=seed)
+            rows = np.stack([r["S1"], r["S1_conf"], r["ST"], r["ST_conf"]], axis=1)
+        else:
+            from SALib.analyze import morris
+
+            r = morris.analyze(dict(problem), cube[kept], y, num_resamples=RESAMPLES, conf_level=CONFIDENCE, num_levels=LEVELS,
+                               seed=seed)
+            star, half, sigma = (np.asarray(r[key], dtype=float) for key in ("mu_star", "mu_star_conf", "sigma"))
+            rows = np.stack([star, half, sigma, np.full(d, np.nan)], axis=1)
+    return rows, int(whole.sum())

@@ -1,0 +1,183 @@
+"""What uncertain parameters make of a quantity: its distribution, tolerance intervals, and the effects whose absence is smaller.
+
+Tolerance intervals between order statistics (Wilks 1941): with n independent samples, a share p of all values lies between the
+r-th smallest and the r-th largest with the probability 1 - B(p; n + 1 - 2 r, 2 r), B the distribution function of the beta
+distribution. No shape of the distribution is assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....components.core.errors import BadInput
+from ...output import write_table
+from ...scene.scene import Scene
+from ...settings.plan import SAMPLED, PlanSettings
+from ..studies.full_model import Place, full_model
+from ..sweep import Sweep, sweep
+from .evaluations import Summarize, column_name, keep_for
+from .measures import Row, Task, measure
+from .plan import plan_settings, read_plan
+
+CONTENT, CONFIDENCE = 0.95, 0.95
+PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
+FEWEST = 8
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A quantity over the samples. percentiles: at `PERCENTILES`.  tolerance: ends of the interval, NaN where there are too few
+    samples for one.  count: samples that are done."""
+
+    quantity: str
+    unit: str
+    count: int
+    mean: float
+    deviation: float
+    percentiles: tuple[float, ...]
+    tolerance: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class EffectSize:
+    """What a quantity loses without an effect, in its unit, and over its standard deviation by the parameters."""
+
+    effect: str
+    quantity: str
+    change: float
+    share: float
+    needed: bool
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """effects: of every effect that could be switched off, on every quantity.  needed: the set that is kept, "unit.effect".
+    left_error: largest change of a quantity by all that is left out together, over its standard deviation."""
+
+    sweep: Sweep
+    spreads: tuple[Spread, ...]
+    effects: tuple[EffectSize, ...] = ()
+    needed: tuple[str, ...] = ()
+    left_error: float = float("nan")
+    messages: tuple[str, ...] = ()
+
+    def save(self, directory: str | Path) -> list[Path]:
+        """Write uncertainty.csv, and effects.csv where effects were looked at."""
+        header = ["quantity", "unit", "samples", "mean", "standard deviation", *(f"{p:g} %" for p in PERCENTILES),
+                  "tolerance low", "tolerance high"]
+        rows = [(s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads]
+        files = [write_table(directory, "uncertainty.csv", header, rows)]
+        if self.effects:
+            header = ["effect", "quantity", "change without it", "over the standard deviation", "needed"]
+            files.append(write_table(directory, "effects.csv", header, [
+                (e.effect, e.quantity, e.change, e.share, "yes" if e.needed else "no") for e in self.effects]))
+        return files
+
+
+def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDENCE) -> int:
+    """The largest r such that the r-th smallest and largest of n samples hold a share `content` with `confidence`; 0: none."""
+    from scipy.stats import beta
+
+    r = np.arange(1, n // 2 + 1)
+    enough = beta.sf(content, n + 1 - 2 * r, 2 * r) >= confidence if r.size else np.zeros(0, dtype=bool)
+    return int(r[enough].max(initial=0))
+
+
+def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
+                quantities: Sequence[str] = (), effects: bool = False, share: float = 1.0, jobs: int | None = 1,
+                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None) -> Uncertainty:
+    """Distributions of quantities over the samples of a plan.
+
+    `effects`: look which effects of the full model are needed so that leaving out the others changes no quantity by more than
+    `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
+    left out alone, the small ones together, and a run with what remains decides. Raises `BadInput`.
+    """
+    settings = read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
+    if settings.method not in SAMPLED:
+        raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
+    names = list(quantities) or [*settings.keep.quantities, *scene.study.quantities]
+    if not names:
+        raise BadInput("uncertainty", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
+    keep = keep_for(names, settings.keep)
+    runs = sweep(scene, settings.model_copy(update={"keep": keep}), directory, jobs=jobs, scheduler=scheduler, progress=progress,
+                 summarize=summarize)
+    if runs.stopped is not None:
+        return Uncertainty(runs, ())
+    names = [column_name(runs.measures, name, "uncertainty") for name in names]
+    spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
+    messages = _messages(runs, spreads, settings.method)
+    if not effects:
+        return Uncertainty(runs, spreads, messages=tuple(messages))
+    task = Task.of(scene, keep, summarize)
+    return _with_effects(task, runs, spreads, share, messages)
+
+
+def spread(name: str, unit: str, values: np.ndarray) -> Spread:
+    """Of values (n,), of which those that are not finite do not count."""
+    x = np.sort(values[np.isfinite(values)])
+    if x.size < FEWEST:
+        raise BadInput("uncertainty", f"{x.size} runs with {name!r}", f"{FEWEST} or more", "Look at the outcomes in sweep.csv.")
+    r = tolerance_rank(x.size)
+    ends = (float(x[r - 1]), float(x[-r])) if r else (float("nan"), float("nan"))
+    return Spread(name, unit, x.size, float(x.mean()), float(x.std(ddof=1)),
+                  tuple(float(v) for v in np.percentile(x, PERCENTILES)), ends)
+
+
+def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
+    texts = []
+    if failed := sum(o != "done" for o in runs.outcomes):
+        texts.append(f"{failed} of {len(runs.outcomes)} runs failed and are left out: the distributions are of what is left")
+    if any(np.isnan(s.tolerance[0]) for s in spreads):
+        texts.append("too few samples for tolerance intervals of 95 % with 95 % confidence: they need 93")
+    elif method != "random":
+        texts.append(f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
+                     "even, so that it is not exact")
+    return texts
+
+
+def _with_effects(task: Task, runs: Sweep, spreads: tuple[Spread, ...], share: float, messages: list[str]) -> Uncertainty:
+    """Leave effects out, the least first, as long as no quantity changes by more than a share of its standard deviation."""
+    model = full_model(task.scene())
+    reference = _row(model.scene, task)
+    alone: dict[Place, dict[str, float]] = {}
+    for where in model.places:
+        try:
+            alone[where] = _changes(spreads, reference, _row(model.without(model.dependents(where)), task))
+        except BadInput as error:
+            messages.append(f"{'.'.join(where)} was not left out: {error}")
+    left: set[Place] = set()
+    error = 0.0
+    for where in sorted(alone, key=lambda w: max(alone[w].values(), default=0.0)):
+        if max(alone[where].values()) > share:
+            break
+        more = left | model.dependents(where)
+        try:
+            now = max(_changes(spreads, reference, _row(model.without(more), task)).values())
+        except BadInput:
+            continue
+        if now <= share:
+            left, error = more, now
+    needed = tuple(".".join(p) for p in model.places if p not in left)
+    sizes = tuple(EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)
+                  for w in alone for s in spreads)
+    messages += [f"{'.'.join(w)} is not in the full model: {why}" for w, why in model.left.items()]
+    messages.append("effects were left out at the scene's own values of the parameters")
+    return Uncertainty(runs, spreads, sizes, needed, error, tuple(messages))
+
+
+def _row(scene: Scene, task: Task) -> Row:
+    row = measure(scene, {}, task)
+    if row.outcome != "done":
+        raise BadInput("uncertainty: effects", f"a run that is {row.outcome}: {row.reason}", "runs that come to their end")
+    return row
+
+
+def _changes(spreads: Sequence[Spread], reference: Row, other: Row) -> dict[str, float]:
+    """Change of each quantity over its standard deviation."""
+    return {s.quantity: abs(other.numbers[s.quantity] - reference.numbers[s.quantity]) / (s.deviation or np.finfo(float).tiny)
+            for s in spreads}

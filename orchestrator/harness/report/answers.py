@@ -1,0 +1,147 @@
+"""Pages of what follows from many runs: sensitivity, uncertainty, fits, designs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..charts.blocks import Block, Cells, Facts, Figure, Text
+from ..charts.chart import Band, Chart, Panel, Series
+from ..charts.charts import draw_chart
+from ..charts.style import BLUE, ORANGE, axis, drawn, layout, number
+from . import generic, many_runs
+from .page import Page, Section, write_page
+
+if TYPE_CHECKING:
+    from ...scene.scene import Scene
+    from ..many.design import Design
+    from ..many.fitting import SceneFit
+    from ..many.sensitivity import Sensitivity
+    from ..many.uncertainty import Uncertainty
+
+BINS = 40
+
+
+def for_sensitivity(answer: Sensitivity, directory: str | Path) -> Path:
+    """`report.html`: bars with their intervals, then scatter of the quantities over the parameters."""
+    blocks: list[Block] = []
+    first, total = answer.columns
+    for quantity in dict.fromkeys(i.quantity for i in answer.indices):
+        rows = sorted((i for i in answer.indices if i.quantity == quantity), key=lambda i: -max(i.first, i.total))
+        names = [i.parameter for i in rows]
+        bars = [(first, [i.first for i in rows], [i.first_half for i in rows], BLUE),
+                (total, [i.total for i in rows], [i.total_half for i in rows], ORANGE)]
+        caption = ("S1: share of the variance that goes with the parameter alone; ST: with all its interactions."
+                   if answer.method == "sobol" else
+                   "mu*: mean change over the parameter's range; sigma: its scatter, large where it is nonlinear or interacts.")
+        blocks.append(_bars(quantity, names, bars, f"{caption} Whiskers: 95 % of bootstrap samples."))
+    table = many_runs.table_of(answer.sweep)
+    blocks += many_runs.blocks(table)
+    lead = _strongest(answer)
+    return _page(f"Sensitivity of {answer.sweep.scene.name}", lead, blocks, answer.messages, answer.sweep.scene, directory)
+
+
+def _strongest(answer: Sensitivity) -> str:
+    """What matters most, quantity by quantity."""
+    parts = []
+    for quantity in dict.fromkeys(i.quantity for i in answer.indices):
+        best = max((i for i in answer.indices if i.quantity == quantity), key=lambda i: max(i.first, i.total))
+        what = f"ST {number(best.total)}" if answer.method == "sobol" else f"mu* {number(best.first)}"
+        parts.append(f"{quantity} depends most on {best.parameter} ({what})")
+    return "; ".join(parts) + f". {len(answer.sweep.outcomes)} runs." if parts else "No quantity changes."
+
+
+def _bars(title: str, names: Sequence[str], bars: Sequence[tuple[str, Sequence[float], Sequence[float], str]], text: str
+          ) -> Figure:
+    data = [{"type": "bar", "orientation": "h", "name": label, "y": list(names), "x": drawn(values), "marker": {"color": colour},
+             "error_x": {"type": "data", "array": [v or 0.0 for v in drawn(halves)], "thickness": 1.2, "width": 4}}
+            for label, values, halves, colour in bars]
+    y = axis("", autorange="reversed", ticklabelposition="outside")
+    figure = layout(110 + 46 * len(names), barmode="group", xaxis=axis("index", grid=True, rangemode="tozero"), yaxis=y,
+                    showlegend=True)
+    return Figure(title, {"data": data, "layout": figure}, text)
+
+
+def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
+    """`report.html`: distributions with tolerance intervals, the table, effects beside the parameters."""
+    blocks: list[Block] = []
+    panels = []
+    for s in answer.spreads:
+        x = answer.sweep.measures[s.quantity]
+        count, edges = np.histogram(x[np.isfinite(x)], bins=BINS)
+        middle = np.repeat(edges, 2)[1:-1]
+        marks = tuple((v, t) for v, t in zip(s.tolerance, ("tolerance", "tolerance"), strict=True) if np.isfinite(v))
+        label = f"{s.quantity}, {s.unit}" if s.unit not in ("", "1") else s.quantity
+        panels.append(Panel("runs", (Series("samples", middle, np.repeat(count, 2)),), x_marks=marks, x_label=label))
+    if panels:
+        text = "Lines: tolerance interval, which holds 95 % of all values with 95 % confidence."
+        blocks.append(draw_chart(Chart("Distributions", "", tuple(panels), text, columns=min(2, len(panels)), height=240)))
+    rows = [(s.quantity, s.unit, number(s.mean), number(s.deviation), number(s.percentiles[0]), number(s.percentiles[-1]),
+             number(s.tolerance[0]), number(s.tolerance[1])) for s in answer.spreads]
+    blocks.append(Cells("Numbers", ("quantity", "unit", "mean", "standard deviation", "2.5 %", "97.5 %", "tolerance, low",
+                                    "tolerance, high"), rows, right=frozenset(range(2, 8))))
+    if answer.effects:
+        blocks.append(Cells("Effects", ("effect", "quantity", "change without it", "over the standard deviation", "needed"), [
+            (e.effect, e.quantity, number(e.change), number(e.share), "yes" if e.needed else "no") for e in answer.effects],
+            f"Needed: {', '.join(answer.needed) or 'none'}. What is left out changes no quantity by more than "
+            f"{number(answer.left_error)} of its standard deviation by the parameters.", right=frozenset({2, 3})))
+    blocks += many_runs.blocks(many_runs.table_of(answer.sweep))
+    parts = [f"{s.quantity}: {number(s.mean)} ± {number(s.deviation)}{f' {s.unit}' if s.unit not in ('', '1') else ''}"
+             for s in answer.spreads]
+    lead = f"{'; '.join(parts)} (mean and standard deviation of {len(answer.sweep.outcomes)} runs)."
+    return _page(f"Uncertainty of {answer.sweep.scene.name}", lead, blocks, answer.messages, answer.sweep.scene, directory)
+
+
+def for_fit(answer: SceneFit, directory: str | Path) -> Path:
+    """`report.html`: parameters with their intervals, measured and fitted curves, correlations."""
+    names = answer.fit.names
+    rows = [(n, answer.units[n], number(v), number(s), number(low), number(high), number(answer.start[n]))
+            for n, v, s, low, high in answer.fit.rows()]
+    blocks: list[Block] = [Cells("Parameters", ("parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)",
+                                                "start"), rows, right=frozenset(range(2, 7)))]
+    blocks += [draw_chart(c) for c in answer.charts]
+    if answer.targets:
+        blocks.append(Cells("Numbers", ("quantity", "measured", "its standard deviation", "fitted"),
+                            [(q, number(m), number(d), number(f)) for q, m, d, f in answer.targets], right=frozenset({1, 2, 3})))
+    if len(names) > 1:
+        cells = [(n, *(f"{c:.3f}".replace("-", "−") for c in row)) for n, row in zip(names, answer.fit.correlation, strict=True)]
+        blocks.append(Cells("Correlations", ("", *names), cells, right=frozenset(range(1, 1 + len(names)))))
+    lead = (", ".join(f"{n} = {number(v)} ± {number(s)}" for n, v, s, _, _ in answer.fit.rows())
+            + f" (standard deviations); {answer.runs} runs, root mean square residual {number(answer.fit.rms)}.")
+    return _page(f"Fit of {answer.scene.name}", lead, blocks, list(answer.fit.messages), answer.scene, directory)
+
+
+def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
+    """`report.html`: the best run, the way of the search, every run over the parameters."""
+    count = np.arange(1, len(answer.steps) + 1)
+    y = np.array([s.quantity for s in answer.steps])
+    good = np.array([s.feasible for s in answer.steps])
+    series = [Series("keeps all limits", count[good], y[good], "points"),
+              Series("breaks a limit or failed", count[~good], y[~good], "points")]
+    panels = [Panel(answer.quantity, tuple(s for s in series if len(s.x)))]
+    for k, (name, limit) in enumerate(answer.constraints.items()):
+        values = np.array([s.constraints[k] for s in answer.steps])
+        panels.append(Panel(name, (Series("runs", count, values, "points"),), (Band("limits", limit.low, limit.high),)))
+    blocks: list[Block] = [draw_chart(Chart("The search", "run", tuple(panels), height=230))]
+    if answer.best >= 0:
+        best = answer.steps[answer.best]
+        facts = [(n, f"{number(v)} {answer.units.get(n, '')}".rstrip()) for n, v in answer.values.items()]
+        facts += [(answer.quantity, number(best.quantity))]
+        facts += [(n, f"{number(v)}{' (at its limit)' if n in answer.active else ''}")
+                  for n, v in zip(answer.constraints, best.constraints, strict=True)]
+        blocks.insert(0, Facts("Best run", facts))
+        lead = f"{answer.quantity} = {number(best.quantity)}, the {'largest' if answer.maximise else 'least'} of {len(y)} runs."
+    else:
+        lead = f"None of {len(y)} runs keeps all limits."
+    notes = [answer.message] if answer.message else []
+    notes.append("A local search: another start may lead to a better place.")
+    return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
+
+
+def _page(title: str, lead: str, blocks: list[Block], messages: Sequence[str], scene: Scene, directory: str | Path) -> Path:
+    blocks = [*([Text(list(messages), "note")] if messages else []), *blocks,
+              Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
+    return write_page(Page(title, lead, [Section("Answer", blocks)]), Path(directory) / "report.html")
