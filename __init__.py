@@ -9,7 +9,8 @@ What stands here is the public interface; whatever it needs is imported when it 
     print(result["pantograph.contact_force"].max(), "N")
 
 Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene`, `Scene`, `run`, `Result`, `read_result`,
-`summary`, `write_report`, `sweep`.
+`summary`, `write_report`.
+Many runs: `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`,
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene
     from .orchestrator.systems import build_scene, load_scene, read_result, read_scene, summary, validate, write_report
-    from .orchestrator.systems.many import sweep
+    from .orchestrator.systems.many import design, fit, sensitivity, sweep, uncertainty
 
 _PLACES = {
     "components.catalogue": ("component_class",),
@@ -63,7 +64,7 @@ _PLACES = {
     "orchestrator.harness.studies.accuracy": ("accuracy",),
     "orchestrator.harness.studies.effects": ("effects",),
     "orchestrator.harness.studies.stability": ("stability",),
-    "orchestrator.systems.many": ("sweep",),
+    "orchestrator.systems.many": ("design", "fit", "sensitivity", "sweep", "uncertainty"),
     "orchestrator.results": ("Result",),
     "orchestrator.run": ("run",),
     "orchestrator.scene.build": ("unit",),
@@ -76,9 +77,9 @@ _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = [
     "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
     "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "build_scene", "check", "choice",
-    "component_class", "effects", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "output",
-    "parameter", "read_result", "read_scene", "run", "stability", "summary", "sweep", "unit", "validate", "write_report",
-    "write_scene",
+    "component_class", "design", "effects", "fit", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene",
+    "output", "parameter", "read_result", "read_scene", "run", "sensitivity", "stability", "summary", "sweep", "uncertainty",
+    "unit", "validate", "write_report", "write_scene",
 ]
 
 

@@ -72,7 +72,7 @@ class Sensitivity:
             texts.append(f"{self.planned - self.blocks} of {self.planned} blocks of runs have a failed run and are left out; "
                          "where runs fail for some values more than for others, the indices are of what is left")
         if wide := [i for i in self.indices if self.method == "sobol" and i.total_half > 0.1]:
-            texts.append(f"{len(wide)} indices are known to ± 0.1 or worse: take more samples")
+            texts.append(f"{len(wide)} of {len(self.indices)} total indices are known to ± 0.1 or worse: take more samples")
         texts += [f"{name} is the same everywhere" for name in self.constant]
         return texts
 
@@ -118,12 +118,11 @@ def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     if runs.stopped is None:
         for name in names:
             key = column_name(runs.measures, name, "sensitivity")
-            answer = analyse(problem, method, cube, runs.measures[key], settings.seed)
-            blocks = answer[1]
-            if answer[0] is None:
+            rows, blocks = analyse(problem, method, cube, runs.measures[key], settings.seed)
+            if rows is None:
                 constant.append(key)
             else:
-                indices += [Index(key, p, *row) for p, row in zip(problem["names"], answer[0], strict=True)]  # type: ignore[arg-type]
+                indices += [Index(key, p, *row) for p, row in zip(settings.vary, rows.tolist(), strict=True)]
     return Sensitivity(method, tuple(indices), runs, blocks, samples, tuple(constant))
 
 

@@ -70,7 +70,8 @@ class Uncertainty:
         """Write uncertainty.csv, and effects.csv where effects were looked at."""
         header = ["quantity", "unit", "samples", "mean", "standard deviation", *(f"{p:g} %" for p in PERCENTILES),
                   "tolerance low", "tolerance high"]
-        rows = [(s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads]
+        rows: list[tuple[float | int | str, ...]] = [
+            (s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads]
         files = [write_table(directory, "uncertainty.csv", header, rows)]
         if self.effects:
             header = ["effect", "quantity", "change without it", "over the standard deviation", "needed"]
@@ -151,7 +152,7 @@ def _with_effects(task: Task, runs: Sweep, spreads: tuple[Spread, ...], share: f
         except BadInput as error:
             messages.append(f"{'.'.join(where)} was not left out: {error}")
     left: set[Place] = set()
-    error = 0.0
+    largest = 0.0
     for where in sorted(alone, key=lambda w: max(alone[w].values(), default=0.0)):
         if max(alone[where].values()) > share:
             break
@@ -161,13 +162,13 @@ def _with_effects(task: Task, runs: Sweep, spreads: tuple[Spread, ...], share: f
         except BadInput:
             continue
         if now <= share:
-            left, error = more, now
+            left, largest = more, now
     needed = tuple(".".join(p) for p in model.places if p not in left)
     sizes = tuple(EffectSize(".".join(w), s.quantity, alone[w][s.quantity] * s.deviation, alone[w][s.quantity], w not in left)
                   for w in alone for s in spreads)
     messages += [f"{'.'.join(w)} is not in the full model: {why}" for w, why in model.left.items()]
     messages.append("effects were left out at the scene's own values of the parameters")
-    return Uncertainty(runs, spreads, sizes, needed, error, tuple(messages))
+    return Uncertainty(runs, spreads, sizes, needed, largest, tuple(messages))
 
 
 def _row(scene: Scene, task: Task) -> Row:

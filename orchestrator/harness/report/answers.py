@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..many.sensitivity import Sensitivity
     from ..many.uncertainty import Uncertainty
 
-BINS = 40
+MOST_BINS = 60
 
 
 def for_sensitivity(answer: Sensitivity, directory: str | Path) -> Path:
@@ -71,7 +71,8 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
     panels = []
     for s in answer.spreads:
         x = answer.sweep.measures[s.quantity]
-        count, edges = np.histogram(x[np.isfinite(x)], bins=BINS)
+        x = x[np.isfinite(x)]
+        count, edges = np.histogram(x, bins=int(np.clip(np.sqrt(x.size), 6, MOST_BINS)))
         middle = np.repeat(edges, 2)[1:-1]
         marks = tuple((v, t) for v, t in zip(s.tolerance, ("tolerance", "tolerance"), strict=True) if np.isfinite(v))
         label = f"{s.quantity}, {s.unit}" if s.unit not in ("", "1") else s.quantity

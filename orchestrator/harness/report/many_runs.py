@@ -59,7 +59,11 @@ def shown(sweep: Sweep) -> list[str]:
     names = dict.fromkeys([*(n for n in sweep.plan.limits if n in sweep.measures), *own, *extremes])
     done = sweep.done
     varying = [n for n in names if n in sweep.plan.limits or np.ptp(np.nan_to_num(sweep.measures[n][done])) > 0.0]
-    return varying[:MOST_SHOWN]
+    different: list[str] = []
+    for name in varying:  # what never differs from another one, such as the extremes of constants, is shown once
+        if not any(np.array_equal(sweep.measures[name][done], sweep.measures[other][done]) for other in different):
+            different.append(name)
+    return different[:MOST_SHOWN]
 
 
 def blocks(table: Table) -> list[Block]:
@@ -106,7 +110,8 @@ def map_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart | None:
         rows, columns = (np.searchsorted(levels[n], numeric[n][at]) for n in (second, first))
         values[rows, columns] = x[at]
         limits = tuple(v for v in table.limits.get(name, ()) if v is not None)
-        picture = Picture(levels[first], levels[second], values, table.units.get(name, ""), "range", limits)
+        unit = table.units.get(name, "")
+        picture = Picture(levels[first], levels[second], values, "" if unit == "1" else unit, "range", limits)
         panels.append(Panel(table.label(second), (), title=name, picture=picture))
     where = "; ".join(f"{n} = {table.varied[n][0]}" for n in fixed)
     text = "Lines are the limits of the plan. " if any(n in table.limits for n in table.measured) else ""
