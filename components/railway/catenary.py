@@ -11,11 +11,11 @@ from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter, text
-from .contact import at_contact, contact_compliance, heights_around, in_range, wire_height
+from .contact import at_contact, contact_compliance, heights_around, hung_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
-from .line.form import formed_layout
-from .line.layout import uniform
+from .line.form import Form, form_of, formed_layout
+from .line.layout import Layout, uniform
 from .line.table import read_line
 from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
@@ -184,6 +184,18 @@ class WireProfile(Effect):
                     nominal=0.05, size=PROFILE, feedthrough=("contact_position",))
 
 
+class LineProfile(Effect):
+    """What the contact wire hangs from, at the points of its profile, for pictures."""
+
+    explicit_only = True
+    requires = ("wire_profile",)
+
+    messenger_uplift = output("m", "displacement of the messenger wire at the points of the profile", nominal=0.05, size=PROFILE,
+                              feedthrough=("contact_position",))
+    dropper_tension = output("N", "smallest tension of the droppers within half a metre of each point, 0 where one is slack, -1 "
+                             "without any", nominal=100.0, size=PROFILE, feedthrough=("contact_position",))
+
+
 class Catenary(Component):
     """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
 
@@ -217,6 +229,7 @@ class Catenary(Component):
     second_wire = SecondWire
     stagger = Stagger
     wire_profile = WireProfile
+    line_profile = LineProfile
 
     spans = integer(10, "number of spans", low=1, high=1000)
     span_length = parameter(60.0, "m", "length of a span", low=1.0)
@@ -314,16 +327,16 @@ class Catenary(Component):
         if self.parameters["method"] == "explicit":
             return advance_explicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
                                     self.counts, watched, e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.moving_window, e.stagger, e.wire_profile)
+                                    e.damping, e.moving_window, e.stagger, e.wire_profile, e.line_profile)
         return advance_implicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
                                 self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
                                 self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping,
-                                e.stagger, e.wire_profile)
+                                e.stagger, e.wire_profile, e.line_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
         refresh_outputs(self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support, e.stagger,
-                        e.wire_profile)
+                        e.wire_profile, e.line_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -348,6 +361,16 @@ class Catenary(Component):
         self._mesh_for(*self._declared_arguments())
         return self._limit
 
+    def form(self) -> Form:
+        """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
+        return form_of(self._layout_for(*self._declared_arguments()))
+
+    def _layout_for(self, p, e) -> Layout:
+        if e.line_table is not None:
+            line = read_line(self.parameters["line_table.table"], f"{self.name}: line_table.table")
+            return formed_layout(line, p, e.bending_stiffness)
+        return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
+
     def _mesh_for(self, p, e):
         """Mesh of the present parameters, and with it the limit of the step, s, `_limit`.
 
@@ -361,11 +384,7 @@ class Catenary(Component):
             h2 = min(p.substep**2, 0.7 * element_time**2)
             implicit = self.parameters["method"] == "implicit"
             time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
-            if e.line_table is not None:
-                line = read_line(self.parameters["line_table.table"], f"{self.name}: line_table.table")
-                layout = formed_layout(line, p, e.bending_stiffness)
-            else:
-                layout = uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
+            layout = self._layout_for(p, e)
             if len(layout.contact_lanes) > 1 and e.second_wire is None:
                 raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
                                "the effect second_wire", "Switch it on, here and at the pantographs.")
@@ -439,7 +458,7 @@ def lateral_position(position, wire, lateral):
 
 
 @kernel
-def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile):
+def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile, hung):
     """Outputs for the state x and the present inputs u, (m,)."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
     q, v = x[:N], x[N : 2 * N]
@@ -458,6 +477,8 @@ def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile):
             y[stagger.y + wire] = lateral_position(u[POSITION], wire, lateral)
     if profile is not None:
         heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
+    if hung is not None:
+        hung_around(u[POSITION], q, mesh, y[hung.y : hung.y + PROFILE], y[hung.y + PROFILE : hung.y + 2 * PROFILE])
 
 
 @kernel
@@ -478,29 +499,29 @@ def follow_contacts(h, x, u, points, mesh):
 
 
 @kernel
-def refresh_outputs(x, u, y, points, lateral, numbers, indices, watched, stagger, profile):
+def refresh_outputs(x, u, y, points, lateral, numbers, indices, watched, stagger, profile, hung):
     """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(x, u, y, points, lateral, unpacked(numbers, indices), watched, stagger, profile)
+    catenary_outputs(x, u, y, points, lateral, unpacked(numbers, indices), watched, stagger, profile, hung)
 
 
 @kernel
 def advance_explicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, slack, bending, damping, window,
-                     stagger, profile):
+                     stagger, profile, hung):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, damping, window)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile)
+    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile, hung)
     return status
 
 
 @kernel
 def advance_implicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness, band,
-                     factors, factored, slack, bending, damping, stagger, profile):
+                     factors, factored, slack, bending, damping, stagger, profile, hung):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
     status = implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
                             bending, damping)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile)
+    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile, hung)
     return status

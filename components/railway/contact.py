@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import kernel, kernel_tuple
+from .wires import dropper_tension, first_at_or_after
 
 SPEEDS = 33  # points of the table of the compliance
 FASTEST = 0.98  # of the wave speed: end of the table
@@ -120,6 +121,33 @@ def heights_around(position, q, mesh, heights):
             bend_right = right / (1.0 + right) * (right * (q[j + 2 * W] - there) - there + here)
             value -= 0.5 * mesh.sharpness[mesh.kind[i]] * s * (1.0 - s) * (bend_left + bend_right)
         heights[k] = value
+
+
+@kernel
+def hung_around(position, q, mesh, messenger, tension):
+    """At points 1 m apart, `position` in the middle: displacement of the second lane, m, and the least tension of droppers near.
+
+    tension: N, 0 where a dropper is slack and -1 where there is none; messenger, tension: (n,).
+    """
+    n, W = mesh.position.size, mesh.bending_gradient.size
+    first = position - messenger.size // 2
+    i = element_at(min(max(first, 0.0), mesh.position[n - 1]), mesh)
+    d = first_at_or_after(mesh.dropper, i)
+    for k in range(messenger.size):
+        x = min(max(first + k, 0.0), mesh.position[n - 1])
+        while i < n - 2 and mesh.position[i + 1] <= x:
+            i += 1
+        s = (x - mesh.position[i]) * mesh.inverse_length[W * i]
+        messenger[k] = (1.0 - s) * q[W * i + 1] + s * q[W * i + W + 1]
+        tension[k] = -1.0
+    while d < mesh.dropper.size:
+        k = int(mesh.position[mesh.dropper[d]] - first + 0.5)
+        if k >= tension.size:
+            break
+        if k >= 0:
+            pull = max(dropper_tension(d, q, mesh, None), 0.0)
+            tension[k] = pull if tension[k] < 0.0 else min(tension[k], pull)
+        d += 1
 
 
 @kernel_tuple

@@ -157,6 +157,27 @@ def test_profile_is_the_height_at_its_positions():
         assert profile[k] == pytest.approx(catenary["wire_height"], rel=1e-13)  # fewer numbers are divided by others
 
 
+def test_profile_of_what_the_wire_hangs_from():
+    """Tensions where the droppers are, 0 above a force that lifts the wire off one, and the messenger's own displacement."""
+    catenary = Catenary([*REFERENCE, "wire_profile", "line_profile"], {"spans": 3, "first_watched_support": 1, "element": 1.0})
+    catenary.set("contact_position", 90.0)  # below the middle dropper of the second span
+    catenary.set("contact_force", 400.0)
+    catenary.initialize(0.0)
+    mesh, N = catenary.mesh, catenary.mesh.mass.size
+    tension = np.array([catenary[f"line_profile.dropper_tension[{k + 1}]"] for k in range(PROFILE)])
+    exact = np.full(PROFILE, -1.0)
+    for node, low, high, stiffness, preload in zip(mesh.dropper, mesh.lower, mesh.upper, mesh.dropper_stiffness, mesh.preload,
+                                                   strict=True):
+        cell = int(np.floor(mesh.position[node] - 30.0 + 0.5))
+        if 0 <= cell < PROFILE:
+            exact[cell] = max(preload + stiffness * (catenary.x[high] - catenary.x[low]), 0.0)
+    assert tension == pytest.approx(exact, rel=1e-12)
+    assert tension[PROFILE // 2] == 0.0
+    assert (tension > 0.0).sum() >= 10
+    uplift = [catenary[f"line_profile.messenger_uplift[{k + 1}]"] for k in range(PROFILE)]
+    assert uplift == pytest.approx(np.interp(30.0 + np.arange(PROFILE), mesh.position, catenary.x[1:N:2]), abs=1e-15)
+
+
 def test_uplift_outputs_belong_to_the_watched_supports():
     catenary = Catenary(["damping"], {"spans": 4, "first_watched_support": 1, "method": "implicit"})
     catenary.set("contact_position", 120.0)

@@ -16,6 +16,7 @@ from ....harness.report.windows import fault_windows, shaded
 from ..records import Passage, measured, passages, statistics
 from ..summary import TEXTS
 from .force import force_figure, spectrum_figure
+from .passage import passage_figure
 from .wire import uplift_figure, waves_figure, wire_figure
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def figures(result: Result, rows: Sequence[Row] = (), low_pass: Filter | None = 
     if all_passages[0].supports:
         candidates.append(uplift_figure(result, all_passages, rows))
     candidates.append(spectrum_figure(result, all_passages, low_pass))
+    candidates.insert(0, passage_figure(result, all_passages[0], low_pass))
     name = f"{all_passages[0].catenary}.wire_profile.height"
     if name in result.snapshots:
         candidates += [wire_figure(result, all_passages[0], name), waves_figure(result, all_passages[0], name)]
