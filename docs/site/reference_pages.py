@@ -41,8 +41,8 @@ def _scene_keys() -> str:
             for inner in _models(field.annotation):
                 if inner not in done and not issubclass(inner, AnalysisKeys) and inner not in [m for _, m in waiting]:
                     waiting.append((f"{name}.{key}" if name else key, inner))
-    text = ("Every key that a scene file may have. The page [Scenes](../../scenes.md) shows how they are used; `cosimo list "
-            "--schema` prints the same as a JSON schema.")
+    text = ("Every key that a scene file may have. The page [Scenes](../../scenes.md) shows how they are used; `cosimo schema` "
+            "prints the same as a JSON schema, with the parameters of all components.")
     return joined("# Keys of a scene", text, *tables)
 
 

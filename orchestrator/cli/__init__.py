@@ -22,6 +22,7 @@ from . import (  # noqa: F401 - each adds its commands
     packing,
     railway,
     run,
+    schema,
     show,
     stability,
     validate,

@@ -23,6 +23,7 @@ from .common import (
     status_spinner,
     study,
 )
+from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.studies.accuracy import Accuracy
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 @app.command()
 def accuracy(
-    what: Annotated[str, typer.Argument(metavar="SCENE|component:NAME", help=(
+    what: Annotated[str, typer.Argument(metavar="SCENE|component:NAME", autocompletion=scenes, help=(
         "name of a shipped scene, a scene file, or a component of the catalogue alone"))],
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for accuracy.csv and the report.")] = Path("accuracy"),
     budget: Annotated[float | None, typer.Option("--budget", metavar="SECONDS", help=(

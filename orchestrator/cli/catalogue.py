@@ -3,36 +3,62 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, AsJson, app, print_table
+from .common import FAILED_CHECK, AsJson, app, output_width, print_table
+from .completion import components as component_names
+from .completion import kinds_and_systems
 
 
 @app.command("list")
 def list_(
-    kind: Annotated[str, typer.Argument(help="components, fmus, scenes or cases; all of them without it")] = "",
+    what: Annotated[str, typer.Argument(metavar="[KIND|SYSTEM|WORD]", autocompletion=kinds_and_systems, help=(
+        "components, fmus, scenes or cases; a system; or a word of names and titles. Without it names only."))] = "",
     as_json: AsJson = False,
-    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a scene file, for editors.")] = False,
 ) -> None:
-    """What there is. Example: cosimo list components"""
-    if schema:
-        from ..scene.scene import Scene
-
-        print(json.dumps(Scene.model_json_schema(), indent=2))
-        return
+    """What there is. Example: cosimo list scenes; also cosimo list, cosimo list bearings"""
     kinds = {"components": _components, "fmus": _fmus, "scenes": _scenes, "cases": _cases}
-    if kind and kind not in kinds:
-        raise BadInput("list", repr(kind), "one of " + ", ".join(kinds), nearest(kind, kinds))
-    listed = {name: entries() for name, entries in kinds.items() if kind in ("", name)}
+    listed = {name: entries() for name, entries in kinds.items() if what in ("", name) or what not in kinds}
+    if what and what not in kinds:
+        listed = _selected(listed, what)
     if as_json:
         print(json.dumps(listed, indent=2))
-        return
-    for name, entries in listed.items():
-        print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
+    elif what:
+        for name, entries in listed.items():
+            if entries and not (name == "fmus" and what not in kinds):  # which are those of the components
+                print_table(name, ("name", "title"), [(e["name"], e["title"]) for e in entries])
+    else:
+        _print_names(listed)
+
+
+def _selected(listed: dict[str, list[dict[str, Any]]], word: str) -> dict[str, list[dict[str, Any]]]:
+    """Entries of a system, or with a word in name or title; raises `BadInput` where there is none."""
+    systems = {e["system"] for entries in listed.values() for e in entries}
+    low = word.lower()
+    chosen = {kind: [e for e in entries if e["system"] == word or (
+        word not in systems and low in f"{e['name']} {e['title']}".lower())] for kind, entries in listed.items()}
+    if not any(chosen.values()):
+        names = [*listed, *sorted(systems), *(e["name"] for entries in listed.values() for e in entries)]
+        raise BadInput("list", repr(word), "a kind, a system, or a word of a name or title", nearest(word, names))
+    return chosen
+
+
+def _print_names(listed: dict[str, list[dict[str, Any]]]) -> None:
+    """Names in rows by system, which fit a screen."""
+    for kind in ("components", "scenes", "cases"):
+        systems: dict[str, list[str]] = {}
+        for entry in listed[kind]:
+            systems.setdefault(entry["system"], []).append(entry["name"])
+        print(f"{kind} ({len(listed[kind])})")
+        for system, names in systems.items():
+            print(textwrap.fill(" ".join(names), output_width(), initial_indent=f"  {system:15} ", subsequent_indent=" " * 18,
+                                break_on_hyphens=False, break_long_words=False))
+    print("titles: cosimo list KIND, cosimo list SYSTEM, cosimo list WORD; more of one: cosimo show NAME")
 
 
 def _components() -> list[dict[str, Any]]:
@@ -49,24 +75,26 @@ def _components() -> list[dict[str, Any]]:
 def _fmus() -> list[dict[str, Any]]:
     from ...components.catalogue import CATALOGUE, component_class
 
-    return [{"name": name, "title": component_class(name).title} for name in CATALOGUE]
+    return [{"name": name, "title": (cls := component_class(name)).title, "system": cls.system} for name in CATALOGUE]
 
 
 def _scenes() -> list[dict[str, Any]]:
     from ..scene.scene import read_toml, scene_files
 
-    return [{"name": name, "title": read_toml(path).get("title", "")} for name, path in scene_files().items()]
+    return [{"name": name, "title": read_toml(path).get("title", ""), "system": path.parents[1].name}
+            for name, path in scene_files().items()]
 
 
 def _cases() -> list[dict[str, Any]]:
     from ..systems import cases
 
-    return [{"name": name, "title": case.title} for name, case in cases().items()]
+    return [{"name": name, "title": case.title, "system": case.system} for name, case in cases().items()]
 
 
 @app.command()
 def build(
-    names: Annotated[list[str] | None, typer.Argument(help="components, or module:Class; without it the catalogue")] = None,
+    names: Annotated[list[str] | None, typer.Argument(
+        autocompletion=component_names, help="components, or module:Class; without it the catalogue")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
     native: Annotated[bool, typer.Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
     target: Annotated[str, typer.Option(help="With --native: linux64, win64 or both; default: this machine.")] = "",

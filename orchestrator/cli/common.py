@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput, nearest
+from .completion import parameters, presets
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -22,8 +25,23 @@ STOPPED = 128  # and the signal's number: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, a
 NAMED = 5  # changes that a title names
 COMPONENT = "component:"  # before the name of a component that is studied alone
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=False, rich_markup_mode=None,
-                  help="Mechanical components as FMUs, coupled simulations of them, and validation against published tables.")
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False, add_completion=True, rich_markup_mode=None)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"cosimo {version('cosimo')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(version: Annotated[bool, typer.Option("--version", is_eager=True, callback=_print_version, help=(
+        "Print the version and end."))] = False) -> None:
+    """Mechanical components as FMUs, coupled simulations of them, and validation against published tables."""
+
+
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 InProcess = Annotated[bool, typer.Option("--in-process", help=(
     "Run components in this process, not as FMUs: bit-identical results, faster."))]
@@ -31,8 +49,10 @@ Native = Annotated[bool, typer.Option("--native", help=(
     "Components as native FMUs, which need no Python; built for the scene, and kept."))]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
-Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help=(
-    "Change a parameter, in its SI unit, or analysis.key; may be repeated."))]
+Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", autocompletion=parameters, help=(
+    "Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated."))]
+Presets = Annotated[list[str] | None, typer.Option("--preset", metavar="UNIT=NAME", autocompletion=presets, help=(
+    "Published parameters of a component instead of the scene's; may be repeated."))]
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
@@ -43,8 +63,12 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]
     table = Table(*columns, title=title or None, title_justify="left")
     for row in rows:
         table.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
-    # rich takes 80 columns where there is no terminal, and cuts names
-    Console(width=None if sys.stdout.isatty() else 160).print(table, markup=False)
+    Console(width=output_width()).print(table, markup=False)
+
+
+def output_width() -> int:
+    """Width of what is printed; where there is no terminal wide enough for names, which would be cut."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else 160
 
 
 @contextmanager
@@ -113,13 +137,41 @@ def change(scene: Scene, text: str) -> tuple[str, Any]:
     unit, parameter = scene.split(name.strip())
     if not equals or not parameter or not value:
         raise BadInput("--set", repr(text), "unit.parameter=value")
-    place = f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}"
+    return f"analysis.{parameter}" if unit == "analysis" else f"units.{unit}.parameters.{parameter}", value_of(value)
+
+
+def value_of(text: str) -> Any:
+    """A value given as text: a number, true or false, an array as [1, 2, 3], or the text itself."""
     for read in (int, float):
         try:
-            return place, read(value)
+            return read(text)
         except ValueError:
             pass
-    return place, {"true": True, "false": False}.get(value, value)
+    if text.startswith("["):
+        try:
+            return json.loads(text)
+        except (ValueError, RecursionError):
+            raise BadInput("--set", repr(text), "an array of numbers as [1, 2, 3]") from None
+    return {"true": True, "false": False}.get(text, text)
+
+
+def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
+    """Changes of a scene that give units published parameters, each given as "unit=preset"."""
+    from ...components.catalogue import component_class
+
+    changes = {}
+    for text in texts:
+        unit, equals, preset = (part.strip() for part in text.partition("="))
+        if not (equals and preset):
+            raise BadInput("--preset", repr(text), "unit=preset", "As in pantograph=DSA380.")
+        if unit not in scene.units or not scene.units[unit].component:
+            components = [name for name, u in scene.units.items() if u.component]
+            raise BadInput("--preset", f"unit {unit!r}", "a component of the scene", nearest(unit, components))
+        presets = component_class(scene.units[unit].component).presets
+        if preset not in presets:
+            raise BadInput("--preset", repr(preset), f"a preset of {scene.units[unit].component}", nearest(preset, presets))
+        changes[f"units.{unit}.preset"] = preset
+    return changes
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
@@ -139,6 +191,8 @@ def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 def _named(place: str, value: Any) -> str:
     """A change as "unit.parameter = value", or "unit: effects a, b"."""
     unit, _, parameter = place.removeprefix("units.").partition(".parameters.")
+    if unit.endswith(".preset"):
+        return f"{unit.removesuffix('.preset')}: {value}"
     if parameter:
         return f"{unit}.{parameter} = {value:.6g}" if isinstance(value, float) else f"{unit}.{parameter} = {value}"
     return f"{unit.removesuffix('.effects')}: effects {', '.join(value) or 'none'}"
@@ -164,16 +218,16 @@ def share(option: str, text: str) -> float:
 
 
 def parameters_of(texts: Sequence[str]) -> dict[str, Any]:
-    """Parameters of a component alone, each given as "parameter=value"."""
+    """Parameters of a component alone, each given as "parameter=value", by the names of their elements."""
     values: dict[str, Any] = {}
     for text in texts:
         parameter, equals, value = text.partition("=")
         if not (parameter and equals and value):
             raise BadInput("--set", repr(text), "parameter=value")
-        try:
-            values[parameter.strip()] = float(value)
-        except ValueError:
-            values[parameter.strip()] = {"true": True, "false": False}.get(value, value)
+        given = value_of(value)
+        elements = enumerate(given, 1) if isinstance(given, list) else ()
+        values |= {f"{parameter.strip()}[{k}]": v for k, v in elements} or {
+            parameter.strip(): float(given) if isinstance(given, int) and not isinstance(given, bool) else given}
     return values
 
 

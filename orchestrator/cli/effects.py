@@ -12,6 +12,7 @@ import typer
 from ...components.core.errors import BadInput
 from .choices import TOLERANCE
 from .common import AsJson, Changes, Resume, app, change, changed, listed, print_table, share, status_spinner, study, warn
+from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.studies.effects import Effects
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 @app.command()
 def effects(
-    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    scene: Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")],
     tolerance: Annotated[str, typer.Option("--tolerance", metavar="SHARE", help=(
         "Largest error of a quantity of interest against the scene with all effects, as in 1% or 0.01."))] = TOLERANCE,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for effects.csv and the report.")] = Path("effects"),

@@ -10,6 +10,7 @@ import typer
 
 from ...components.core.errors import BadInput
 from .common import FAILED_RUN, STOPPED, Changes, app, change, changed, range_of, warn
+from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
@@ -20,7 +21,7 @@ Plan_ = Annotated[Path | None, typer.Option("--plan", help=(
 Jobs = Annotated[int | None, typer.Option("--jobs", help=(
     "Processes; default: one for each core, where the points need longer than those to start."))]
 Scheduler = Annotated[str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
-SceneName = Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")]
+SceneName = Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
 
 
 @app.command()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .common import FAILED_CHECK, Changes, Native, app, change, print_table, share, status_spinner, warn
+from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.other_masters import Comparison
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 @app.command()
 def ssp(
-    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    scene: Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; default: the scene's name.")] = None,
     values: Changes = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,

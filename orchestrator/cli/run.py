@@ -21,6 +21,7 @@ from .common import (
     InProcess,
     Native,
     Output,
+    Presets,
     app,
     change,
     changed,
@@ -30,7 +31,10 @@ from .common import (
     status_spinner,
     switched_on,
     warn,
+    with_presets,
 )
+from .completion import effects as effect_names
+from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.summary import Summary
@@ -42,12 +46,14 @@ CHECKPOINT = "checkpoint"  # file in the output directory
 
 @app.command()
 def run(
-    scene: Annotated[str, typer.Argument(help="name of a shipped scene, or a scene file")],
+    scene: Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")],
     in_process: InProcess = False,
     native: Native = False,
     output: Output = None,
     values: Changes = None,
-    effects: Annotated[list[str] | None, typer.Option("--effects", metavar="UNIT.EFFECT[,...]", help=(
+    presets: Presets = None,
+    effects: Annotated[list[str] | None, typer.Option(
+        "--effects", metavar="UNIT.EFFECT[,...]", autocompletion=effect_names, help=(
         "Switch on effects beside those of the scene, may be repeated; or auto: those that the scene calls for."))] = None,
     tolerance: Annotated[str | None, typer.Option("--tolerance", metavar="SHARE", help=(
         "With --effects auto: largest error against all effects, as in 1% or 0.01; default 1%."))] = None,
@@ -88,6 +94,7 @@ def run(
     changes = {place: value for place, value in given.items() if value is not None}
     within = tolerance_of_effects(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
+    changes |= with_presets(loaded, presets or [])
     changes |= dict(change(loaded, text) for text in values or [])
     changes |= _walled(loaded) if isolate else {}
     loaded = changed(loaded, changes)

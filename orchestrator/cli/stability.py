@@ -25,6 +25,7 @@ from .common import (
     range_of,
     study,
 )
+from .completion import anything
 
 if TYPE_CHECKING:
     from ..harness.studies.stability import Scheme
@@ -35,7 +36,7 @@ ALGORITHMS = ("jacobi", "gauss-seidel", "iterative", "interface-model")
 
 @app.command()
 def stability(
-    names: Annotated[list[str] | None, typer.Argument(metavar="SCENE|component:NAME|COMPONENT...", help=(
+    names: Annotated[list[str] | None, typer.Argument(metavar="SCENE|component:NAME|COMPONENT...", autocompletion=anything, help=(
         "name of a shipped scene, a scene file, or a component of the catalogue alone; with --hard-cases components"))] = None,
     hard: Annotated[bool, typer.Option("--hard-cases", help=(
         "Run the hard cases that components declare, of those named or of all, and say how far each claim is from its limit. "

@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from .common import FAILED_CHECK, AsJson, InProcess, app, print_table, warn
+from .completion import cases
 
 
 @app.command()
 def validate(
-    cases: Annotated[list[str] | None, typer.Argument(help=(
+    cases: Annotated[list[str] | None, typer.Argument(autocompletion=cases, help=(
         "names of cases, see cosimo list cases, or .toml files of your own; papers: what each documented system's paper "
         "announces; all without it"))] = None,
     in_process: InProcess = False,

@@ -22,6 +22,7 @@ from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component, Effect
 from ...components.core.errors import BadInput
 from ...components.core.variables import Causality, Variable
+from ..scene.drawing import Drawing, sketch
 from ..scene.files import read_file, scene_files
 from .studies.full_model import with_required
 from .studies.hard_cases import declared
@@ -126,6 +127,11 @@ class ComponentPage:
     counters: tuple[str, ...]
     step: float
     stop_time: float
+
+    def sketch(self) -> Drawing:
+        """A box with the signals that are always there, as SVG."""
+        own = next((port for port in self.ports if not port.name), Port("", (), ()))
+        return sketch(self.title, self.name.rpartition(":")[2], own.inputs, own.outputs)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data: dictionaries, lists, texts and numbers."""

@@ -12,6 +12,7 @@ WIDTH, HEIGHT = 180, 64  # px, of a box
 GAP_X, GAP_Y, MARGIN = 230, 22, 16
 ROW = 24  # px between lines that meet one side of a box
 LOOP = 26  # px below the boxes, for lines from a box to itself
+SIDE, PORTS = 240, 14  # px for the names at a component, and how many of them
 LETTERS = 26  # of a line in a box, and of the name at an arrow: of its first signal; all of them at the pointer
 
 
@@ -170,3 +171,20 @@ def _members(columns: Mapping[str, int]) -> dict[int, list[str]]:
     for name, column in columns.items():
         members.setdefault(column, []).append(name)
     return members
+
+
+def sketch(title: str, name: str, inputs: Sequence[str], outputs: Sequence[str]) -> Drawing:
+    """A component as a box with its inputs at the left and its outputs at the right; long lists are cut, with a number."""
+    sides = [[*names[:PORTS], *([f"{len(names) - PORTS} more"] if len(names) > PORTS else [])] for names in (inputs, outputs)]
+    tall = max(HEIGHT, 18 * (1 + max(map(len, sides))))
+    width, left = 2 * SIDE + WIDTH, SIDE
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {tall + 2 * MARGIN}" width="{width}" '
+             f'height="{tall + 2 * MARGIN}" font-family="sans-serif" font-size="11" fill="currentColor" role="img">'
+             f"<title>{escape(title)}</title>", _box(Box(name, (title,), title), left, MARGIN, tall)]
+    for side, names in enumerate(sides):
+        for k, signal in enumerate(names):
+            x, y = (left - 40, left + WIDTH)[side], MARGIN + tall * (k + 1) / (len(names) + 1)
+            at, anchor = ((x - 4, "end"), (x + 44, "start"))[side]
+            parts.append(f'<path d="M{x} {y:.0f}h40" stroke="currentColor"/><path d="M{x + 40} {y:.0f}l-8 -4v8z"/>'
+                         f'<text x="{at}" y="{y + 4:.0f}" text-anchor="{anchor}">{escape(_short(signal, 34))}</text>')
+    return Drawing("".join(parts) + "</svg>")

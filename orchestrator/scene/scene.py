@@ -108,6 +108,9 @@ class Scene(SceneSettings):
                 table = table.setdefault(key, {})
                 if not isinstance(table, dict):
                     raise BadInput(f"{self.name}: change", repr(place), "the dotted place of a setting", 'Such as "master.step".')
+            if isinstance(value, list | tuple):  # an array takes the place of all its elements
+                for element in [key for key in table if key.startswith(f"{last}[")]:
+                    del table[element]
             table[last] = value
         if added := data["units"].keys() - self.units.keys():
             raise BadInput(f"{self.name}: change", f"unit {min(added)!r}", "a unit of the scene", nearest(min(added), self.units))

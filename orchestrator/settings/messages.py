@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -55,10 +56,21 @@ def _first(error: ValidationError) -> Any:
     finding = findings[0]
     loc = finding["loc"]
     if not _is_mark(loc, 2):
-        return finding
+        return _misspelt(findings) or finding
     if not isinstance(finding["input"], dict):
         return {**finding, "type": "connection"}
     return next(f for f in findings if f["loc"][:2] == loc[:2] and f["loc"][2] != loc[2])
+
+
+def _misspelt(findings: list[Any]) -> Any:
+    """An unknown key that is nearly one that is missing in the same table: what was meant is clear."""
+    missing = {(f["loc"][:-1], str(f["loc"][-1])) for f in findings if f["type"] == "missing"}
+    for finding in findings:
+        *table, key = finding["loc"]
+        names = [name for place, name in missing if place == tuple(table)]
+        if finding["type"] == "extra_forbidden" and get_close_matches(str(key), names, cutoff=0.5):
+            return finding
+    return None
 
 
 def _is_mark(loc: tuple[str | int, ...], k: int) -> bool:

@@ -92,7 +92,7 @@ class OrSubsystem:
     """For the JSON schema of a scene file: subsystems stand where units may; they are replaced before a scene is checked."""
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        return {"anyOf": [handler(schema), SubsystemSettings.model_json_schema()]}
+        return {"if": {"required": ["scene"]}, "then": SubsystemSettings.model_json_schema(), "else": handler(schema)}
 
 
 def _flattened(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -1,10 +1,14 @@
 """The command line: what it prints for people and for programs, and its exit codes."""
 
 import json
+from importlib.metadata import version
 
 import pytest
 from cosimo.components.catalogue import CATALOGUE
+from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.cli.common import change, parameters_of, with_presets
+from cosimo.orchestrator.systems import load_scene
 
 SCENE = """
 title = "pantograph under a rigid wire"
@@ -63,9 +67,41 @@ def test_list_of_one_kind(capsys):
     assert "did you mean 'components'" in capsys.readouterr().err
 
 
-def test_schema_of_scenes(capsys):
-    assert cosimo("list", "--schema") == 0
-    assert "stop_time" in json.loads(capsys.readouterr().out)["properties"]
+def test_list_of_a_system_and_of_a_word(capsys):
+    assert cosimo("list", "rotor", "--json") == 0
+    rotor = json.loads(capsys.readouterr().out)
+    assert {c["name"] for c in rotor["components"]} == {"JeffcottRotor", "BeamRotor"}
+    assert {e["system"] for entries in rotor.values() for e in entries} == {"rotor"}
+    assert cosimo("list", "Stiction", "--json") == 0
+    assert [e["name"] for e in json.loads(capsys.readouterr().out)["scenes"]] == ["joint-stiction"]
+    assert cosimo("list", "stictoin") == 2
+    assert "did you mean 'joint-stiction'" in capsys.readouterr().err
+
+
+def test_list_without_a_word_fits_a_screen_and_has_every_name(capsys):
+    assert cosimo("list") == 0
+    out = capsys.readouterr().out
+    assert len(out.splitlines()) <= 50
+    assert set(CATALOGUE) <= set(out.split())
+
+
+def test_version(capsys):
+    assert cosimo("--version") == 0
+    assert capsys.readouterr().out == f"cosimo {version('cosimo')}\n"
+
+
+def test_arrays_and_presets_of_a_run(tmp_path, capsys):
+    assert cosimo("run", "en50318-2002", "--dry-run", "--preset", "pantograph=DSA381") == 2
+    assert "did you mean 'DSA380'" in capsys.readouterr().err
+    scene = load_scene("en50318-2002")
+    changed = scene.with_changes({**with_presets(scene, ["pantograph=DSA380"]), **dict([
+        change(scene, "catenary.dropper_position=[5, 11.5]"), change(scene, "catenary.dropper_position[1]=6")])})
+    assert changed.units["pantograph"].preset == "DSA380"
+    droppers = {n: v for n, v in changed.units["catenary"].parameters.items() if n.startswith("dropper_position")}
+    assert droppers == {"dropper_position[1]": 6, "dropper_position[2]": 11.5}
+    assert parameters_of(["position=[0.1, 0.2]", "mass=2"]) == {"position[1]": 0.1, "position[2]": 0.2, "mass": 2.0}
+    with pytest.raises(BadInput, match="an array of numbers"):
+        change(scene, "catenary.dropper_position=[5, ")
 
 
 def test_run_writes_its_results(scene, tmp_path, capsys):

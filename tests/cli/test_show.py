@@ -55,7 +55,7 @@ def test_a_component(capsys):
     found = shown(capsys, "PlanarLink", "--effects", "gravity")
     rows = {row["name"]: row for row in found["variables"]}
     assert rows["mass"] == {"name": "mass", "is": "parameter", "unit": "kg", "default": 1.0, "limits": ">= 1e-12",
-                            "text": "mass of the link"}
+                            "text": "mass of the link", "as in": []}
     assert rows["tip_force_x"]["is"] == "input"
     effects = {row["name"]: row for row in found["effects"]}
     assert effects["gravity"]["on"]
@@ -63,6 +63,36 @@ def test_a_component(capsys):
     assert not effects["pinned"]["on"]
     assert effects["pinned"]["adds"] == ["output reaction_x", "output reaction_y"]
     assert found["step"] == "compiled"
+    assert found["states"] == 6
+    assert effects["pinned"]["states"] == -4  # a pin leaves a single angle and its rate
+    assert "mass-on-spring" in [row["name"] for row in found["scenes"]]
+    assert found["hard_cases"]
+
+
+def test_a_case_and_a_scene_that_has_its_name(capsys, tmp_path):
+    rows = shown(capsys, "iso16281")["reference"]
+    assert {"quantity", "low", "high", "provenance", "source"} <= rows[0].keys()
+    both = shown(capsys, "en50318-2018-ac-simple", "-o", str(tmp_path))
+    assert both["units"]
+    assert both["reference"]
+    assert (tmp_path / "en50318-2018-ac-simple.svg").read_text().startswith("<svg ")
+
+
+def test_time_that_effects_add(capsys):
+    costs = {row["name"]: row["step"] for row in shown(capsys, f"{__name__}:Compiled", "--time")["effects"]}
+    assert costs == {}
+    costs = {row["name"]: row["step"] for row in shown(capsys, "TorqueMotor", "--time")["effects"]}
+    assert set(costs) == {"inductance", "saturation"}
+    assert all("µs" in words or words == "less than the scatter" for words in costs.values())
+
+
+@pytest.mark.parametrize("arguments", [
+    ("mass-on-spring", "--time"), ("mass-on-spring", "--preset", "a"), ("iso16281", "-o", "x")])
+def test_options_without_effect_are_refused(arguments, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as done:
+        main(["show", *arguments])
+    assert done.value.code == 2
 
 
 @compiled

@@ -1,0 +1,83 @@
+"""The JSON schema of scene files: every shipped scene fits, and what only an editor could see in time does not."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import jsonschema
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import read_scene
+from cosimo.orchestrator.systems.scene_schema import scene_schema
+
+SCENE = {"stop_time": 1.0, "master": {"step": 1e-3}}
+
+
+@pytest.fixture(scope="module")
+def validator():
+    schema = scene_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def test_every_shipped_scene_fits_and_names_the_schema(validator):
+    for name, path in scene_files().items():
+        text = path.read_text()
+        assert [e.message for e in validator.iter_errors(tomllib.loads(text))] == [], name
+        assert text.startswith("#:schema ../../../../scene.schema.json\n"), name
+
+
+@pytest.mark.parametrize("unit", [
+    {"component": "Pantograph", "parameters": {"speed": 70, "bump_stops": {"travel": 0.04}, "bump_stops.stiffness": 1e5}},
+    {"component": "Catenary", "parameters": {"dropper_position": [5.0, 10.5], "dropper_position[1]": 6.0}},
+    {"component": "Pantograph", "preset": "DSA380", "effects": ["lower_frame"]},
+    {"component": "mine:Own", "parameters": {"anything": [[1, 2], [3, 4]]}, "effects": ["any"]},
+    {"fmu": "box.fmu", "parameters": {"k": True}},
+    {"scene": "other.toml", "parameters": {"p.speed": 1.0}},
+])
+def test_what_may_be_said(validator, unit):
+    assert [e.message for e in validator.iter_errors({**SCENE, "units": {"u": unit}})] == []
+
+
+@pytest.mark.parametrize(("unit", "place"), [
+    ({"component": "Pantagraph"}, "component"),
+    ({"component": "Pantograph", "parameters": {"sped": 70}}, "parameters"),
+    ({"component": "Pantograph", "parameters": {"speed": -1}}, "speed"),
+    ({"component": "Pantograph", "parameters": {"speed": "fast"}}, "speed"),
+    ({"component": "Pantograph", "parameters": {"bump_stops": {"trawel": 1}}}, "bump_stops"),
+    ({"component": "Pantograph", "effects": ["bump_stop"]}, "effects"),
+    ({"component": "Pantograph", "preset": "DSA381"}, "preset"),
+    ({"component": "Pantograph", "efects": []}, "u"),
+    ({"scene": "other.toml", "effects": []}, "u"),
+])
+def test_what_is_marked_at_its_place(validator, unit, place):
+    errors = list(validator.iter_errors({**SCENE, "units": {"u": unit}}))
+    assert errors
+    assert any(place in map(str, e.absolute_path) for e in errors), [e.json_path for e in errors]
+
+
+def test_keys_of_analysis_depend_on_the_system(validator):
+    def errors(analysis):
+        return list(validator.iter_errors({**SCENE, "units": {"u": {"fmu": "a.fmu"}}, "analysis": analysis}))
+
+    assert errors({"system": "railway", "window": [240.0, 360.0]}) == []
+    assert errors({"system": "railway", "windw": [240.0, 360.0]})
+    assert errors({"system": "railways"})
+
+
+@pytest.mark.parametrize(("wrong", "right"), [("mastr", "master"), ("stop_tim", "stop_time"), ("unit", "units")])
+def test_a_misspelt_table_is_named_with_the_nearest_key(wrong, right):
+    data = {**SCENE, "units": {"p": {"component": "Pantograph"}}}
+    data[wrong] = data.pop(right)
+    with pytest.raises(BadInput, match=f"unknown key '{wrong}'.*did you mean '{right}'"):
+        read_scene(data)
+
+
+def test_the_command_writes_it(tmp_path):
+    with pytest.raises(SystemExit) as done:
+        main(["schema", "-o", str(tmp_path / "scene.schema.json")])
+    assert not done.value.code
+    assert json.loads((tmp_path / "scene.schema.json").read_text())["properties"]["stop_time"]
