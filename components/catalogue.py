@@ -87,7 +87,7 @@ def _not_imported(name: str, where: str, error: Exception) -> BadInput:
     cause = error.__cause__ if isinstance(error.__cause__, BadInput) else error
     if isinstance(error, ModuleNotFoundError) and name.startswith(str(error.name)):
         return BadInput(where, f"component {name!r}", "module:Class that can be imported",
-                        f"{error}. The folder of a module of your own belongs into PYTHONPATH.")
+                        f"{type(error).__name__}: {error}. The folder of a module of your own belongs into PYTHONPATH.")
     own = [f for f in traceback.extract_tb(error.__traceback__)
            if not f.filename.startswith((str(Path(__file__).parent), "<frozen"))]
     file, line = (own[-1].filename, own[-1].lineno or 1) if own else ("", 1)

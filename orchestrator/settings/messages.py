@@ -65,10 +65,9 @@ def _first(error: ValidationError) -> Any:
 def _misspelt(findings: list[Any]) -> Any:
     """An unknown key that is nearly one that is missing in the same table: what was meant is clear."""
     missing = {(f["loc"][:-1], str(f["loc"][-1])) for f in findings if f["type"] == "missing"}
-    for finding in findings:
+    for finding in (f for f in findings if f["type"] == "extra_forbidden"):
         *table, key = finding["loc"]
-        names = [name for place, name in missing if place == tuple(table)]
-        if finding["type"] == "extra_forbidden" and get_close_matches(str(key), names, cutoff=0.5):
+        if get_close_matches(str(key), [name for place, name in missing if place == tuple(table)], cutoff=0.5):
             return finding
     return None
 

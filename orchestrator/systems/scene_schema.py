@@ -78,6 +78,8 @@ def _value(variable: Variable) -> dict[str, Any]:
 def _scalar(variable: Variable) -> dict[str, Any]:
     if variable.kind is Kind.CHOICE:
         return {"enum": list(variable.choices)}
+    if variable.kind is Kind.TEXT:
+        return {"type": "string"}
     limits = {"minimum": variable.low, "maximum": variable.high}
     return {"type": "number" if variable.kind is Kind.REAL else "integer",
             **{key: value for key, value in limits.items() if isfinite(value)}}
