@@ -17,7 +17,7 @@ from .implicit import implicit_steps
 from .line.form import Form, form_of, formed_layout
 from .line.layout import Layout, uniform
 from .line.table import read_line
-from .mesh import add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
+from .mesh import NO_WIRE, add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
@@ -297,7 +297,8 @@ class Catenary(Component):
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
         N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
         rows = self._layout.lateral[:, :3]
-        self._points, self._lateral = contact_points(e), rows.copy() if rows.size else np.zeros((1, 3))
+        self._points = contact_points(e, len(self._layout.contact_lanes))
+        self._lateral = rows.copy() if rows.size else np.zeros((1, 3))
         loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
         for position, *_ in loads:
             if not in_range(position, self.mesh):
@@ -312,6 +313,8 @@ class Catenary(Component):
             _, hi = move_window(max(positions), min(positions), self.x, self.mesh, e.moving_window)
             self.x[W * hi + W : N] = 0.0
         self.y[STATIC_RESIDUAL] = residual
+        if e.second_wire is not None:  # where it is not touched
+            self.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
         self._work = np.zeros((5, N))
         if implicit:
             self._stiffness = stiffness_of_wires(self.mesh, 3 if e.bending_stiffness is not None else 2)
@@ -428,10 +431,10 @@ POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
 HEIGHT, STATIC_RESIDUAL, UPLIFT = Catenary.output_indices("wire_height", "static_residual", "support_uplift[1]")
 
 
-def contact_points(e) -> np.ndarray:
+def contact_points(e, wires: int) -> np.ndarray:
     """Of each contact point its position and force in u, its first output in y and how far the next ones are, its contact wire.
 
-    (p, 5) int; e: effects. Points of `further_pantographs` beyond their number do not take part.
+    (p, 5) int; e: effects; wires: number of contact wires. Points of `further_pantographs` beyond their number do not take part.
     """
     points = [(POSITION, FORCE, HEIGHT, 1, 0)]
     if e.second_pantograph is not None:
@@ -440,7 +443,7 @@ def contact_points(e) -> np.ndarray:
     if e.further_pantographs is not None:
         more = e.further_pantographs
         points += [(more.u + i, more.u + FURTHER + i, more.y + i, FURTHER, 0) for i in range(int(more.count))]
-    if e.second_wire is not None:
+    if e.second_wire is not None and wires > 1:
         wide = 2 + FURTHER
         points += [(points[k][0], e.second_wire.u + k, e.second_wire.y + k, wide, 1) for k in range(len(points))]
     return np.array(points, dtype=np.int64)

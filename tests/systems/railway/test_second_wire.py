@@ -99,6 +99,16 @@ def test_wires_of_an_overlap_move_by_themselves():
     assert made["second_wire.wire_height[1]"] == pytest.approx(10.0, abs=1e-9)
 
 
+def test_a_line_with_one_wire_has_the_second_out_of_reach():
+    made = Catenary(["line_table", "second_wire"], {"method": "implicit", "element": 2.0})
+    made.set("second_wire.contact_force[1]", 100.0)
+    made.initialize(0.0)
+    before = made.x.copy()
+    made.step(0.0, 1e-3)
+    assert [made[f"second_wire.wire_height[{k}]"] for k in (1, 8)] == [10.0, 10.0]
+    assert np.abs(made.x[: made.mesh.mass.size] - before[: made.mesh.mass.size]).max() < 1e-15
+
+
 @pytest.mark.full
 def test_a_pantograph_passes_an_overlap_from_wire_to_wire():
     """It starts on the first, leaves on the second, and touches both over a span or more; it never loses contact."""
