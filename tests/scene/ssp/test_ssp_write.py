@@ -9,12 +9,14 @@ from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import built
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.report import for_run
+from cosimo.orchestrator.native import initial_inputs
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.settings import SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS, load_scene, read_scene
 from cosimo.orchestrator.systems.railway.records import passages
+from cosimo.orchestrator.units.component import make
 from cosimo.tests.scene.ssp import systems
 from cosimo.tests.short_run import full_but
 from cosimo.tests.units.native import native_fmu
@@ -228,3 +230,28 @@ def test_every_shipped_scene_without_contacts_can_be_packed_with_valid_files(tmp
         with zipfile.ZipFile(path) as file:
             for member in file.namelist()[1:]:
                 assert file.read(member) == built(member.removeprefix("resources/").removesuffix(".fmu")).read_bytes()
+
+
+def test_units_begin_as_in_the_scene_wherever_the_package_runs(tmp_path):
+    """Other masters look for no initial values that fit together: from the package's alone each unit has the scene's outputs."""
+    scene = load_scene("lumped-catenary").with_changes({"stop_time": 0.01})
+    path = write(scene, tmp_path / "there.ssp", initial_inputs(scene))
+    first = {name: column[0] for name, column in run(scene, in_process=True).columns.items()}
+    seen = 0
+    for element in etree.fromstring(description(path)).iter("{*}Component"):
+        name = element.get("name")
+        component = make(name, scene.units[name])
+        given = {p.get("name"): p[0].get("value") for p in element.iter("{*}Parameter") if p.get("name") in component.inputs}
+        for port, value in given.items():
+            component.set(port, float(value))
+        component.initialize(0.0)
+        outputs = dict(zip(component.outputs, component.y.tolist(), strict=True))
+        recorded = {n: v for n, v in outputs.items() if f"{name}.{n}" in first}
+        assert recorded == {n: first[f"{name}.{n}"] for n in recorded}
+        seen += len(given) * bool(recorded)
+    assert seen == 2  # height of the wire and force; the position begins where it does by default
+    back = load_scene(path)
+    assert back.remarks == ()
+    assert {n: u.parameters for n, u in back.units.items()} == {
+        n: u.parameters for n, u in load_scene(write(scene, tmp_path / "without.ssp")).units.items()}
+
