@@ -96,6 +96,26 @@ class CompiledLoop:
             self._account.enter(h, rows[:done], given[:done])
         return rows[:done], failure
 
+    @property
+    def saves(self) -> bool:
+        """Whether all units are components, which save their state in little time."""
+        return all(isinstance(unit, ComponentUnit) for unit in self._units)
+
+    def save(self) -> Any:
+        """All that the next steps depend on, and counters of the units, which must all be components."""
+        return (self._account or self._master).save(), [unit.component.counts.copy() for unit in self._components]
+
+    def restore(self, saved: Any) -> None:
+        """Take back what `save` gave."""
+        state, counts = saved
+        (self._account or self._master).restore(state)
+        for unit, values in zip(self._components, counts, strict=True):
+            unit.component.counts[:] = values
+
+    @property
+    def _components(self) -> list[ComponentUnit]:
+        return [unit for unit in self._units if isinstance(unit, ComponentUnit)]
+
     def watch(self, ends: Sequence[Endpoint]) -> slice | None:
         """Columns of `outputs` in which these outputs will stand; None where not all are those of components."""
         units = {unit.name: unit for unit in self._units}

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,6 +60,14 @@ def metered(units: Mapping[str, Unit], coupling: Coupling) -> dict[str, Any]:
     return {name: Meter(units[name], coupling.interfaces[name].input_degree) for name in names}
 
 
+class Sums(NamedTuple):
+    """Of all steps up to an instant: their time, s, and by bond the energies created and exchanged, J."""
+
+    elapsed: float
+    created: np.ndarray
+    exchanged: np.ndarray
+
+
 @dataclass
 class SavedAccount:
     """A master and its account at an instant."""
@@ -102,6 +110,7 @@ class EnergyAccount:
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
         self.elapsed = 0.0  # s, of all steps so far
+        self._course: list[tuple[np.ndarray, ...]] = []  # `Sums` behind each of the steps that were entered together last
         self.last = self.created, self.exchanged  # J, of the last step alone, without what it has returned of earlier ones
 
     def initialize(self, t: float) -> None:
@@ -123,7 +132,7 @@ class EnergyAccount:
 
         The same whether steps are entered together or one by one: all operations are those of single numbers.
         """
-        samples, first = signals[:, self._places], 0
+        samples, first, self._course = signals[:, self._places], 0, []
         while first < len(samples):
             times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
             even = times.tobytes() == self.times.tobytes()  # and will be from here on
@@ -151,9 +160,10 @@ class EnergyAccount:
         into, out_of = self._watts * true[..., ::2] * given[..., 1::2], self._watts * given[..., ::2] * true[..., 1::2]
         created, exchanged = h * _mean(into - out_of), h * _mean(np.abs(into + out_of)) / 2.0
         returned, self.last = self.integrals, (created[-1], exchanged[-1])
-        self.created, self.exchanged = _summed(self.created, created), _summed(self.exchanged, exchanged)
-        self.integrals = _summed(self.integrals, h * _mean(given - true))
-        self.elapsed = float(_summed(self.elapsed, np.full(n, h)))
+        course = _sums(self.elapsed, np.full(n, h)), _sums(self.created, created), _sums(self.exchanged, exchanged)
+        self.elapsed, self.created, self.exchanged = float(course[0][-1]), course[1][-1], course[2][-1]
+        self.integrals = _sums(self.integrals, h * _mean(given - true))[-1]
+        self._course.append(course)
         if self.correction:
             mean = _mean(true)[-1]
             owed = self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
@@ -163,6 +173,19 @@ class EnergyAccount:
     def _owe(self) -> None:
         for (meter, k, factor), integral in zip(self.inputs, self.integrals.tolist(), strict=True):
             meter.owed[k] = -factor * integral
+
+    @property
+    def sums(self) -> Sums:
+        """Of all steps so far."""
+        return Sums(self.elapsed, self.created, self.exchanged)
+
+    def sums_behind(self, step: int) -> Sums:
+        """The sums behind one of the steps that were entered together last, counted from 0."""
+        for part in self._course:
+            if step < len(part[0]):
+                return Sums(float(part[0][step]), part[1][step], part[2][step])
+            step -= len(part[0])
+        raise IndexError(step)
 
     @property
     def order(self) -> int:
@@ -200,9 +223,9 @@ def _mean(values: np.ndarray) -> np.ndarray:
     return (WEIGHTS[:, None, None] * values).sum(axis=0)
 
 
-def _summed(start: Any, terms: np.ndarray) -> Any:
-    """start + terms[0] + terms[1] + ..., from the left."""
-    return np.add.accumulate(np.concatenate((np.asarray(start)[None], terms)))[-1]
+def _sums(start: Any, terms: np.ndarray) -> np.ndarray:
+    """start + terms[0] + ... + terms[k], from the left, for every k."""
+    return np.add.accumulate(np.concatenate((np.asarray(start)[None], terms)))[1:]
 
 
 def _basis(times: np.ndarray, at: np.ndarray) -> np.ndarray:

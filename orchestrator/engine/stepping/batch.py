@@ -20,6 +20,7 @@ from ..algorithms.node import Node
 from .clock import Clock
 from .loop import Observer, Steppable, Stepping, Stops, lengths
 
+LONGEST = 4096  # steps of a batch, whose rows are in memory
 PATIENCE = 0.1  # s that a stretch may last: so long Ctrl-C and the progress bar have to wait
 
 
@@ -30,10 +31,11 @@ class BatchStepping(Stepping):
     """
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
-                 halt: np.ndarray):
-        """`halt`: what ends a stretch early, see `batch_loop_for`."""
+                 halt: np.ndarray, rewind: bool = False):
+        """`halt`: what ends a stretch early, see `batch_loop_for`; `rewind`: steps can be taken back and repeated exactly."""
         super().__init__(master, clock, stride, end, stops)
         self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
+        self._rewind = rewind and stretch.saves
         self.watch = stretch.watch
 
     def halt(self) -> None:
@@ -58,8 +60,16 @@ class BatchStepping(Stepping):
             self.master.step(self.clock.seconds(tick), h)
             self.tick = tick + length
             return
-        unwatched = [1 + o.steps_not_needed(tick, length) for o in observers]
-        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), *unwatched)
+        unwatched = [1 + o.steps_not_needed(tick, length) for o in observers if not o.alarms]
+        alarming = [o for o in observers if o.alarms]
+        alarmed = [1 + o.steps_not_needed(tick, length) for o in alarming]
+        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), LONGEST, *unwatched)
+        saved = None
+        if n > min(alarmed, default=n):
+            if self._rewind:
+                saved = self._stretch.save()
+            else:
+                n = min(alarmed)
         ticks = range(tick, tick + (n + 1) * length, length)
         times = self.clock.times(ticks)
         self._stretch.prepare(h)
@@ -70,10 +80,16 @@ class BatchStepping(Stepping):
         self._halt[0] = 0
         done = len(rows)
         unseen = done if failure is not None else done - 1
+        at = looks[looks < unseen]
+        inputs, outputs = self._stretch.inputs[: at.size], self._stretch.outputs[:unseen]
+        steps = [o.alarm(at, inputs) for o in alarming] if saved is not None else []
+        if alarms := [step for step in steps if step is not None]:
+            self._stretch.restore(saved)
+            self._advance(length, tick + (min(alarms) + 1) * length, observers)
+            return
         if unseen > 0:
             for observe in observers:
-                at = looks[looks < unseen]
-                observe.observe_ends(at, self._stretch.inputs[: at.size], self._stretch.outputs[:unseen])
+                observe.observe_ends(at, inputs, outputs)
                 observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]
         if failure is not None:

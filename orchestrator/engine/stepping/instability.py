@@ -8,10 +8,11 @@ same is asked of the energy at power bonds: that the coupling makes it, and more
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
-from ..algorithms.energy import EnergyAccount
+from ..algorithms.energy import EnergyAccount, Sums
 from ..algorithms.master import Master, Unstable
 from .observers import BatchObserver
 
@@ -29,6 +30,7 @@ class InstabilityMonitor(BatchObserver):
 
     EVERY = 29  # macro steps: longer runs are looked at after multiples of it
     RARELY = 3  # at most so many of it
+    alarms = True
 
     def __init__(self, master: Master, steps: int, account: EnergyAccount | None = None):
         """`steps`: of the whole run, about."""
@@ -41,46 +43,20 @@ class InstabilityMonitor(BatchObserver):
         self._columns = np.array([n in self._nodes for n in master.nodes for _ in n.links], dtype=bool)  # among all inputs
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
         self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))])
-        self._values, self._missed = [0.0] * len(self._links), [0.0] * len(self._links)  # largest in the present block
+        self._values = self._missed = np.zeros(len(self._links))  # largest in the present block
         self._blocks = [_Blocks(np.array(nominal)) for _ in range(KINDS)]
         self._energies = [_Blocks(account.nominal) for _ in range(KINDS)] if account is not None else []
-        self._before: tuple[float, np.ndarray, np.ndarray] = (0.0, np.zeros(0), np.zeros(0))
-        if account is not None:
-            self._before = account.elapsed, account.created, account.exchanged
+        self._before = account.sums if account is not None else None  # at the last block's end
+        self._seen = False  # the looks of the steps to come, see `alarm`
 
     def __call__(self, tick: int, t: float) -> None:
         self._calls += 1
         if self._calls % self._every:
             return
-        self._looks += 1
-        values, missed, k = self._values, self._missed, 0
-        for node in self._nodes:  # plain Python: for the few inputs of a usual scene an array takes ten times as long
-            present = node.history.present
-            for value, reached in zip(present, present if node.reached is None else node.reached, strict=True):
-                values[k] = max(values[k], abs(value))
-                missed[k] = max(missed[k], abs(value - reached))
-                k += 1
-        if self._looks % LOOKS:
-            return
-        block = np.array(values), np.array(missed) * self._free
-        self._values, self._missed = [0.0] * k, [0.0] * k
-        if (worst := _grown(self._blocks, self._looks // LOOKS, *block)) is not None:
-            link, scale = self._links[worst], self._blocks[0].nominal[worst]
-            raise Unstable(link.target[0], t, f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to "
-                             f"{block[0][worst]:.3g} (nominal {scale:.3g}) and no step comes near to what it foretold, less so "
-                             "every time: the coupling is unstable")
-        if self._account is not None:
-            self._look_at_energy(self._account, t)
-
-    def _look_at_energy(self, account: EnergyAccount, t: float) -> None:
-        (elapsed, created, exchanged), self._before = self._before, (account.elapsed, account.created, account.exchanged)
-        if (span := account.elapsed - elapsed) <= 0.0:
-            return
-        powers = np.abs(account.exchanged - exchanged) / span, np.abs(account.created - created) / span
-        if (k := _grown(self._energies, self._looks // LOOKS, *powers)) is not None:
-            bond = account.bonds[k]
-            raise Unstable(bond.given[0][0], t, f"the coupling makes energy at the bond {bond.text}, more of it every time: "
-                             f"{account.created[k]:.3g} J so far of {account.exchanged[k]:.3g} J that went through it")
+        rows = [(node.history.present, node.history.present if node.reached is None else node.reached) for node in self._nodes]
+        self._look(np.array([[[v for row in rows for v in row[k]] for k in range(2)]]))
+        if self._looks % LOOKS == 0 and (text := self._judge(self._account.sums if self._account is not None else None)):
+            raise Unstable(text[0], t, text[1])
 
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`; up to the end of a block, where they are judged."""
@@ -90,18 +66,61 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`."""
         return range(self._every - 1 - self._calls % self._every, n, self._every)
 
+    def alarm(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
+        """As in `BatchObserver`."""
+        kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
+        mine = (self._calls + at + 1) % self._every == 0
+        looks, steps, first = inputs[mine][:, :, self._columns], at[mine], 0
+        while first < len(looks):
+            last = first + LOOKS - self._looks % LOOKS
+            self._look(looks[first:last])
+            if self._looks % LOOKS == 0:
+                step = int(steps[last - 1])
+                if self._judge(self._account.sums_behind(step) if self._account is not None else None):
+                    vars(self).update(kept)
+                    return step
+            first = last
+        self._seen = True
+        return None
+
     def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
-        looks = inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns]
-        self._looks += len(looks)
-        extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
-        missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
-        self._values = np.fmax.reduce((self._values, *np.abs(looks[:, 0]))).tolist()  # fmax: numbers, where there are some
-        self._missed = np.fmax.reduce((self._missed, *missed)).tolist()
+        if not self._seen:
+            self._look(inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns])
+        self._seen = False
 
     def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._calls += len(ticks)
+
+    def _look(self, looks: np.ndarray) -> None:
+        """Inputs and where they were led to, (m, 2, links), into the present block."""
+        self._looks += len(looks)
+        extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
+        missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
+        self._values = np.fmax.reduce((self._values, *np.abs(looks[:, 0])))  # fmax: numbers, where there are some
+        self._missed = np.fmax.reduce((self._missed, *missed))
+
+    def _judge(self, sums: Sums | None) -> tuple[str, str] | None:
+        """Close the block, with the account's sums at its end: the unit that takes what has grown, and how; None: nothing has."""
+        block, count = (self._values, self._missed * self._free), self._looks // LOOKS
+        self._values = self._missed = np.zeros(len(self._links))
+        if (worst := _grown(self._blocks, count, *block)) is not None:
+            link, scale = self._links[worst], self._blocks[0].nominal[worst]
+            return link.target[0], (f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to {block[0][worst]:.3g} "
+                                    f"(nominal {scale:.3g}) and no step comes near to what it foretold, less so every time: the "
+                                    "coupling is unstable")
+        if self._account is None or sums is None or self._before is None:
+            return None
+        before, self._before = self._before, sums
+        if (span := sums.elapsed - before.elapsed) <= 0.0:
+            return None
+        powers = np.abs(sums.exchanged - before.exchanged) / span, np.abs(sums.created - before.created) / span
+        if (k := _grown(self._energies, count, *powers)) is None:
+            return None
+        bond = self._account.bonds[k]
+        return bond.given[0][0], (f"the coupling makes energy at the bond {bond.text}, more of it every time: "
+                                  f"{sums.created[k]:.3g} J so far of {sums.exchanged[k]:.3g} J that went through it")
 
 
 class _Blocks:
@@ -109,25 +128,26 @@ class _Blocks:
 
     def __init__(self, nominal: np.ndarray):
         self.nominal = self.calm = np.array(nominal)
-        self.past: list[np.ndarray] = []  # (2, n) each
+        self.past: list[tuple[np.ndarray, np.ndarray]] = []  # (n,) each
         self.values, self.missed = np.zeros(nominal.size), np.zeros(nominal.size)
 
     def add(self, values: np.ndarray, missed: np.ndarray) -> None:
         """To the present block."""
-        np.maximum(self.values, values, out=self.values)
-        np.maximum(self.missed, missed, out=self.missed)
+        self.values, self.missed = np.maximum(self.values, values), np.maximum(self.missed, missed)
 
     def close(self) -> tuple[np.ndarray, np.ndarray, int | None]:
         """Largest values and misses of the block that ends here, and which of them has grown like an instability."""
-        self.past.append(np.array([self.values, self.missed]))
-        values, missed = self.past[-1]
-        self.values, self.missed = np.zeros_like(values), np.zeros_like(missed)
+        values, missed = self.values, self.missed
+        self.past = [*self.past, (values, missed)]
+        self.values = self.missed = np.zeros_like(values)
         if len(self.past) <= BLOCKS - 1:
             return values, missed, None
-        whole = np.array(self.past)
-        grown = (missed > MISSED * values) & (values > BEYOND * self.calm) & (
-            whole[1:, 1] > RISE * whole[:-1, 1]).all(axis=0)
-        self.calm = np.maximum(self.calm, self.past.pop(0)[0])
+        grown, calm = (missed > MISSED * values) & (values > BEYOND * self.calm), self.calm
+        self.calm = np.maximum(calm, self.past[0][0])
+        if grown.any():
+            rows = np.array([row for _, row in self.past])
+            grown &= (rows[1:] > RISE * rows[:-1]).all(axis=0)
+        self.past = self.past[1:]
         return values, missed, int(np.argmax(np.where(grown, missed / self.nominal, 0.0))) if grown.any() else None
 
 

@@ -15,9 +15,15 @@ FOREVER = 1_000_000  # steps
 class BatchObserver:
     """An observer that need not be called at every step, see `stretched`; as it stands, one that need be called at none."""
 
+    alarms = False  # it looks for what may happen at any step: where steps can be taken back, batches need not end for it
+
     def steps_not_needed(self, tick: int, length: int) -> int:
         """How many of the coming steps of `length` ticks it need not see."""
         return FOREVER
+
+    def alarm(self, at: np.ndarray, inputs: np.ndarray) -> int | None:
+        """Which of the steps `at` it must be called at; arguments as of `observe_ends`. They are repeated up to it."""
+        return None
 
     def looks(self, n: int) -> range:
         """Of the coming n steps, counted from 0, those behind which it wants all inputs."""

@@ -178,6 +178,17 @@ def test_records_at_intervals_are_the_same(interval, monkeypatch):
     assert_alike(*both_ways(data, monkeypatch, CompiledLoop)[:2])
 
 
+@pytest.mark.parametrize("bonds", [(), ("spring.second_force_x * mass.base_velocity_x",)])
+def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(bonds, monkeypatch):
+    """Up to the step at which the monitor would have ended the run, with all that was recorded and counted by then."""
+    scene = load_scene("mass-on-spring").with_changes({"master.step": 0.13, "stop_time": 200.0, "master.bonds": bonds})
+    restored = []
+    monkeypatch.setattr(CompiledLoop, "restore", counted(CompiledLoop.restore, restored))
+    together, apart, _ = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
+    assert (together.outcome, len(restored)) == ("unstable", 1)
+    assert_alike(together, apart)
+
+
 @pytest.mark.parametrize("interval", [0.007, 0.05])
 def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
     """Recorders and the monitor of instability look at steps within a batch: of 20 000 steps a few dozen ends are left."""

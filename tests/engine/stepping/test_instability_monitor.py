@@ -90,9 +90,9 @@ def test_the_watch_cuts_stretches_of_steps_where_it_looks_only(monkeypatch):
     stretches, looks = [], []
     taken, looked = CompiledLoop.run, InstabilityMonitor.__call__
 
-    def counted(self, times, h):
+    def counted(self, times, *more):
         stretches.append(len(times))
-        return taken(self, times, h)
+        return taken(self, times, *more)
 
     def seen(self, tick, t):
         looks.append(tick)
