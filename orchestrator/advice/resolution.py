@@ -26,7 +26,8 @@ from ..engine.coupling.graph import Endpoint, is_discrete
 from ..engine.stepping.observers import BatchObserver
 from ..units.interface import Signal
 
-CHUNK = 2048  # steps that are added up together
+CHUNK = 2048  # steps that are kept
+PIECE = 12_000  # numbers that are added up together: arrays below the size for which memory comes from the system each time
 TAIL = 3  # rows that the differences of the next ones need
 NEGLIGIBLE = 1e-9  # of the largest value, or of the nominal one: a spread below it is rounding
 PARTS = 4  # of a run, whose second differences are compared
@@ -104,40 +105,47 @@ class StepResolution(BatchObserver):
             self._add()
 
     def _add(self) -> None:
-        """Add what was buffered to the sums."""
-        new = np.concatenate(self._rows)
+        """Add what was buffered to the sums, in pieces that stay in a near cache."""
+        new, ticks = np.concatenate(self._rows), np.concatenate(self._ticks)
+        self._rows, self._ticks, self._buffered = [], [], 0
         if not self._count:
-            self._first = new[0]
-        apart = new - self._first
-        self._total += apart.sum(axis=0)
-        self._total2 += (apart**2).sum(axis=0)
-        self._peak = np.maximum(self._peak, np.abs(new).max(axis=0))
-        rows, ticks = np.concatenate((self._tail, new)), np.concatenate((self._tail_ticks, *self._ticks))
-        missed, _ = _differences(rows, ticks, self._degree + 1, len(self._tail))
-        self._missed += (missed**2).sum(axis=0)
-        self._find_largest(missed)
-        self._predictions += len(missed)
-        seconds, ends = _differences(rows, ticks, 2, len(self._tail))
-        parts = np.minimum((self._count - len(self._tail) + ends) // self._part, PARTS - 1)
-        squares = seconds**2
+            self._first = new[0].copy()
+        size = max(PIECE // max(new.shape[1], 1), 1)
+        for first in range(0, len(new), size):
+            self._add_piece(new[first : first + size], ticks[first : first + size])
+
+    def _add_piece(self, rows: np.ndarray, ticks: np.ndarray) -> None:
+        known = len(self._tail)
+        rows, ticks = np.concatenate((self._tail, rows)), np.concatenate((self._tail_ticks, ticks))
+        signals = np.ascontiguousarray(rows.T)  # (n, steps): sums over long rows take a third of the time
+        new = signals[:, known:]
+        apart = new - self._first[:, None]
+        self._total += apart.sum(axis=1)
+        self._total2 += _squared(apart)
+        self._peak = np.maximum(self._peak, np.maximum(new.max(axis=1), -new.min(axis=1)))
+        seconds, ends = _differences(signals, ticks, 2, known)
+        parts = np.minimum((self._count - known + ends) // self._part, PARTS - 1)
         for part in range(parts[0], parts[-1] + 1) if len(parts) else ():
             mine = slice(*np.searchsorted(parts, (part, part + 1)))
-            self._seconds[part] += squares[mine].sum(axis=0)
+            self._seconds[part] += _squared(seconds[:, mine])
             self._triples[part] += mine.stop - mine.start
-        self._count += len(new)
-        self._tail, self._tail_ticks, self._rows, self._ticks = rows[-TAIL:], ticks[-TAIL:], [], []
-        self._buffered = 0
+        missed = seconds if self._degree == 1 else _differences(signals, ticks, self._degree + 1, known)[0]
+        self._missed += _squared(missed)
+        self._predictions += missed.shape[1]
+        self._find_largest(np.abs(missed))
+        self._count += new.shape[1]
+        self._tail, self._tail_ticks = rows[-TAIL:].copy(), ticks[-TAIL:].copy()
 
     def _find_largest(self, missed: np.ndarray) -> None:
-        """Keep of each signal the largest error of an extrapolation so far, and the error of the step before it."""
-        if not len(missed):
+        """Keep of each signal the largest error of an extrapolation so far, and the error of the step before it; (n, steps)."""
+        if not missed.shape[1]:
             return
-        sizes = np.abs(np.concatenate((self._last[None], missed)))
-        at, columns = sizes[1:].argmax(axis=0) + 1, np.arange(sizes.shape[1])
-        larger = sizes[at, columns] > self._largest
-        self._largest = np.where(larger, sizes[at, columns], self._largest)
-        self._before = np.where(larger, sizes[at - 1, columns], self._before)
-        self._last = sizes[-1]
+        at, signals = missed.argmax(axis=1), np.arange(len(missed))
+        larger = missed[signals, at] > self._largest
+        before = np.where(at > 0, missed[signals, at - 1], self._last)
+        self._largest = np.where(larger, missed[signals, at], self._largest)
+        self._before = np.where(larger, before, self._before)
+        self._last = missed[:, -1].copy()
 
     def state(self) -> dict[str, Any]:
         """The sums so far, for a checkpoint."""
@@ -172,15 +180,24 @@ class StepResolution(BatchObserver):
                 if self._judged[k] and not is_discrete(signal) and spread[k] > NEGLIGIBLE * max(self._peak[k], signal.nominal)]
 
 
-def _differences(rows: np.ndarray, ticks: np.ndarray, order: int, known: int) -> tuple[np.ndarray, np.ndarray]:
-    """(differences of an order (m, n), row that each ends at (m,)) among equal steps, of those that end behind `known` rows."""
-    ends = np.arange(order, len(rows))
+def _differences(signals: np.ndarray, ticks: np.ndarray, order: int, known: int) -> tuple[np.ndarray, np.ndarray]:
+    """(differences of an order (n, m), step that each ends at (m,)) among equal steps, of those that end behind `known` ones."""
+    ends = np.arange(order, len(ticks))
     even = ends >= known
-    changes = np.diff(ticks, n=2) != 0  # the k-th: at row k + 1
+    changes = np.diff(ticks, n=2) != 0  # the k-th: at step k + 1
     for back in range(1, order):
-        even &= ~changes[order - 1 - back : len(rows) - 1 - back]
-    differences = np.diff(rows, n=order, axis=0)
-    return (differences, ends) if even.all() else (differences[even], ends[even])
+        even &= ~changes[order - 1 - back : len(ticks) - 1 - back]
+    differences = signals
+    for _ in range(order):
+        differences = differences[:, 1:] - differences[:, :-1]
+    if (first := max(known - order, 0)) and even[first:].all():  # the usual case: no copy
+        return differences[:, first:], ends[first:]
+    return (differences, ends) if even.all() else (differences[:, even], ends[even])
+
+
+def _squared(values: np.ndarray) -> np.ndarray:
+    """Sums of squares over the steps, (n, steps) -> (n,)."""
+    return np.einsum("ij,ij->i", values, values)
 
 
 def extrapolated(master: Master) -> set[Endpoint]:

@@ -55,16 +55,20 @@ def _folded(call: KernelCall) -> tuple[Any, ...]:
 
 def _compiled(call: KernelCall) -> tuple[int, tuple[str, ...]]:
     """(address, types of the arguments in machine code) of a kernel for these arguments."""
+    kernel = call.kernel
+    return _of_types(kernel, tuple(kernel.typeof_pyval(0.0 if isinstance(a, Symbol) else a) for a in _folded(call)), call.checked)
+
+
+@lru_cache(maxsize=1024)
+def _of_types(kernel: Any, signature: tuple[Any, ...], checked: bool) -> tuple[int, tuple[str, ...]]:
     from numba.core.types import unliteral
 
-    kernel = call.kernel
-    signature = tuple(kernel.typeof_pyval(0.0 if isinstance(a, Symbol) else a) for a in _folded(call))
     if signature not in kernel.overloads:
         kernel.compile(signature)
     compiled = kernel.overloads[signature]
     kinds = [str(k) for k in compiled.target_context.get_arg_packer(compiled.fndesc.argtypes).argument_types]
     result = str(unliteral(compiled.signature.return_type))  # one that always returns DONE has a type of that number
-    if result not in ("int64", "none") or (call.checked and result == "none"):
+    if result not in ("int64", "none") or (checked and result == "none"):
         raise PythonInHook(f"{kernel.__name__}, which returns {result}")
     return (compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name),
             tuple("ptr" if k.endswith("*") else k for k in kinds))

@@ -171,7 +171,7 @@ class _Reader:
             else:
                 arguments.append(self._value(argument, scope))
         function = node.func
-        if isinstance(function, ast.Attribute) and ast.unparse(function.value) in ("self", "super()"):
+        if isinstance(function, ast.Attribute) and _text(function.value) in ("self", "super()"):
             after = None if _is_self(function.value) else owner
             self.run(*_find(type(self.component), function.attr, after), tuple(arguments), wanted=checked)
             return
@@ -184,7 +184,7 @@ class _Reader:
         """The value of an expression that is the same at every step, or a symbol."""
         if isinstance(node, ast.Name) and isinstance(scope.get(node.id), Symbol):
             return scope[node.id]
-        if ast.unparse(node) == "t + h" and scope.get("t") is Symbol.TIME:
+        if isinstance(node, ast.BinOp) and _text(node) == "t + h" and scope.get("t") is Symbol.TIME:
             return Symbol.END
         for part in ast.walk(node):
             self._allow(part, scope)
@@ -216,8 +216,18 @@ class _Reader:
 
 def _is_self(node: Any) -> bool:
     """Whether a node is `self` or `type(self)`."""
-    return ast.unparse(node) in ("self", "type(self)")
+    return isinstance(node, ast.Name | ast.Call) and _text(node) in ("self", "type(self)")
+
+
+@lru_cache(maxsize=4096)  # hooks of many components are one source, which is read for each of them
+def _text(node: ast.AST) -> str:
+    return ast.unparse(node)
+
+
+@lru_cache(maxsize=4096)
+def _code(node: ast.expr) -> types.CodeType:
+    return compile(ast.fix_missing_locations(ast.Expression(node)), "<hook>", "eval")
 
 
 def _evaluated(node: ast.expr, scope: dict[str, Any]) -> Any:
-    return eval(compile(ast.fix_missing_locations(ast.Expression(node)), "<hook>", "eval"), scope)
+    return eval(_code(node), scope)

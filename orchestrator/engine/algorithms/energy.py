@@ -148,26 +148,27 @@ class EnergyAccount:
         n, kept = len(samples), self.times.size
         rows = np.concatenate((self.samples[kept - 2 :: -1] if kept > 1 else samples[:0], samples))  # oldest first
         self.samples = rows[: -kept - 1 : -1]
-        value, slope, half, degree = np.moveaxis(terms, 2, 0)
-        held = degree > self._degrees  # the unit holds the mean
-        value = np.where(held, value + h * (slope / 2.0 + h * half / 3.0), value)
-        slope, half = np.where(held, 0.0, slope), np.where(held, 0.0, half)
-        at = h * POINTS[:, None, None]
-        given = (value + at * (slope + at * half)) / self._factors  # (points, n, inputs)
+        value, slope, half, degree = np.ascontiguousarray(terms.T)  # (inputs, n): numbers of one input lie in a row
+        outputs = np.ascontiguousarray(rows.T)
+        if (held := degree > self._degrees[:, None]).any():  # the unit holds the mean
+            value = np.where(held, value + h * (slope / 2.0 + h * half / 3.0), value)
+            slope, half = np.where(held, 0.0, slope), np.where(held, 0.0, half)
+        at, watts = h * POINTS[:, None, None], self._watts[:, None]
+        given = (value + at * (slope + at * half)) / self._factors[:, None]  # (points, inputs, n)
         true = np.zeros_like(given)
         for j, basis in enumerate(self._basis):
-            true += basis * rows[kept - 1 - j : kept - 1 - j + n]
-        into, out_of = self._watts * true[..., ::2] * given[..., 1::2], self._watts * given[..., ::2] * true[..., 1::2]
+            true += basis * outputs[:, kept - 1 - j : kept - 1 - j + n]
+        into, out_of = watts * true[:, ::2] * given[:, 1::2], watts * given[:, ::2] * true[:, 1::2]
         created, exchanged = h * _mean(into - out_of), h * _mean(np.abs(into + out_of)) / 2.0
-        returned, self.last = self.integrals, (created[-1], exchanged[-1])
+        returned, self.last = self.integrals, (created[:, -1], exchanged[:, -1])
         course = _sums(self.elapsed, np.full(n, h)), _sums(self.created, created), _sums(self.exchanged, exchanged)
-        self.elapsed, self.created, self.exchanged = float(course[0][-1]), course[1][-1], course[2][-1]
-        self.integrals = _sums(self.integrals, h * _mean(given - true))[-1]
+        self.elapsed, self.created, self.exchanged = float(course[0][-1]), course[1][:, -1], course[2][:, -1]
+        self.integrals = _sums(self.integrals, h * _mean(given - true))[:, -1]
         self._course.append(course)
         if self.correction:
-            mean = _mean(true)[-1]
+            mean = _mean(true)[:, -1]
             owed = self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
-            self.last = created[-1] + owed, exchanged[-1]
+            self.last = created[:, -1] + owed, exchanged[:, -1]
             self._owe()
 
     def _owe(self) -> None:
@@ -183,7 +184,7 @@ class EnergyAccount:
         """The sums behind one of the steps that were entered together last, counted from 0."""
         for part in self._course:
             if step < len(part[0]):
-                return Sums(float(part[0][step]), part[1][step], part[2][step])
+                return Sums(float(part[0][step]), part[1][:, step], part[2][:, step])
             step -= len(part[0])
         raise IndexError(step)
 
@@ -224,8 +225,8 @@ def _mean(values: np.ndarray) -> np.ndarray:
 
 
 def _sums(start: Any, terms: np.ndarray) -> np.ndarray:
-    """start + terms[0] + ... + terms[k], from the left, for every k."""
-    return np.add.accumulate(np.concatenate((np.asarray(start)[None], terms)))[1:]
+    """start + terms[..., 0] + ... + terms[..., k], from the left, for every k."""
+    return np.add.accumulate(np.concatenate((np.asarray(start)[..., None], terms), axis=-1), axis=-1)[..., 1:]
 
 
 def _basis(times: np.ndarray, at: np.ndarray) -> np.ndarray:

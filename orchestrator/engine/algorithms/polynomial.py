@@ -27,6 +27,11 @@ class History:
         self.earlier: PortValues = None
         self.h1 = self.h2 = 0.0  # s, from `present` back to `before`, from there back to `earlier`
 
+    def __copy__(self) -> History:
+        new = object.__new__(type(self))  # a fifth of the time that `copy` takes without this
+        new.__dict__.update(self.__dict__)
+        return new
+
     def push(self, values: PortValues, h: float) -> None:
         """Add a sample that lies h behind the newest one."""
         self.earlier, self.before, self.present = self.before, self.present, values

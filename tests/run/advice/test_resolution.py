@@ -52,21 +52,21 @@ def test_the_shipped_settings_raise_no_alarm(scene):
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_the_two_numbers_of_an_oscillation_are_those_of_its_phase(phase, degree):
     """q = sin²(φ/2); the error of an extrapolation of degree p is the (p+1)-th difference, (2 sin(φ/2))^(p+1) of the signal."""
-    rows = np.cos(phase * np.arange(4000))[:, None]
+    signals = np.cos(phase * np.arange(4000))[None]
     ticks = np.arange(4000) * 7
     for order, expected in ((2, 4.0 * np.sin(phase / 2.0) ** 2), (degree + 1, (2.0 * np.sin(phase / 2.0)) ** (degree + 1))):
-        differences, ends = _differences(rows, ticks, order, 0)
-        assert np.sqrt(np.mean(differences**2)) / rows.std() == pytest.approx(expected, rel=2e-2)
-        assert len(differences) == len(ends) == 4000 - order
+        differences, ends = _differences(signals, ticks, order, 0)
+        assert np.sqrt(np.mean(differences**2)) / signals.std() == pytest.approx(expected, rel=2e-2)
+        assert differences.shape[1] == len(ends) == 4000 - order
 
 
 def test_differences_are_taken_among_equal_steps_only():
     ticks = np.array([0, 1, 2, 3, 5, 7, 9, 10, 11, 12])
-    rows = np.random.default_rng(1).normal(size=(10, 2))
+    signals = np.random.default_rng(1).normal(size=(2, 10))
     for order in (1, 2, 3):
-        differences, ends = _differences(rows, ticks, order, 2)
+        differences, ends = _differences(signals, ticks, order, 2)
         assert ends.tolist() == [k for k in range(order, 10) if k >= 2 and np.ptp(np.diff(ticks)[k - order : k]) == 0]
-        np.testing.assert_array_equal(differences, np.diff(rows, n=order, axis=0)[ends - order])
+        np.testing.assert_array_equal(differences, np.diff(signals, n=order)[:, ends - order])
 
 
 def test_a_resumed_run_judges_all_steps(tmp_path, monkeypatch):
