@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from itertools import pairwise
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class InstabilityMonitor(BatchObserver):
         if self._calls % self._every:
             return
         rows = [(node.history.present, node.history.present if node.reached is None else node.reached) for node in self._nodes]
-        self._look(np.array([[[v for row in rows for v in row[k]] for k in range(2)]]))
+        self._look(*self._sizes(np.array([[[v for row in rows for v in row[k]] for k in range(2)]])))
         if self._looks % LOOKS == 0 and (text := self._judge(self._account.sums if self._account is not None else None)):
             raise Unstable(text[0], t, text[1])
 
@@ -70,10 +71,10 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`."""
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
-        looks, steps, first = inputs[mine][:, :, self._columns], at[mine], 0
-        while first < len(looks):
+        values, missed, steps, first = *self._sizes(inputs[mine][:, :, self._columns]), at[mine], 0
+        while first < len(steps):
             last = first + LOOKS - self._looks % LOOKS
-            self._look(looks[first:last])
+            self._look(values[first:last], missed[first:last])
             if self._looks % LOOKS == 0:
                 step = int(steps[last - 1])
                 if self._judge(self._account.sums_behind(step) if self._account is not None else None):
@@ -86,19 +87,22 @@ class InstabilityMonitor(BatchObserver):
     def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
         if not self._seen:
-            self._look(inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns])
+            self._look(*self._sizes(inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns]))
         self._seen = False
 
     def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._calls += len(ticks)
 
-    def _look(self, looks: np.ndarray) -> None:
-        """Inputs and where they were led to, (m, 2, links), into the present block."""
-        self._looks += len(looks)
+    def _sizes(self, looks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""
         extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
-        missed = np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
-        self._values = np.fmax.reduce((self._values, *np.abs(looks[:, 0])))  # fmax: numbers, where there are some
+        return np.abs(looks[:, 0]), np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
+
+    def _look(self, values: np.ndarray, missed: np.ndarray) -> None:
+        """Sizes (m, links) into the present block."""
+        self._looks += len(values)
+        self._values = np.fmax.reduce((self._values, *values))  # fmax: numbers, where there are some
         self._missed = np.fmax.reduce((self._missed, *missed))
 
     def _judge(self, sums: Sums | None) -> tuple[str, str] | None:
@@ -142,12 +146,12 @@ class _Blocks:
         self.values = self.missed = np.zeros_like(values)
         if len(self.past) <= BLOCKS - 1:
             return values, missed, None
-        grown, calm = (missed > MISSED * values) & (values > BEYOND * self.calm), self.calm
-        self.calm = np.maximum(calm, self.past[0][0])
-        if grown.any():
-            rows = np.array([row for _, row in self.past])
-            grown &= (rows[1:] > RISE * rows[:-1]).all(axis=0)
+        beyond, rows = values > BEYOND * self.calm, [row for _, row in self.past]
+        self.calm = np.maximum(self.calm, self.past[0][0])
         self.past = self.past[1:]
+        if not beyond.any():
+            return values, missed, None
+        grown = beyond & (missed > MISSED * values) & np.all([new > RISE * old for old, new in pairwise(rows)], axis=0)
         return values, missed, int(np.argmax(np.where(grown, missed / self.nominal, 0.0))) if grown.any() else None
 
 
