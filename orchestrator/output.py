@@ -17,6 +17,7 @@ from typing import IO, Any
 
 from ..components.core.errors import BadInput
 
+PLOTLY = "plotly.min.js"  # beside the pages of a directory, which draw their figures with it
 UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or was writing when it was killed
 HOLDER = "holder.json"  # in it: who writes
 _held: set[str] = set()  # directories that this process writes into

@@ -36,6 +36,14 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Answer:
+    """What was asked for, large: (value with its unit, what it is)."""
+
+    numbers: Sequence[tuple[str, str]]
+    kind: str = "answer"
+
+
+@dataclass(frozen=True)
 class Facts:
     """Names and values in two columns; folded: hidden until asked for."""
 
@@ -85,4 +93,4 @@ class Ranges:
     kind: str = "ranges"
 
 
-Block = Figure | Sketch | Text | Facts | Cells | Ranges
+Block = Figure | Sketch | Text | Answer | Facts | Cells | Ranges

@@ -151,9 +151,20 @@ def thin_out(x: np.ndarray, y: np.ndarray, points: int = DRAWN_POINTS) -> tuple[
     """(x, y, thinned): for drawing only, at most about `points` samples, keeping the extremes of every bin."""
     if x.size <= points:
         return x, y, False
-    bins = np.array_split(np.arange(x.size), points // 2)
-    keep = np.unique([k for b in bins for k in (b[0] + int(np.argmin(y[b])), b[0] + int(np.argmax(y[b])))])
-    return x[keep], y[keep], True
+    edges = np.linspace(0, x.size, points // 2 + 1).astype(int)[:-1]
+    size = np.diff(np.append(edges, x.size))
+    gap = np.isnan(y)
+    keep = [_first(np.where(gap, np.inf, y), np.minimum, edges, size), _first(np.where(gap, -np.inf, y), np.maximum, edges, size)]
+    if gap.any():  # one of each bin that has some, so that the line stays broken there
+        keep.append(np.intersect1d(_first(gap.astype(float), np.maximum, edges, size), np.flatnonzero(gap)))
+    at = np.unique(np.concatenate(keep))
+    return x[at], y[at], True
+
+
+def _first(y: np.ndarray, extreme: np.ufunc, edges: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Positions of the first sample of each bin that is the bin's extreme. edges, size: (n,), of the bins."""
+    hits = np.flatnonzero(y == np.repeat(extreme.reduceat(y, edges), size))
+    return hits[np.unique(np.repeat(np.arange(edges.size), size)[hits], return_index=True)[1]]
 
 
 def drawn(values: Any, digits: int = 5) -> list[Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....components.core.errors import BadInput
-from ..charts.blocks import Block, Cells, Facts, Figure, Text
+from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
@@ -23,11 +23,12 @@ if TYPE_CHECKING:
     from ..system import Systems
     from ..validation.case import CaseResult
 
+MOST_NUMBERS = 4  # of the summary at the top of a page; the tables have the others
 _ENDED = {"failed": "failed", "unstable": "is unstable", "stopped": "was stopped"}
 
 
 def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
-    """`report.html` of one run: figures of its system, all recorded signals, how it was computed, settings."""
+    """`report.html` of one run: outcome and first numbers, figures of its system, signals, how it was computed, settings."""
     scene = result.scene
     blocks: list[Block] = []
     if result.outcome != "done":
@@ -35,7 +36,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     warnings = result.info.get("warnings", ())
     for texts, tone in (([s for s in warnings if s not in scene.remarks], "warning"), (list(scene.remarks), "note")):
         blocks += [Text(texts, tone)] if texts else []
-    blocks += _of_system(result, systems)
+    blocks += [*_answer(result, systems), *_of_system(result, systems)]
     computed = numerics.blocks(result)
     signals: list[Block] = [*generic.time_series(result)]
     if windows := fault_windows(result):
@@ -46,10 +47,33 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
     sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
     sections += [Section("How it was computed", computed)] if computed else []
-    sections.append(Section("Settings", [*generic.units_and_connections(result), *generic.run_blocks(result)]))
+    how = Text([generic.run_line(result)], "settings")
+    sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
     title = scene.title or scene.name
-    lead = generic.run_line(result)
-    return write_page(Page(title, lead, sections), Path(directory) / "report.html")
+    return write_page(Page(title, _verdict(result), sections), Path(directory) / "report.html")
+
+
+def _verdict(result: Result) -> str:
+    """How the run ended, in one sentence."""
+    end = f"{number(float(result.time[-1]) if result.time.size else 0.0)} s simulated"
+    if result.outcome != "done":
+        return f"This run {_ENDED[result.outcome]}, {end}."
+    count = len([text for text in result.info.get("warnings", ()) if text not in result.scene.remarks])
+    return f"Done: {end}, " + (f"{count} warning{'s' if count > 1 else ''}." if count else "no warning.")
+
+
+def _answer(result: Result, systems: Systems) -> list[Block]:
+    """The first numbers of the system's summary; none of a run that has none."""
+    system = result.scene.analysis.system
+    if system not in systems or result.time.size < 2:
+        return []
+    try:
+        rows = systems[system].summary(result)[:MOST_NUMBERS]
+    except BadInput:
+        return []  # the line in place of the figures says why
+    numbers = [(f"{number(row.value)} {row.unit if row.unit != '1' else ''}".rstrip(),
+                ", ".join(filter(None, (row.text, row.name.rpartition(".")[0])))) for row in rows]
+    return [Answer(numbers)] if numbers else []
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
@@ -132,11 +156,10 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
         blocks: list[Block] = []
         if run.outcome != "done":
             blocks.append(Text([f"This run {_ENDED[run.outcome]} and is shown as far as it went: {run.message}"], "warning"))
-            blocks += generic.time_series(run)
-        else:
-            blocks += (special(run, rows) if special else []) or generic.time_series(run)
-        if rows:
+        if rows:  # the answer, before the figures that show it
             blocks.append(generic.range_table(f"{case.title}: {label}", rows, findings.settings.get(label, "")))
+        of_system = special(run, rows) if special and run.outcome == "done" else []
+        blocks += of_system or generic.time_series(run)
         blocks.append(Text([f"Run: {generic.run_line(run)}"], "settings"))
         sections.append(Section(label, [*blocks, *generic.run_blocks(run)], 3))
     studies: list[Block] = [draw_chart(c) if isinstance(c, Chart) else generic.grid_table(c) for c in findings.charts]

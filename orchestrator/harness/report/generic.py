@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 KINDS = {"in process": "components in process", "FMU": "FMUs"}
 SHOWN_SIGNALS = 24  # of a plain run; the rest is in result.csv
+UNLIKE = 30.0  # largest over smallest signal, from which they do not share an axis
 
 
 def range_table(title: str, rows: Sequence[Row], settings: str = "") -> Ranges:
@@ -76,43 +77,59 @@ def _column(values: Sequence[str | float]) -> tuple[list[str], bool]:
 
 
 def time_series(result: Result) -> list[Figure]:
-    """Recorded signals over time, one panel per unit of measure and unit of the scene, in the order of recording."""
-    groups: dict[tuple[str, str], list[str]] = {}
-    names = [n for n in result.columns if n != "time"]
-    for name in names[:SHOWN_SIGNALS]:
-        groups.setdefault((name.partition(".")[0], result.measures.get(name, "")), []).append(name)
-    if not groups:
+    """Recorded signals over time: one panel for each unit of measure and size; a signal that does not change is only named."""
+    signals = {n: np.asarray(v, dtype=float) for n, v in result.columns.items() if n != "time"}
+    constant = [n for n, y in signals.items() if y.size and np.all(y == y[0])]
+    names = [n for n in signals if n not in constant]
+    shown = names[:SHOWN_SIGNALS]
+    panels = [panel for unit in dict.fromkeys(result.measures.get(n, "") for n in shown)
+              for panel in _panels(unit, {n: signals[n] for n in shown if result.measures.get(n, "") == unit})]
+    if not panels:
         return []
-    n = len(groups)
+    n = len(panels)
     height = 150 * n + 90
     gap = 24 / (height - 90)
     tall = (1 - gap * (n - 1)) / n
     data: list[dict[str, Any]] = []
     axes: dict[str, Any] = {"xaxis": axis("time, s", anchor="y" + (str(n) if n > 1 else ""))}
     thinned = False
-    for i, ((_, unit), members) in enumerate(groups.items()):
+    for i, (unit, members) in enumerate(panels):
         k = "" if i == 0 else str(i + 1)
         top = 1 - i * (tall + gap)
         axes["yaxis" + k] = axis(
             unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
         )
         for j, name in enumerate(members):
-            t, y, cut = thin_out(result.time, np.asarray(result.columns[name], dtype=float))
+            t, y, cut = thin_out(result.time, signals[name])
             thinned |= cut
             data.append(line(t, y, name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k))
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
     rest = len(names) - SHOWN_SIGNALS
+    still = ", ".join(f"{n} = {number(float(signals[n][0]))}" for n in constant[:SHOWN_SIGNALS])
     caption = " ".join(
         filter(
             None,
             [
                 f"{rest} more signals are in result.csv." if rest > 0 else "",
+                f"Constant: {still}{' and others' if len(constant) > SHOWN_SIGNALS else ''}." if constant else "",
                 "Drawn with fewer points than recorded; extremes are kept." if thinned else "",
             ],
         )
     )
     margin = {"l": 66, "r": 200, "t": 20, "b": 48}
     return [Figure("Recorded signals", {"data": data, "layout": layout(height, showlegend=True, margin=margin, **axes)}, caption)]
+
+
+def _panels(unit: str, signals: Mapping[str, np.ndarray]) -> list[tuple[str, list[str]]]:
+    """(unit, names) of the panels for signals of one unit: those of like size together, no more than there are colours."""
+    size = {n: float(np.abs(y[np.isfinite(y)]).max(initial=0.0)) for n, y in signals.items()}
+    panels: list[list[str]] = []
+    for name in sorted(signals, key=size.__getitem__, reverse=True):
+        if not panels or size[panels[-1][0]] > UNLIKE * size[name] or len(panels[-1]) == len(CYCLE):
+            panels.append([])
+        panels[-1].append(name)
+    order = list(signals)
+    return [(unit, sorted(panel, key=order.index)) for panel in panels]
 
 
 def flattened(value: Any, prefix: str = "") -> list[tuple[str, str]]:

@@ -25,12 +25,19 @@ function draw(element, dark = wantsDark.matches) {
     if (spec.frames) Plotly.addFrames(element, spec.frames);
   });
 }
-const plots = [...document.querySelectorAll(".plot")];
+if (typeof Plotly === "undefined" && document.getElementById("no-plotly")) document.getElementById("no-plotly").hidden = false;
+const plots = typeof Plotly === "undefined" ? [] : [...document.querySelectorAll(".plot")];
 const watcher = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting) { watcher.unobserve(entry.target); draw(entry.target); }
 }, { rootMargin: "1200px" });
 plots.forEach((p) => watcher.observe(p));
 const drawAgain = () => plots.filter((p) => p.dataset.drawn).forEach((p) => draw(p));
 wantsDark.addEventListener("change", drawAgain);
-window.addEventListener("beforeprint", () => plots.forEach((p) => draw(p, false)));
-window.addEventListener("afterprint", drawAgain);
+// On paper figures are light and nothing is folded.
+let folded = [];
+window.addEventListener("beforeprint", () => {
+  plots.forEach((p) => draw(p, false));
+  folded = [...document.querySelectorAll("details:not([open])")];
+  folded.forEach((d) => { d.open = true; });
+});
+window.addEventListener("afterprint", () => { drawAgain(); folded.forEach((d) => { d.open = false; }); });

@@ -13,9 +13,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
-from ...output import replaced
-from ..charts.blocks import Block
+from ...output import PLOTLY, replaced
+from ..charts.blocks import Block, Figure
 from ..charts.style import DARK
+from .embed import embedded
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Page:
     footer: Sequence[str] = field(default=())
 
 
-def _embedded(value: Any) -> str:
+def _as_json(value: Any) -> str:
     """JSON that can stand inside a script element: no "<" that could end it, no NaN."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
 
@@ -48,7 +49,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader(__package__, "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["embedded"] = _embedded
+    environment.filters["json"] = _as_json
     return environment
 
 
@@ -57,22 +58,35 @@ def _asset(name: str) -> str:
 
 
 def write_page(page: Page, path: Path) -> Path:
-    """Render to `path`. Styles, script and Plotly are in the file: it asks nothing of any network."""
-    figures = [b for s in page.sections for b in s.blocks if b.kind == "figure"]
+    """Render to `path`; Plotly goes beside it, once for all pages of a directory. Nothing is asked of any network."""
+    figures = [b for s in page.sections for b in s.blocks if isinstance(b, Figure)]
+    specs, points = embedded([f.figure for f in figures])
     html = (
         _environment()
         .get_template("page.html")
         .render(
             page=page,
             figure_number={id(f): i for i, f in enumerate(figures, 1)},
+            specs=specs,
+            points=points,
             id=id,
             css=_asset("page.css"),
             dark=DARK,
             script=_asset("page.js"),
-            plotly=get_plotlyjs() if figures else "",
+            plotly=PLOTLY if figures else "",
         )
     )
     path.parent.mkdir(parents=True, exist_ok=True)
+    if figures:
+        _put_plotly(path.with_name(PLOTLY))
     with replaced(path) as file:
         file.write(html)
     return path
+
+
+def _put_plotly(path: Path) -> None:
+    """The library beside a page, unless it is there: written anew only where another version is."""
+    script = get_plotlyjs()
+    if not path.is_file() or path.stat().st_size != len(script.encode("utf-8")):
+        with replaced(path) as file:
+            file.write(script)

@@ -1,4 +1,4 @@
-"""The page is one file that asks nothing of the network, holds what it was given, and escapes it."""
+"""The page asks nothing of the network, holds what it was given, and escapes it."""
 
 import json
 import re
@@ -37,9 +37,9 @@ def figures_of(html):
 
 
 def without_plotly(html):
-    """The page's own part: the embedded library mentions addresses of services the figures never ask for."""
-    start, end = html.index("plotly.js v"), html.rindex("<script>")
-    return html[:start] + html[end:]
+    """The page without the element of the library beside it, the only file that it asks for."""
+    assert html.count('<script src="plotly.min.js"></script>') == 1
+    return html.replace('<script src="plotly.min.js"></script>', "")
 
 
 def made_up_case(run, charts=(), notes=(), title="A case"):

@@ -1,0 +1,91 @@
+"""Figures as they stand in a page: no more points than the page has room for, and numbers as bytes instead of text."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..charts.style import thin_out
+
+ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
+LONG = 500  # points from which a line may be thinned, and the fewest that it then has
+PACKED = 50  # numbers from which an array becomes bytes
+
+Spec = dict[str, Any]  # a Plotly figure
+
+
+def embedded(figures: Sequence[Spec]) -> tuple[list[Spec], int]:
+    """(figures, points): copies of the figures for a page, and the most points that a line then has; 0 if none lost any."""
+    lines = [len(trace["x"]) for figure in figures for trace in figure["data"] if _is_long_line(trace)]
+    rest = sum(_size(a) for figure in figures for trace in figure["data"] for a in _arrays(trace).values()) - 2 * sum(lines)
+    points = _fitting(lines, ROOM - rest)
+    return [{**figure, "data": [_packed(_thinned(t, points)) for t in figure["data"]]} for figure in figures], points
+
+
+def _fitting(lines: Sequence[int], room: int) -> int:
+    """Most points of a line with which all of them have room, 0 where they have it as they are."""
+    if 2 * sum(lines) <= room:
+        return 0
+    points = max(lines)
+    while points > LONG and 2 * sum(min(n, points) for n in lines) > room:
+        points = max(LONG, int(0.9 * points))
+    return points
+
+
+def _is_long_line(trace: Mapping[str, Any]) -> bool:
+    """Whether it is a plain line of numbers whose points have nothing of their own."""
+    if trace.get("type") != "scatter" or trace.get("mode") != "lines" or len(trace.get("x", ())) <= LONG:
+        return False
+    return len(_arrays(trace)) == 2 and not any(isinstance(trace.get(k), list) for k in ("text", "customdata", "hovertext"))
+
+
+def _arrays(trace: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of x, y and z that are lists of numbers, or of such lists."""
+    return {k: trace[k] for k in ("x", "y", "z") if isinstance(trace.get(k), list) and _is_numeric(trace[k])}
+
+
+def _is_numeric(values: Sequence[Any]) -> bool:
+    return bool(values) and all(v is None or isinstance(v, int | float) for v in _flat(values))
+
+
+def _flat(values: Sequence[Any]) -> Iterator[Any]:
+    for value in values:
+        if isinstance(value, list):
+            yield from value
+        else:
+            yield value
+
+
+def _size(values: Sequence[Any]) -> int:
+    return sum(len(v) if isinstance(v, list) else 1 for v in values)
+
+
+def _thinned(trace: Spec, points: int) -> Spec:
+    if not points or not _is_long_line(trace):
+        return trace
+    x, y, _ = thin_out(_numbers(trace["x"]), _numbers(trace["y"]), points)
+    return {**trace, "x": _listed(x), "y": _listed(y)}
+
+
+def _numbers(values: Sequence[Any]) -> np.ndarray:
+    return np.array(values, dtype=float)  # None becomes NaN
+
+
+def _listed(values: np.ndarray) -> list[float | None]:
+    return [None if np.isnan(v) else float(v) for v in values]
+
+
+def _packed(trace: Spec) -> Spec:
+    """Long arrays as bytes, in single precision where neighbours stay apart; a gap, None, is NaN there."""
+    return {**trace, **{k: _bytes(_numbers(v)) for k, v in _arrays(trace).items() if _size(v) > PACKED}}
+
+
+def _bytes(values: np.ndarray) -> dict[str, str]:
+    single = values.astype("<f4")
+    merged = (np.diff(single.ravel()) == 0.0) & (np.diff(values.ravel()) != 0.0)
+    data = values.astype("<f8") if merged.any() else single
+    shape = {"shape": ", ".join(map(str, values.shape))} if values.ndim > 1 else {}
+    return {"dtype": data.dtype.str[1:], "bdata": b64encode(data.tobytes()).decode("ascii"), **shape}

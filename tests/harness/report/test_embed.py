@@ -1,0 +1,82 @@
+"""Figures in a page: as many points as there is room for, extremes and gaps kept, numbers as bytes that give them back."""
+
+import base64
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.harness.charts.style import thin_out
+from cosimo.orchestrator.harness.report.embed import LONG, ROOM, embedded
+from cosimo.orchestrator.harness.report.generic import time_series
+
+
+def back(packed):
+    """The array of a typed array of Plotly."""
+    values = np.frombuffer(base64.b64decode(packed["bdata"]), dtype=np.dtype(packed["dtype"]).newbyteorder("<"))
+    return values.reshape([int(n) for n in packed["shape"].split(",")]) if "shape" in packed else values
+
+
+def lines(count, points, seed=0):
+    """A figure of so many lines of noise."""
+    x, noise = np.linspace(0.0, 100.0, points), np.random.default_rng(seed).normal(size=(count, points))
+    return {"data": [{"type": "scatter", "mode": "lines", "x": x.tolist(), "y": y.tolist()} for y in noise], "layout": {}}
+
+
+def test_lines_that_have_room_keep_every_point():
+    figure = lines(3, 2000)
+    (spec,), points = embedded([figure])
+    assert points == 0
+    for trace, packed in zip(figure["data"], spec["data"], strict=True):
+        assert back(packed["y"]) == pytest.approx(trace["y"], rel=1e-6)
+
+
+def test_many_dense_lines_have_room_together_and_keep_their_extremes():
+    figures = [lines(12, 8000, k) for k in range(4)]
+    specs, points = embedded(figures)
+    assert LONG <= points < 8000
+    assert sum(back(t[k]).size for s in specs for t in s["data"] for k in "xy") <= ROOM
+    for figure, spec in zip(figures, specs, strict=True):
+        for trace, packed in zip(figure["data"], spec["data"], strict=True):
+            kept = back(packed["y"])
+            assert (kept.min(), kept.max()) == pytest.approx((min(trace["y"]), max(trace["y"])), rel=1e-6)
+
+
+def test_points_with_texts_and_short_arrays_stay_as_they_are():
+    labelled = {"type": "scatter", "mode": "lines", "x": list(range(9000)), "y": [0.0] * 9000, "text": ["a"] * 9000}
+    dots = {"type": "scatter", "mode": "markers", "x": [1.0, 2.0], "y": [None, 3.0]}
+    (spec, _), _ = embedded([{"data": [labelled, dots], "layout": {}}, lines(30, 9000)])
+    assert back(spec["data"][0]["y"]).size == 9000
+    assert spec["data"][1] == dots
+
+
+def test_pictures_and_times_that_single_precision_would_merge_come_back():
+    rows = [[float(10 * i + j) if i != j else None for j in range(9)] for i in range(8)]
+    late = [1e6 + 1e-3 * k for k in range(100)]
+    (spec,), _ = embedded([{"data": [{"type": "heatmap", "z": rows}, {"type": "scatter", "x": late, "y": late}], "layout": {}}])
+    assert np.array_equal(back(spec["data"][0]["z"]), np.array(rows, dtype=float), equal_nan=True)
+    assert back(spec["data"][1]["x"]).tolist() == late
+
+
+def test_a_thinned_line_stays_broken_where_it_was():
+    y = np.sin(np.linspace(0.0, 60.0, 20_000))
+    y[5000:9000] = np.nan
+    y[12_345], y[12_346] = 7.0, np.nan
+    x, thin, cut = thin_out(np.arange(20_000.0), y, 1000)
+    assert cut
+    assert np.nanmax(thin) == 7.0
+    assert np.isnan(thin[(x >= 5000) & (x < 9000)]).all()
+    assert np.isnan(thin[x == 12_346]).all()
+    assert (x == 12_346).any()
+
+
+def test_signals_share_an_axis_by_unit_of_measure_and_size():
+    t = np.linspace(0.0, 1.0, 50)
+    columns = {"a.force": 100.0 * t, "b.force": 90.0 * t, "c.force": 0.1 * t,
+               "a.position": t, "b.position": 1e-3 * t, "d.mass": 0.0 * t + 3.0}
+    measures = dict.fromkeys(columns, "N") | {"a.position": "m", "b.position": "m", "d.mass": "kg"}
+    (figure,) = time_series(SimpleNamespace(time=t, columns=columns, measures=measures))
+    axis_of = {trace["name"]: trace["yaxis"] for trace in figure.figure["data"]}
+    assert axis_of["a.force"] == axis_of["b.force"]
+    assert len(set(axis_of.values())) == 4
+    assert "d.mass" not in axis_of
+    assert "d.mass = 3" in figure.caption
