@@ -64,8 +64,23 @@ def load_package(folder):
         copy = stable_copy(folder)
         spec = importlib.util.spec_from_file_location(name, os.path.join(copy, "__init__.py"), submodule_search_locations=[copy])
         module = sys.modules[name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
+        try:
+            spec.loader.exec_module(module)
+        except DAMAGED:
+            drop_byte_code(copy)
+            spec.loader.exec_module(module)
     return name
+
+
+# what reading damaged byte code raises; the sources are known to be whole
+DAMAGED = (EOFError, ValueError, TypeError, ImportError)
+
+
+def drop_byte_code(copy):
+    """Let a package be compiled anew from its sources."""
+    for folder, _, _ in os.walk(copy):
+        if os.path.basename(folder) == "__pycache__":
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def import_part(module, fmu):
@@ -73,11 +88,8 @@ def import_part(module, fmu):
     try:
         try:
             return importlib.import_module(module)
-        except (EOFError, ValueError, TypeError):  # byte code that is damaged; the sources are known to be whole
-            copy = os.path.dirname(sys.modules[module.partition(".")[0]].__file__)
-            for folder, _, _ in os.walk(copy):
-                if os.path.basename(folder) == "__pycache__":
-                    shutil.rmtree(folder, ignore_errors=True)
+        except DAMAGED:
+            drop_byte_code(os.path.dirname(sys.modules[module.partition(".")[0]].__file__))
             return importlib.import_module(module)
     except ModuleNotFoundError as error:
         missing = (error.name or str(error)).partition(".")[0]

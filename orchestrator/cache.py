@@ -20,6 +20,7 @@ KINDS = {
     "effects": "sets of effects of scenes",
 }
 LEFT_BEHIND = 3600.0  # s: a file that is being written is younger
+TIDIED, DAY = "tidied", 86400.0  # the file that says when it was done last; s
 
 
 @dataclass(frozen=True)
@@ -66,12 +67,31 @@ def prune(days: float) -> int:
             files = [*_files(unit)] if unit.is_dir() else [(unit, unit.stat())]
             if all(now - max(s.st_mtime, s.st_atime) > 86400.0 * days for _, s in files):
                 shutil.rmtree(unit, ignore_errors=True) if unit.is_dir() else unit.unlink(missing_ok=True)
+    tidy()
+    return before - _size()
+
+
+def tidy() -> None:
+    """Remove what processes that were killed have left behind: files that were never put in place."""
+    now = time()
     for kind in KINDS:
         for path, status in _files(root() / kind):
             if now - status.st_mtime > LEFT_BEHIND and (path.suffix == ".part" or ".tmp." in path.name):
                 with suppress(OSError):
                     path.unlink()
-    return before - _size()
+        for folder in (root() / kind).glob("tmp*"):  # in which a bundle was unpacked
+            with suppress(OSError):
+                if now - folder.stat().st_mtime > LEFT_BEHIND and folder.is_dir():
+                    shutil.rmtree(folder, ignore_errors=True)
+
+
+def tidy_daily() -> None:
+    """The same where it was not done for a day; a file in the cache says when it was. Nothing where there is no cache."""
+    stamp = root() / TIDIED
+    with suppress(OSError):
+        if root().is_dir() and (not stamp.exists() or time() - stamp.stat().st_mtime > DAY):
+            stamp.touch()
+            tidy()
 
 
 def _units(folder: Path) -> Iterator[Path]:

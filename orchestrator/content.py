@@ -27,7 +27,7 @@ def write_content(path: Path, content: Any) -> None:
     arrays: dict[str, np.ndarray] = {}
     arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
     arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]

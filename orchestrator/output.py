@@ -7,12 +7,14 @@ import hashlib
 import json
 import os
 import platform
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
+from time import time
 from typing import IO, Any
 
 from ..components.core.errors import BadInput
@@ -20,6 +22,8 @@ from ..components.core.errors import BadInput
 PLOTLY = "plotly.min.js"  # beside the pages of a directory, which draw their figures with it
 UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or was writing when it was killed
 HOLDER = "holder.json"  # in it: who writes
+LEFT = re.compile(r"\..+\.[a-z0-9_]{8}\.part")  # names that `replaced` and checkpoints take
+YOUNG = 60.0  # s: where a file system has no locks, what is younger may be another process's
 _held: set[str] = set()  # directories that this process writes into
 
 
@@ -117,6 +121,7 @@ def locked(directory: str | Path) -> Iterator[Path]:
     except OSError as error:
         raise not_written(directory, error) from None
     _held.add(key)
+    _tidy(path)
     try:
         with suppress(OSError):  # the message of another run would be less precise
             (path / UNFINISHED).mkdir(exist_ok=True)
@@ -130,6 +135,14 @@ def locked(directory: str | Path) -> Iterator[Path]:
         with suppress(OSError):  # not where a run has left its rows there
             (path / UNFINISHED).rmdir()
         release()
+
+
+def _tidy(path: Path) -> None:
+    """Remove files that a process which was killed has not put in place; whoever holds the lock is the only one who writes."""
+    for part in path.glob(".*.part"):
+        with suppress(OSError):
+            if LEFT.fullmatch(part.name) and time() - part.stat().st_mtime > YOUNG:
+                part.unlink()
 
 
 def is_locked(directory: Path) -> bool:

@@ -220,7 +220,8 @@ class Result:
             info = json.loads((folder / INFO).read_text(encoding="utf-8"))
             scene = recorded_scene(info["scene"], analysis)
             where = folder / TABLE if (folder / TABLE).is_dir() else path / TABLE  # killed while it was put in place
-            table = StoredTable.read(where) if killed or where.is_dir() else None
+            rowless = (killed or info["outcome"] != "done") and not any(where.glob("*.parquet"))  # ended before its first row
+            table = StoredTable.read(where) if where.is_dir() and not rowless else None
             snapshots = [StoredTable.read(p) for p in sorted((folder / SNAPSHOTS).glob("*.parquet")) if any(p.iterdir())]
         except OSError as error:
             raise BadInput("result", repr(str(path)), "a directory that a run has written",

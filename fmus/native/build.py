@@ -126,7 +126,7 @@ def _compiler_version(target: str) -> str:
 
 
 def _linked(name: str, target: str, command: list[str], model: str, code: bytes) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="cosimo-") as folder:
+    with tempfile.TemporaryDirectory(prefix="cosimo-build-") as folder:
         write_sources(Path(folder), model, code)
         result = name + TARGETS[target].suffix
         dense = ["-fPIC", "-Wl,-z,defs"] if target != "win64" else []  # a missing symbol is an error here, not a crash later

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from ...components.core.errors import BadInput
+from ..cache import tidy_daily
 from . import (  # noqa: F401 - each adds its commands
     accuracy,
     answers,
@@ -27,17 +28,21 @@ from . import (  # noqa: F401 - each adds its commands
     stability,
     validate,
 )
-from .common import BAD_INPUT, app
+from .common import BAD_INPUT, FAILED_RUN, app
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
+    tidy_daily()
     try:
         app(arguments)
     except BadInput as error:
         print(f"cosimo: {error}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None
+    except MemoryError:  # in a report or a figure: a run ends with what it has
+        print("cosimo: out of memory; what was written before stays", file=sys.stderr)
+        raise SystemExit(FAILED_RUN) from None
     except OSError as error:  # a full disk, a folder that is a file ...: nothing the code could do better
         place = repr(str(error.filename)) if error.filename is not None else "output"
         print(f"cosimo: {place}: {error.strerror or error}; expected a place that can be read and written", file=sys.stderr)

@@ -29,6 +29,7 @@ from ..output import lock_folder
 
 MOST = 32  # folders that nobody uses; where there are more, the one used longest ago goes
 PREFIX = "cosimo.run-"
+BUILD, DAY = "cosimo-build-", 86400.0  # folders of builds of native FMUs; s: so old a one has no process any more
 YOUNG = 60.0  # s: so old a folder has its lock, if its process lives
 Key = tuple[str, int, int]
 _own: tuple[int, str, Callable[[], None]] | None = None  # process, its folder, what gives up the lock
@@ -89,6 +90,11 @@ def _tidy(base: Path) -> None:
             status = folder.lstat()
             if time() - status.st_mtime > YOUNG and (not hasattr(os, "getuid") or status.st_uid == os.getuid()):
                 lock_folder(folder)()
+                shutil.rmtree(folder, ignore_errors=True)
+    for folder in base.glob(BUILD + "*"):
+        with suppress(OSError):
+            status = folder.lstat()
+            if time() - status.st_mtime > DAY and (not hasattr(os, "getuid") or status.st_uid == os.getuid()):
                 shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -71,7 +71,7 @@ class WorkerUnit:
         kind = "native FMU" if native else "component" if in_process or ":" in settings.component else "FMU"
         self.kind = f"{kind} in a worker process"
         self._time, self._requests, self._numbers = 0.0, 0, 0
-        self._started = self._waiting = self._lost = self._late = False
+        self._started = self._waiting = self._lost = self._late = self._gone = False
         self._stale = True  # the outputs that were handed over last hold no more
         self._values: PortValues = []
         self.walls: list[str] = []  # that stand around it
@@ -167,7 +167,7 @@ class WorkerUnit:
             raise self._no_answer() from None
 
     def _no_answer(self) -> StepFailed:
-        self._process.kill()
+        self._kill()
         return self._end("something else than answers came from its worker process, which was ended")
 
     def _end(self, reason: str = "") -> StepFailed:
@@ -177,8 +177,10 @@ class WorkerUnit:
         try:
             code = self._process.wait(GRACE)
         except subprocess.TimeoutExpired:  # it has closed the pipe and lives on
-            self._process.kill()
+            self._kill()
             code = self._process.wait()
+        self._kill()
+        self._gone = True
         if reason:
             pass
         elif self._late:
@@ -195,6 +197,16 @@ class WorkerUnit:
             lines = log.read().decode(errors="replace").splitlines()
         return "".join(f"\n  log: {line}" for line in lines[-LOG_LINES:])
 
+    def _kill(self) -> None:
+        """End the process, and with it those that its unit has started: they are of its process group."""
+        if self._gone:  # and another group may have its number
+            return
+        if os.name == "nt":
+            self._process.kill()
+        else:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+
     def _watch(self) -> None:
         """End the process when an answer is waited for longer than the limit."""
         assert self._limit is not None
@@ -202,7 +214,7 @@ class WorkerUnit:
             since, limit = self._since, self._limit if self._started else max(self._limit, START)
             if since is not None and monotonic() - since > limit:
                 self._late = True
-                self._process.kill()
+                self._kill()
                 return
 
     # -- the unit ----------------------------------------------------------------------------------------------------
@@ -308,7 +320,8 @@ class WorkerUnit:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(GRACE)
         finally:
-            self._process.kill()
+            self._kill()
             self._process.wait()
+            self._gone = True
             self._pipes[1].close()
             shutil.rmtree(self._folder, ignore_errors=True)

@@ -17,7 +17,7 @@ from cosimo.components.core.kernel_cache import _private
 from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.output import lock_folder, seal, unsealed
+from cosimo.orchestrator.output import lock_folder, locked, seal, unsealed
 from cosimo.orchestrator.units import folders
 
 posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
@@ -120,7 +120,7 @@ def test_show_clear_and_prune(own_cache, capsys):
         cache.clear(["fmu"])
     assert cache.clear(["kernels"]) == 0
     main_json(["cache", "clear", "fmus"])
-    assert [p for p in own_cache.rglob("*") if p.is_file()] == [mine]
+    assert [p for p in own_cache.rglob("*") if p.is_file() and p.name != cache.TIDIED] == [mine]
     for wrong in ("shw", "clear --days 3", "prune fmus", "prune --days -1"):
         with pytest.raises(SystemExit) as end:
             main(["cache", *wrong.split()])
@@ -175,3 +175,55 @@ def test_where_no_folder_has_plain_letters_it_is_said(tmp_path, monkeypatch):
     fmu = shutil.copy(build.built("Pantograph"), tmp_path / "Pantograph.fmu")  # no other test has it unpacked
     with pytest.raises(OSError, match=r"with letters beyond ASCII\. Set TMPDIR"):
         folders.take(str(fmu))
+
+
+@pytest.mark.full
+def test_damaged_byte_code_of_a_bundle_is_noticed(own_cache):
+    """Cut, emptied, of another kind: the sources are whole, and the byte code is made anew."""
+    program = ("from cosimo.orchestrator.run import run\nfrom cosimo.orchestrator.systems import load_scene\n"
+               "r = run(load_scene('mass-on-spring').with_changes({'stop_time': 0.05})); print(r.outcome, r['mass.base_x'][-1])")
+
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+
+    def result() -> str:
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True,
+                              env=environment | {"NUMBA_DISABLE_JIT": "1"})
+        return done.stdout
+
+    whole = result()
+    assert whole.startswith("done ")
+    files = [*(own_cache / "bundles").rglob("*.pyc")]
+    assert files
+    for damage in (lambda b: b[:200], lambda b: b"", lambda b: b[:16] + b"z" * 100, lambda b: b[:16]):
+        for file in (own_cache / "bundles").rglob("*.pyc"):
+            file.write_bytes(damage(file.read_bytes()))
+        assert result() == whole
+
+
+def test_what_was_never_put_in_place_goes_once_a_day(own_cache, tmp_path):
+    (own_cache / "fmus").mkdir(parents=True)
+    (own_cache / "bundles" / "tmpabc").mkdir(parents=True)
+    (own_cache / "mine").mkdir()
+    old, new, mine = own_cache / "fmus" / "abc.part", own_cache / "fmus" / "new.part", own_cache / "mine" / "a.part"
+    for path in (old, new, mine):
+        path.write_bytes(b"x")
+    for path in (old, mine, own_cache / "bundles" / "tmpabc"):
+        os.utime(path, (1e9, 1e9))
+    cache.tidy_daily()
+    assert [path.exists() for path in (old, own_cache / "bundles" / "tmpabc", new, mine)] == [False, False, True, True]
+    old.write_bytes(b"x")
+    os.utime(old, (1e9, 1e9))
+    cache.tidy_daily()
+    assert old.exists()
+    os.utime(own_cache / cache.TIDIED, (1e9, 1e9))
+    cache.tidy_daily()
+    assert not old.exists()
+
+
+def test_a_result_directory_loses_what_a_killed_process_has_not_put_in_place(tmp_path):
+    ours, checkpoint, users = tmp_path / ".run.json.abcd_123.part", tmp_path / ".checkpoint.zzzz9999.part", tmp_path / "film.part"
+    for path in (ours, checkpoint, users):
+        path.write_bytes(b"x")
+        os.utime(path, (1e9, 1e9))
+    with locked(tmp_path):
+        assert [p.exists() for p in (ours, checkpoint, users)] == [False, False, True]

@@ -3,6 +3,7 @@
 The start of a worker takes a second of CPU time: where one will do, only one unit is isolated.
 """
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -354,6 +355,30 @@ def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
     process.wait(20.0)
     process.stdout.close()
     assert gone(workers)
+
+
+def of_group(group: int) -> list[int]:
+    """Processes of a group that live."""
+    members = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):  # it has ended meanwhile
+            state, _, its_group, *_ = path.read_text().rpartition(")")[2].split()
+            members += [int(path.parent.name)] if int(its_group) == group and state != "Z" else []
+    return members
+
+
+@needs_proc
+def test_what_a_unit_has_started_ends_with_it(monkeypatch):
+    groups = []
+
+    def kill(unit, _kill=WorkerUnit._kill):
+        groups.append(of_group(unit._process.pid))
+        _kill(unit)
+
+    monkeypatch.setattr(WorkerUnit, "_kill", kill)
+    assert run(read_scene(troubled("fork"))).outcome == "done"
+    assert any(groups)  # the child was still there
+    assert gone([child for children in groups for child in children])
 
 
 @needs_proc

@@ -33,12 +33,19 @@ def _print() -> None:
     os._exit(7)
 
 
+def _fork() -> None:
+    if not os.fork():
+        time.sleep(LONG)
+        os._exit(0)
+
+
 TROUBLES = {
     "none": lambda: None,
     "segfault": _crash,
     "exit": lambda: os._exit(7),
     "sys exit": lambda: sys.exit(0),
     "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "fork": _fork,
     "hang": lambda: time.sleep(LONG),
     "exception": lambda: 1 / 0,
     "warning": lambda: warnings.warn("the oil is old", stacklevel=1),
