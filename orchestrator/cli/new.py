@@ -176,7 +176,8 @@ def test_the_fmu_passes_its_checks(tmp_path):
     findings = cosimo.check(cosimo.build($name, tmp_path))
     assert [f"{f.name}: {f.detail}" for f in findings if not f.ok] == []
 '''
-SCENE = '''title = "$title, let go"
+SCENE = '''#:schema scene.schema.json
+title = "$title, let go"
 stop_time = 5.0                                   # s
 
 [units.$unit]
@@ -201,6 +202,7 @@ The folder of `$module.py` must be on `PYTHONPATH`:
     cosimo build $module:$name                   # $name.fmu
     cosimo check $name.fmu
     cosimo stability component:$module:$name
+    cosimo schema -o scene.schema.json           # with it, editors complete and check $module.toml
 '''
 
 

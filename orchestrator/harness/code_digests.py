@@ -20,7 +20,7 @@ def components_digest(scene: Scene) -> str:
 
 
 def component_digest(name: str) -> str:
-    """The same of one component of the catalogue."""
+    """The same of one component."""
     return short_digest(" ".join(_code_digests(name, name)).encode())
 
 

@@ -20,6 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ...components.catalogue import component_name
 from ..checkpoint import digest
 from ..content import read_content, write_content
 from ..output import UNFINISHED, locked
@@ -74,7 +75,7 @@ class Journal:
 
     def _key(self, part: Any) -> Any:
         if isinstance(part, type):
-            return component_digest(part.__name__)
+            return component_digest(component_name(part))
         if not isinstance(part, Scene):
             return part
         components = tuple(unit.component for unit in part.units.values())

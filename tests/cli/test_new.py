@@ -61,3 +61,8 @@ def test_the_tests_that_it_writes_pass_in_a_fresh_folder(tmp_path):
                           env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)})
     assert done.returncode == 0, done.stdout
     assert "8 passed" in done.stdout
+    for command in ("stability component:fresh_mass:FreshMass --steps 60", "accuracy component:fresh_mass:FreshMass --budget 1"):
+        done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", *command.split(), "-o", "out"], cwd=tmp_path,
+                              env={**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": f"{ROOT}{os.pathsep}{tmp_path}"},
+                              capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
