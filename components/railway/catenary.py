@@ -370,7 +370,7 @@ class Catenary(Component):
 
     def _layout_for(self, p, e) -> Layout:
         if e.line_table is not None:
-            line = read_line(self.parameters["line_table.table"], f"{self.name}: line_table.table")
+            line = read_line(str(self.parameters["line_table.table"]), f"{self.name}: line_table.table")
             return formed_layout(line, p, e.bending_stiffness)
         return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
 

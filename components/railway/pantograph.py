@@ -31,13 +31,16 @@ from .pantograph_effects import (
     FrameFriction,
     LiftFluctuation,
     LowerFrame,
+    MeasuredUnevenness,
     OuterContact,
     SecondWire,
     StripLift,
     TwoStrips,
     WireUnevenness,
     fluctuation_sines,
+    measured_heights,
     sum_of_sines,
+    uneven,
     unevenness_sines,
 )
 
@@ -66,6 +69,7 @@ class Pantograph(OdeComponent):
     strip_lift = StripLift
     lift_fluctuation = LiftFluctuation
     wire_unevenness = WireUnevenness
+    measured_unevenness = MeasuredUnevenness
     acceleration = Acceleration
     actuator = Actuator
     bump_stops = BumpStops
@@ -134,6 +138,8 @@ class Pantograph(OdeComponent):
                            "a rate that leads to the final speed", "Change its sign, or final_speed.")
         if e.wire_unevenness is not None:
             e = e._replace(wire_unevenness=unevenness_sines(e.wire_unevenness, self.name))
+        if e.measured_unevenness is not None:
+            e = e._replace(measured_unevenness=measured_heights(str(self.parameters["measured_unevenness.table"]), self.name))
         if e.lift_fluctuation is not None:
             e = e._replace(lift_fluctuation=fluctuation_sines(e.lift_fluctuation, self.name))
         return p, e
@@ -151,9 +157,7 @@ class Pantograph(OdeComponent):
             lift += lift_at(self.t, e.aerodynamic_uplift.coefficient, 0, p, e)
         if e.actuator is not None:
             lift += limited(self.u[0, e.actuator.u], e.actuator.limit)
-        wire = self.u[0, WIRE_HEIGHT]
-        if e.wire_unevenness is not None:
-            wire += sum_of_sines(front_position(self.t, p, e), 0, e.wire_unevenness)
+        wire = uneven(self.u[0, WIRE_HEIGHT], front_position(self.t, p, e), e)
         if e.two_strips is not None:
             x = self._on_two_strips(p, e, lift, wire, base_height)
         else:
@@ -184,9 +188,7 @@ class Pantograph(OdeComponent):
         K, _, m = self._matrices(p, e, [1.0 / (1.0 / p.contact_stiffness + self.u[0, c])
                                         for c in (WIRE_COMPLIANCE, e.two_strips.u + 1)])
         n = m.size - 3
-        rear = self.u[0, e.two_strips.u]
-        if e.wire_unevenness is not None:
-            rear += sum_of_sines(front_position(self.t, p, e) - e.two_strips.distance, 0, e.wire_unevenness)
+        rear = uneven(self.u[0, e.two_strips.u], front_position(self.t, p, e) - e.two_strips.distance, e)
         base = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
         load = np.zeros(m.size)
         load[n - 1] = lift + base * (base_height + p.working_height)
@@ -339,19 +341,15 @@ def contact_forces(t, x, u, p, e):
     """Force of the head or of its front strip, or what comes from outside; force of the rear strip or on the second wire; N."""
     if e.outer_contact is not None:
         return -u[e.outer_contact.u], 0.0
-    wire = u[WIRE_HEIGHT]
-    if e.wire_unevenness is not None:
-        position = front_position(t, p, e)
-        wire += sum_of_sines(position, 0, e.wire_unevenness)
+    position = front_position(t, p, e)
+    wire = uneven(u[WIRE_HEIGHT], position, e)
     if e.second_wire is not None:
         beside = x[0] - u[e.second_wire.u]
         return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
                 spring_force(beside, u[e.second_wire.u + 1], p, e.contact_loss))
     if e.two_strips is None:
         return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss), 0.0
-    i, rear = first_strip(e), u[e.two_strips.u]
-    if e.wire_unevenness is not None:
-        rear += sum_of_sines(position - e.two_strips.distance, 0, e.wire_unevenness)
+    i, rear = first_strip(e), uneven(u[e.two_strips.u], position - e.two_strips.distance, e)
     return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
             spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, e.contact_loss))
 

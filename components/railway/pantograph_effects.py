@@ -10,7 +10,7 @@ import numpy as np
 from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
-from ..core.variables import input_, integer, output, parameter
+from ..core.variables import input_, integer, output, parameter, text
 
 TURN = 2.0 * math.pi
 
@@ -73,7 +73,7 @@ class SecondWire(Effect):
 
     explicit_only = True
     requires = ("contact_loss",)
-    excludes = ("two_strips", "outer_contact")
+    excludes = ("two_strips",)
 
     wire_height = input_(10.0, "m", "height of the second contact wire at the contact point", nominal=0.05)
     wire_compliance = input_(0.0, "m/N", "compliance of the second wire that its model leaves out", nominal=1e-5)
@@ -132,6 +132,19 @@ class WireUnevenness(Effect):
     exponent = parameter(2.0, "1", "exponent p of the spectrum", low=0.0, high=10.0)
     components = integer(60, "number of sines", low=1, high=2000)
     seed = integer(1, "of the random wave lengths and phases", low=0, high=2**31 - 1)
+
+
+class MeasuredUnevenness(Effect):
+    """Unevenness of the wire from a measurement, added to the height that the wire's model gives.
+
+    A table of two columns with a header, separated by commas: position along the track, m, rising, and height, m. Straight from
+    point to point, the first and the last height beyond them.
+    """
+
+    explicit_only = True
+    excludes = ("wire_unevenness",)
+
+    table = text("position [m],height [m]\n0,0\n1000,0\n", "measured heights as a CSV table; a scene may name its file")
 
 
 class Acceleration(Effect):
@@ -210,6 +223,58 @@ def sum_of_sines(s, k, sines):
     for i in range(sines.amplitude.size):
         total += sines.amplitude[i] * math.cos(sines.number[i] * s + sines.phase[k, i])
     return total
+
+
+@kernel_tuple
+class Heights(NamedTuple):
+    """Heights over positions, (n,) m each; positions rise."""
+
+    position: np.ndarray
+    height: np.ndarray
+
+
+@kernel
+def height_between(x, table):
+    """Height at a position, m: straight between the rows, that of the first and the last one beyond them."""
+    low, high = 0, table.position.size - 1
+    if x <= table.position[low]:
+        return table.height[low]
+    if x >= table.position[high]:
+        return table.height[high]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table.position[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    s = (x - table.position[low]) / (table.position[high] - table.position[low])
+    return (1.0 - s) * table.height[low] + s * table.height[high]
+
+
+@kernel
+def uneven(wire, position, e):
+    """Height of the wire with its unevenness at a position, m."""
+    if e.wire_unevenness is not None:
+        wire += sum_of_sines(position, 0, e.wire_unevenness)
+    if e.measured_unevenness is not None:
+        wire += height_between(position, e.measured_unevenness)
+    return wire
+
+
+def measured_heights(table: str, where: str) -> Heights:
+    """Of `MeasuredUnevenness`; `BadInput` for what is no table of rising positions and heights."""
+    place = f"{where}: measured_unevenness.table"
+    lines = [line for line in table.splitlines() if line.strip()]
+    try:
+        values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    except ValueError as error:
+        raise BadInput(place, str(error), "a header, then rows of two numbers separated by a comma") from None
+    if values.ndim != 2 or values.shape[0] < 2 or values.shape[1] != 2 or not np.isfinite(values).all():
+        raise BadInput(place, f"{len(lines)} lines", "a header, then at least two rows of a position and a height")
+    if np.any(np.diff(values[:, 0]) <= 0.0):
+        k = int(np.argmax(np.diff(values[:, 0]) <= 0.0))
+        raise BadInput(place, f"{values[k + 1, 0]:g} m behind {values[k, 0]:g} m", "positions that rise")
+    return Heights(values[:, 0].copy(), values[:, 1].copy())
 
 
 def random_sines(lowest: float, highest: float, count: int, density, deviation: float, rows: int, seed: int) -> Sines:

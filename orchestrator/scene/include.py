@@ -107,11 +107,11 @@ def _located(unit: Any, folder: Path | None) -> Any:
 
 
 def _with_contents(parameters: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Parameters, those that name a table's file by its ending .toml replaced by its text."""
+    """Parameters, those that name a table's file by its ending, .toml or .csv, replaced by its text."""
     def content(key: str, value: Any) -> Any:
         if isinstance(value, Mapping):
             return _with_contents(value, folder)
-        if isinstance(value, str) and value.endswith(".toml") and "\n" not in value:
+        if isinstance(value, str) and value.endswith((".toml", ".csv")) and "\n" not in value:
             return read_text(folder / value, key)
         return value
 

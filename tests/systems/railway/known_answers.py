@@ -14,6 +14,7 @@ KNOWN: dict[str, dict[str, str]] = {
               base_excitation="transmissibility_of_the_base", outer_contact="outer_contact_gives_the_motion_of_the_inner_one"),
         **in_file("railway/test_pantograph_effects.py", two_strips="two_strips_average_the_wire_over_their_distance",
                   strip_lift="lift_of_the_strips_adds_to_the_force", wire_unevenness="unevenness_is_a_height_of_the_wire",
+                  measured_unevenness="measured_unevenness_is_a_height_of_the_wire",
                   lift_fluctuation="lift_fluctuates_with_its_standard_deviation",
                   acceleration="train_accelerates_and_then_keeps_its_speed",
                   actuator="actuator_follows_its_command_with_a_lag"),

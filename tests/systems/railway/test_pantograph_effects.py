@@ -124,6 +124,34 @@ def test_unevenness_is_a_height_of_the_wire():
     assert energy[-1] / energy[0] == pytest.approx(2.0 / (1.0 + 150.0**2), rel=0.2)  # (1 + (n L)²) at both ends, bands 8 % wide
 
 
+def test_measured_unevenness_is_a_height_of_the_wire():
+    """Straight between the rows, level beyond them, at either strip's own place: as the same heights as inputs."""
+    table = "position [m],height [m]\n10,0.001\n10.5,0.003\n\n12,-0.002\n"
+    x, z = np.array([10.0, 10.5, 12.0]), np.array([1e-3, 3e-3, -2e-3])
+    for place in (9.0, 10.0, 10.2, 10.5, 11.3, 12.0, 40.0):
+        given = {"start_position": place, "speed": 0.0}
+        uneven = Pantograph(["measured_unevenness", "two_strips"], given | {"measured_unevenness.table": table})
+        uneven.initialize(0.0)
+        even = Pantograph(["two_strips"], given)
+        even.set("wire_height", float(np.interp(place, x, z)))
+        even.set("two_strips.wire_height", float(np.interp(place - 0.58, x, z)))
+        even.initialize(0.0)
+        for name in ("contact_force", "two_strips.contact_force"):
+            assert uneven[name] == pytest.approx(even[name], rel=1e-9)
+    moving = Pantograph(["measured_unevenness"], {"start_position": 9.9, "speed": 50.0, "measured_unevenness.table": table})
+    moving.initialize(0.0)
+    assert np.ptp([row["contact_force"] for row in stepped(moving, 0.03)]) > 1.0
+
+
+@pytest.mark.parametrize(("table", "expected"), [
+    ("", "at least two rows"), ("position [m],height [m]\n0,0\n", "at least two rows"), ("x,z\n0,0\n1,a\n", "two numbers"),
+    ("x,z\n0,0\n2,0\n1,0\n", "1 m behind 2 m"), ("x,z\n0,0,0\n1,0,0\n", "at least two rows"), ("x,z\n0,0\n1,nan\n", "rows"),
+])
+def test_a_table_of_heights_that_cannot_be_used_is_one_message(table, expected):
+    with pytest.raises(BadInput, match=expected):
+        Pantograph(["measured_unevenness"], {"measured_unevenness.table": table}).initialize(0.0)
+
+
 def test_train_accelerates_and_then_keeps_its_speed():
     """x = v0 t + a t²/2 up to the final speed, then straight on; braking to a stop likewise, and it stays there."""
     for speed, rate, final in ((20.0, 4.0, 21.0), (20.0, -10.0, 19.0), (1.0, -5.0, 0.0), (20.0, 0.0, 50.0)):
