@@ -17,6 +17,7 @@ from . import (  # noqa: F401 - each adds its commands
     answers,
     cache,
     catalogue,
+    dataset,
     effects,
     many,
     new,

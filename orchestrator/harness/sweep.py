@@ -11,7 +11,7 @@ multiple of something: the raw material of a bifurcation diagram.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -62,6 +62,16 @@ class Sweep:
     remarks: tuple[str, ...] = ()
     computed: int = 0
     efficiency: float = 1.0
+    located: store.Located | None = None
+
+    def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """(time, values), (m,) each, of a kept signal at every point, read as they are asked for; empty where a run failed.
+
+        Raises `BadInput` for a signal that was not kept, and for a sweep without a directory.
+        """
+        if self.located is None or name not in self.plan.keep.signals:
+            raise BadInput("signals", repr(name), "a signal that the plan keeps, of a sweep with a directory")
+        return store.signals_of(self.located, name)
 
     @property
     def done(self) -> np.ndarray:
@@ -170,7 +180,8 @@ def _sweep(scene: Scene, plan: Points, located: store.Located, folder: Path, bas
     outcomes = tuple(o if o in ("done", NOT_RUN) else collected.reasons[r]
                      for o, r in zip(collected.outcomes.tolist(), collected.reason, strict=True))
     return Sweep(scene, varied, dict(collected.numbers), outcomes, collected.section, units, stopped, plan.settings,
-                 tuple(files), tuple(plan.remarks), computed, efficiency)
+                 tuple(files), tuple(plan.remarks), computed, efficiency,
+                 located if kept else None)
 
 
 def _json(content: Any) -> str:

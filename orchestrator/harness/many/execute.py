@@ -23,7 +23,8 @@ from .plan import Points
 from .store import locate_points
 from .workers import Workers
 
-BATCH_SECONDS = 1.0  # of work: three orders above what a scheduler needs for a batch
+BATCH_SECONDS = 1.0  # of work, at least: three orders above what a scheduler needs for a batch
+TASKS_A_SECOND = 650.0 / 5.0  # a fifth of what a Dask scheduler was measured to handle: batches of many workers are longer
 MOST_IN_BATCH = 1000
 IN_FLIGHT = 3  # batches a worker
 LOOK = 0.2  # s between two looks at signals
@@ -62,6 +63,11 @@ class Schedule:
                 self._waiting[group] = members[1:]
         self.left = self.missing.size
 
+    @property
+    def seconds(self) -> float:
+        """Of work in a batch."""
+        return max(BATCH_SECONDS, self.workers / TASKS_A_SECOND)
+
     def next(self, in_flight: int) -> _Batch | None:
         """A batch; None where the workers have enough, or others must end first."""
         if self.suspects:
@@ -72,7 +78,7 @@ class Schedule:
             return self._first.popleft()
         if not self._ready:
             return None
-        size = 1 if not self.per_point else int(np.clip(BATCH_SECONDS / self.per_point, 1, MOST_IN_BATCH))
+        size = 1 if not self.per_point else int(np.clip(self.seconds / self.per_point, 1, MOST_IN_BATCH))
         size = min(size, max(1, self.left // (2 * self.workers)))  # none waits long for the last one
         ahead = self._ready.popleft()
         if ahead.size > size:

@@ -22,7 +22,7 @@ from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSett
 from .sampling import correlated, matrix_of, quantile, unit_points
 
 MOST_CHECKED = 200  # values of one axis that are checked before the first run
-UNIT_KEYS = ("component", "fmu", "preset", "effects", "every", "isolation", "interface", "solver", "tolerance")
+UNIT_KEYS = ("parameters", "component", "fmu", "preset", "effects", "every", "isolation", "interface", "solver", "tolerance")
 STRUCTURAL = ("component", "fmu", "preset", "effects", "interface")  # what machine code depends on
 
 

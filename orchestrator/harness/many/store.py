@@ -318,6 +318,25 @@ def _signals(located: Located, names: Sequence[str], some: slice, longest: int) 
     return values
 
 
+def signals_of(located: Located, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """(time, values) of a kept signal at every point in the plan's order."""
+    import pyarrow.parquet as parquet
+
+    last, table = -1, None
+    for part, row in zip(located.part.tolist(), located.row.tolist(), strict=True):
+        if part < 0:
+            yield np.zeros(0), np.zeros(0)
+            continue
+        if part != last:
+            path = located.files[part]
+            there = TIME in parquet.read_schema(path).names
+            table = parquet.read_table(path, columns=[TIME, SIGNAL + name], partitioning=None) if there else None
+            last = part
+        pair = [table.column(c)[row].values for c in (TIME, SIGNAL + name)] if table is not None else [None, None]
+        time, values = (np.zeros(0) if x is None else x.to_numpy(zero_copy_only=False) for x in pair)
+        yield time, values
+
+
 def provenance(scene: Scene, plan: Points, base: str, units: Mapping[str, str]) -> dict[str, Any]:
     """What sweep.json and the data set's attributes tell of how the numbers came about."""
     return {
