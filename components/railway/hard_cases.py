@@ -7,6 +7,14 @@ from ..core.hard_cases import AtLeast, AtMost, BoundedEnergy, Ends, Finite, Hard
 
 RELEASED = {"contact_force": jumps(200.0, (0.0, 0.0))}
 WAVE = (20e3 / 1.35) ** 0.5  # m/s, of the default contact wire
+STITCHED = """[[sections]]
+contact_wire = { tension = 27000, mass = 1.07 }
+messenger = { tension = 21000, mass = 1.06 }
+stitch = { half_length = 9.0, tension = 3500, mass = 0.31 }
+support.system_height = 1.8
+spans = [65, 65, 65]
+"""
+GRADIENT = "[[sections]]\nspans = [50, 50, 50]\nsupports = [5.0, 5.0, {0}, {0}]\n"
 THREE_SPANS = {"spans": 3, "element": 1.0}
 
 
@@ -67,6 +75,15 @@ HARD_CASES = {
                  {"spans": 2, "pre_sag.depth": 0.3, "contact_wire_mass": 0.3}),
         HardCase("an explicit step above the limit", "Elements of 0.1 m ask for steps shorter than 1 ms.",
                  Refused("at most", accepted={"substep": 4e-4}), (), {"spans": 2, "element": 0.1}),
+        HardCase("an undamped stitched line", "Two tensions in one messenger, rigid clamps: Verlet's energy swings and does not "
+                 "grow.", (Invariant("energy", 5e-3, share=True),), ("line_table",),
+                 {"line_table.table": STITCHED, "element": 1.0}, RELEASED | {"contact_position": 98.0}, duration=0.2, step=2e-3),
+        HardCase("a change of gradient that a dropper cannot bear", "20 per mille at once take 400 N off the droppers there.",
+                 Refused("at rest", accepted={"line_table.table": GRADIENT.format(5.05)}),
+                 ("dropper_slackening", "line_table"), {"line_table.table": GRADIENT.format(6.0)}),
+        HardCase("a stitch that takes all tension", "The messenger inside would carry nothing.",
+                 Refused("a positive one", accepted={"line_table.table": STITCHED}), ("line_table",),
+                 {"line_table.table": STITCHED.replace("3500", "21000")}),
         HardCase("off the end of the wire", "The contact point leaves the last span.",
                  Refused("left the range", "step", {"contact_position": 50.0}), (), {"spans": 1},
                  {"contact_position": ramp(80.0, 59.0)}, duration=0.1, step=5e-3),
