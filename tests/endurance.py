@@ -15,10 +15,12 @@ import json
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -211,8 +213,10 @@ def _unruly_run(trouble: int, scene: Path, out: Path, isolated: bool) -> tuple[s
             code = process.wait(LONGEST if isolated else LONGEST / 3.0)
             late = False
         except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
+            process.kill()
             code, late = process.wait(), True
+        with suppress(ProcessLookupError):  # what the FMU has forked in the process itself
+            os.killpg(process.pid, signal.SIGKILL)
         log.seek(0)
         text = log.read(200_000).decode(errors="replace")
     try:
