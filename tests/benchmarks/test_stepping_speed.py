@@ -22,8 +22,8 @@ pytestmark = pytest.mark.benchmark
 
 STEPS = 20_000
 SCENES = {  # largest ratios accepted: of the compiled loop, and of a run recorded at every 50th step with all that watches it
-    "rov-station-keeping": (3.0, 8.0), "friction-drive-step": (1.6, 5.0), "gyroscopic-rotor": (1.3, 1.5),
-    "wrist-motion": (1.6, 4.5), "gimbal-scan": (2.1, 8.0), "wind-pump-gusts": (2.4, 8.0),
+    "rov-station-keeping": (2.2, 4.0), "friction-drive-step": (1.5, 2.4), "gyroscopic-rotor": (1.3, 1.5),
+    "wrist-motion": (1.6, 2.4), "gimbal-scan": (1.6, 3.2), "wind-pump-gusts": (1.7, 3.8),
 }
 
 

@@ -117,10 +117,9 @@ BOND = {"master.bonds": ["spring.second_force_x * mass.base_velocity_x"]}
 
 @compiled
 @pytest.mark.parametrize(("changes", "obstacle"), [
-    ({}, ""), ({"master.algorithm": "jacobi"}, ""), (BOND, ""),
+    ({}, ""), ({"master.algorithm": "jacobi"}, ""), (BOND, ""), ({"master.smoothing": True}, ""),
     ({"units.spring.every": 2}, "units.spring.every"),
     ({"master.algorithm": "iterative"}, "master.algorithm"),
-    ({"master.smoothing": True}, "master.smoothing"),
     ({**BOND, "master.energy_correction": True}, "master.energy_correction"),
     ({"master.control": {"method": "milne", "relative": 1e-4}}, "master.control"),
     ({"master.events": ["mass.base_x"]}, "master.events"),
