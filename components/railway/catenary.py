@@ -492,7 +492,9 @@ def follow_contacts(h, x, u, points, mesh):
     than the wire's waves is no motion.
     """
     hold_inputs(u, h)
-    fastest = mesh.fastest.max()
+    fastest = 0.0
+    for k in range(mesh.fastest.size):
+        fastest = max(fastest, mesh.fastest[k])
     for k in range(points.shape[0]):
         i, position = 3 * mesh.mass.size + 2 * k, u[0, points[k, 0]]
         speed = (position - x[i]) / h
