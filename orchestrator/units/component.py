@@ -21,9 +21,6 @@ from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
 HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 
 
-find = component_class
-
-
 def make(name: str, settings: UnitSettings) -> Component:
     """The component of a scene's entry, with its parameters checked."""
     cls = component_class(settings.component, f"units.{name}")
