@@ -95,7 +95,7 @@ def planned(individuals: int, seed: int, run_up: bool) -> list[Record]:
     if individuals < 3:
         raise BadInput("--individuals", str(individuals), "3 or more of each class, one for each part of the split")
     rng = np.random.default_rng(seed)
-    records = []
+    records: list[Record] = []
     for k, label in enumerate(CLASSES):
         parts = _parts(individuals, rng)
         for j in range(individuals):
