@@ -37,6 +37,8 @@ TROUBLES = {
     15: "closes all files", 16: "ignores all signals, changes the directory", 17: "floating point signal",
     18: "segmentation fault in the initialization", 19: "hangs in the initialization", 20: "hangs in the termination",
     21: "segmentation fault when it is freed", 22: "writes into all files", 23: "spoils the heap", 24: "forks"}
+PACKAGINGS = (("in process", {"in_process": True}, 100), ("pythonfmu", {}, 8_000), ("native", {"native": True}, 200))  # bytes
+WARM = 100  # runs before those that count
 UNGUARDED = {4, 15}  # which take the process, or all it could say, with them and leave an exit code of their own
 LIMIT, LONGEST, MEMORY = 5.0, 90.0, 3 << 30  # s for an answer behind walls; s for a run; bytes without walls
 
@@ -70,24 +72,19 @@ def rows(count: int, folder: Path) -> dict[str, Any]:
 
 
 def cycles(count: int, folder: Path) -> dict[str, Any]:
-    """`count` runs of three steps of each packaging, in this process; memory a run leaves behind, in the second half."""
-    from cosimo.orchestrator.run import run
-    from cosimo.tests.units.test_many_runs import held, memory
+    """About `count` runs of three steps of each packaging, in this process: memory, files and folders that a run leaves behind."""
+    from cosimo.tests.units.test_many_runs import growth
 
+    tempfile.tempdir = str(folder)  # those of other processes do not count
     scene, seen, findings = mass().with_changes({"stop_time": 3 * STEP}), {}, []
-    for packaging, how in (("in process", {"in_process": True}), ("pythonfmu", {}), ("native", {"native": True})):
-        for _ in range(20):
-            run(scene, **how)
-        before = held()
-        for k in range(count):
-            if k == count // 2:
-                half = memory()
-            if (outcome := run(scene, **how).outcome) != "done":
-                findings.append(f"{packaging}: run {k} {outcome}")
-        left = (memory() - half) / (count - count // 2)
-        if held() != before or left > 3_000:
-            findings.append(f"{packaging}: {left:.0f} bytes a run; {before} files, threads, folders, paths became {held()}")
+    for packaging, how, most in PACKAGINGS:
+        try:
+            left = growth(scene, count, WARM, **how)
+        except AssertionError as error:
+            findings.append(f"{packaging}: a run failed or left files, threads, folders or paths: {str(error)[:300]}")
+            continue
         seen[packaging] = {"runs": count, "bytes a run": round(left)}
+        findings += [f"{packaging}: {left:.0f} bytes a run, more than {most}"] if left > most else []
     return {"packagings": seen, "findings": findings}
 
 
