@@ -72,7 +72,7 @@ def rows(count: int, folder: Path) -> dict[str, Any]:
 
 
 def cycles(count: int, folder: Path) -> dict[str, Any]:
-    """About `count` runs of three steps of each packaging, in this process: memory, files and folders that a run leaves behind."""
+    """Some `count` runs of three steps of each packaging, in this process: memory, files and folders that one leaves."""
     from cosimo.tests.units.test_many_runs import growth
 
     tempfile.tempdir = str(folder)  # those of other processes do not count
