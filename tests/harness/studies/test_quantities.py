@@ -5,6 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.analysis.records import KINDS
 from cosimo.orchestrator.harness.studies.quantities import (
     Quantity,
     TimeHistory,
@@ -13,7 +14,6 @@ from cosimo.orchestrator.harness.studies.quantities import (
     quantities_to_judge,
     recording,
 )
-from cosimo.orchestrator.harness.sweep import KINDS
 from cosimo.orchestrator.settings.study import QUANTITY_KINDS, wanted
 from cosimo.orchestrator.systems import load_scene, read_scene
 
