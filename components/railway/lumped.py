@@ -168,8 +168,8 @@ def fit_span(line, force: float, span: int | None = None, harmonics: int = HARMO
     droppers = mesh.position[mesh.dropper]
     inside = droppers[(droppers > start) & (droppers < start + length)]
     interval = float(np.diff(inside).mean()) if inside.size > 1 else length
-    node = 2 * mesh.support[number - 1]
-    tension, impedance = float(mesh.tension[node]), float(mesh.impedance[0])
+    node = mesh.bending_gradient.size * mesh.support[number - 1]  # of the contact wire
+    tension, impedance = float(mesh.tension[node]), float(mesh.impedance[node])
     values = {"span_length": length, "mean_stiffness": k0, "mass": impedance**2 / tension * interval, "damping": 2.0 * impedance}
     values |= {f"harmonic[{n + 1}]": float(a[n]) if n < harmonics else 0.0 for n in range(HARMONICS)}
     swing = float(np.std(k))

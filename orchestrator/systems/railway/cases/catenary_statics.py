@@ -28,6 +28,7 @@ LEFT_OUT = (
     "level_support",
     "moving_window",
     "wire_profile",
+    "line_profile",
 )  # the reference solvers had no arms; the rest is dynamics
 ELEMENT = 0.0625  # m; bending beside a point load is felt over sqrt(EI / T), 0.1 m, and has to be resolved
 EXACT = 1e-3  # closed forms hold to rounding; the tolerance is that of the range's printing
