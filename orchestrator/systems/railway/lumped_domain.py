@@ -166,7 +166,7 @@ def _errors(distributed: Result, lumped: Result, line: Catenary) -> dict[str, fl
         forces.append(np.interp(grid, x[cut], Filter().apply(force, rate)[cut]))
         heights.append(np.interp(grid, x[cut], height[cut]))
     unloaded = np.zeros(line.mesh.mass.size)
-    uplift = heights[0] - [wire_height(x, unloaded, line.mesh) for x in grid]
+    uplift = heights[0] - [wire_height(x, unloaded, 0, line.mesh) for x in grid]
     return errors | {"history": float(np.sqrt(np.mean((forces[1] - forces[0]) ** 2)) / theirs["std"]),
                      "uplift": float(np.sqrt(np.mean((heights[1] - uplift) ** 2)) / uplift.mean())}
 
