@@ -41,12 +41,14 @@ def loading(where: str, expected: str = "a file that can be read") -> Iterator[N
         raise BadInput(where, f"a content that cannot be read ({type(error).__name__}: {error})", expected) from None
 
 
-def check_depth(data: Any, where: str) -> None:
-    """Raises `BadInput` for tables and lists that are nested deeper than `DEEPEST`."""
+def check_values(data: Any, where: str) -> None:
+    """Raises `BadInput` for tables and lists nested deeper than `DEEPEST`, and for integers that no variable can hold."""
     level = [data]
     for _ in range(DEEPEST):
-        level = [inner for item in level if isinstance(item, Mapping | list | tuple)
-                 for inner in (item.values() if isinstance(item, Mapping) else item) if isinstance(inner, Mapping | list | tuple)]
+        inside = [inner for item in level for inner in (item.values() if isinstance(item, Mapping) else item)]
+        if wide := next((v for v in inside if isinstance(v, int) and not -(2**64) < v < 2**64), None):
+            raise BadInput(where, f"an integer of {wide.bit_length()} bits", "at most 64 bits", "Write large numbers as 1e30.")
+        level = [inner for inner in inside if isinstance(inner, Mapping | list | tuple)]
         if not level:
             return
     raise BadInput(where, f"tables and lists nested more than {DEEPEST} deep", f"at most {DEEPEST} levels")

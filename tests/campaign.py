@@ -2,8 +2,9 @@
 
     python -m cosimo.tests.campaign scenes --count 100000 --seed 1
 
-Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, tables (accuracy.csv), results (run.json). FMUs are
-read as a scene reads them; their binaries are not executed. What counts as a finding: an exception other than `BadInput`, a
+Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, tables (accuracy.csv), results (run.json), cases and plans
+(.toml), curves and responses (measured, .csv), lines (.toml). FMUs are read as a scene reads them; their binaries are not
+executed. Points of a plan are laid out and checked, the form of a line is found. What counts as a finding: an exception other than `BadInput`, a
 message of several lines, a crash, more than 10 s for one file, more than 1 GB of resident memory, a file written outside of the
 campaign's folder and the cache, and a changed checkpoint that gives other numbers. A case is reproduced by kind, seed and number.
 """
@@ -162,6 +163,62 @@ def results(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     return [(folder / "run.json").read_bytes()], "run.json", lambda path: read_result(path.parent)
 
 
+CASE = """title = "Mass"\nscene = "mass-on-spring"\n[sources]\nrig = "a test rig"
+[[runs]]\ncondition = "soft"\nchanges = { "units.spring.parameters.stiffness" = 50.0 }
+[[rows]]\nquantity = "largest"\nmeasure = "mass.base_x, maximum"\nunit = "m"\nlow = 0.0\nhigh = 1e2\nstanding = "verbatim"
+source = "rig"
+"""
+CURVE = """[[curves]]\nsignal = "mass.base_x"\nfile = "case.csv"\nabscissa = "t"\nordinate = "x"\nsource = "rig"
+tolerances = { mean = 0.01 }
+"""
+PLANS = (
+    """method = "sobol"\npoints = 64\nseed = 3
+correlation = [["spring.stiffness", "mass.mass", 0.3]]\n[vary]
+"spring.stiffness" = { distribution = "normal", mean = 100.0, deviation = 5.0 }
+"mass.mass" = { distribution = "uniform", low = 0.5, high = 2.0 }\n""",
+    """[vary]\n"spring.stiffness" = { from = 50.0, to = 200.0, points = 20 }\n"mass.mass" = [1.0, 2.0, 4.0]\n""")
+
+
+def cases(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
+    from cosimo.orchestrator.harness.validation.own import read_case
+    from cosimo.orchestrator.systems import load_scene, summary
+
+    return [CASE.encode()], "case.toml", lambda path: read_case(path, load_scene, summary)
+
+
+def curves(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
+    from cosimo.orchestrator.harness.validation.own import read_case
+    from cosimo.orchestrator.systems import load_scene, summary
+
+    (folder / "curve.toml").write_text(CASE + CURVE)
+    text = "t,x,y\n" + "".join(f"{0.1 * k:.2f},{0.01 * k * k:.4f},1\n" for k in range(60))
+    return [text.encode()], "case.csv", lambda path: read_case(folder / "curve.toml", load_scene, summary)
+
+
+def plans(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
+    from cosimo.orchestrator.harness.many.plan import plan_of, read_plan
+    from cosimo.orchestrator.systems import load_scene
+
+    scene = load_scene("mass-on-spring")
+    return [plan.encode() for plan in PLANS], "case.toml", lambda path: plan_of(scene, read_plan(path))
+
+
+def responses(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
+    from cosimo.orchestrator.systems.railway.frequency_response import read_response
+
+    rows = [(0.5 * k, 1.0 / (100.0 - k), -0.01 * k) for k in range(1, 40)]
+    texts = [header + "".join(f"{f:g},{a:.5g},{b:.5g}\n" for f, a, b in rows)
+             for header in ("frequency [Hz],real [m/N],imaginary [m/N]\n", "frequency [Hz],magnitude [m/s2/N],phase [deg]\n")]
+    return [t.encode() for t in texts], "case.csv", read_response
+
+
+def lines(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
+    from cosimo.orchestrator.scene.files import shipped
+    from cosimo.orchestrator.systems.railway.line import read
+
+    return [p.read_bytes() for p in shipped("lines", ".toml").values()], "case.toml", lambda path: read(path, {})
+
+
 def faults(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     """No files, but all that counts as a finding, one after the other: the campaign's own test."""
     from cosimo.components.core.errors import BadInput
@@ -182,7 +239,8 @@ def faults(folder: Path) -> tuple[list[bytes], str, Callable[[Path], Any]]:
     return [b"x"], "case", use
 
 
-KINDS = {f.__name__: f for f in (scenes, fmus, ssps, ssds, checkpoints, tables, results, faults)}
+KINDS = {f.__name__: f for f in (scenes, fmus, ssps, ssds, checkpoints, tables, results, cases, curves, plans, responses, lines,
+                                 faults)}
 ARCHIVES = {"fmus", "ssps", "checkpoints"}
 
 

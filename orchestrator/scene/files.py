@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
-from ..loading import MOST_TOML, check_depth, loading
+from ..loading import MOST_TOML, check_values, loading
 
 SHIPPED = Path(__file__).parents[1] / "systems"  # a folder a system, with what it ships
 SYSTEMS = (".ssd", ".ssp")
@@ -67,5 +67,5 @@ def read_toml(path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         line = re.search(r"line (\d+)", str(error))
         raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML") from None
-    check_depth(data, str(path))
+    check_values(data, str(path))
     return data

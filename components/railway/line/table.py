@@ -8,6 +8,7 @@ forces in N, masses in kg or kg/m, stiffnesses in N/m; heights above any level, 
 from __future__ import annotations
 
 import math
+import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -194,8 +195,8 @@ def _value(meta: Mapping[str, Any], value: Any, where: str) -> Any:
 
 
 def _number(meta: Mapping[str, Any], value: Any, where: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BadInput(where, repr(value), f"a number in {meta['unit']}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
+        raise BadInput(where, repr(value)[:80], f"a number in {meta['unit']}")
     if not meta["low"] <= value <= meta["high"]:
         limits = f"[{meta['low']:g}, {meta['high']:g}] {meta['unit']}"
         raise BadInput(where, f"{value:g}", f"a value in {limits}", meta["text"][:1].upper() + meta["text"][1:] + ".")
