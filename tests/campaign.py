@@ -4,9 +4,10 @@
 
 Kinds: scenes (.toml), fmus, ssps, ssds (.ssd and .ssv), checkpoints, tables (accuracy.csv), results (run.json), cases and plans
 (.toml), curves and responses (measured, .csv), lines (.toml). FMUs are read as a scene reads them; their binaries are not
-executed. Points of a plan are laid out and checked, the form of a line is found. What counts as a finding: an exception other than `BadInput`, a
-message of several lines, a crash, more than 10 s for one file, more than 1 GB of resident memory, a file written outside of the
-campaign's folder and the cache, and a changed checkpoint that gives other numbers. A case is reproduced by kind, seed and number.
+executed. Points of a plan are laid out and checked, the form of a line is found. What counts as a finding: an exception other
+than `BadInput`, a message of several lines, a crash, more than 10 s for one file, more than 1 GB of resident memory, a file
+written outside of the campaign's folder and the cache, and a changed checkpoint that gives other numbers. A case is reproduced
+by kind, seed and number.
 """
 
 from __future__ import annotations
