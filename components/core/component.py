@@ -58,10 +58,13 @@ class Effect:
 
     `explicit_only`: what a scene has or has not, such as a part, a defect, a load, a programme or another form of the model, and
     no refinement of what it has: only a scene that names it has it, and no study of effects adds it.
+
+    `replaces`: own parameters of the component that have no part where the effect is on, arrays without an index.
     """
 
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[tuple[str, ...]] = ()
+    replaces: ClassVar[tuple[str, ...]] = ()
     explicit_only: ClassVar[bool] = False
     variables: ClassVar[tuple[Variable, ...]] = ()
     Values: ClassVar[Any]
@@ -137,6 +140,7 @@ class Component:
         self.on = self._checked_effects(tuple(effects))
         active = {n: v for n, v in cls.variables.items() if self.is_active(n)}
         self.parameters = {n: v.start for n, v in active.items() if v.causality is Causality.PARAMETER}
+        self._defaults = self.parameters | {n: v for n, v in preset_values.items() if n in self.parameters}
         self.inputs = tuple(n for n, v in active.items() if v.causality is Causality.INPUT)
         self.outputs = tuple(n for n, v in active.items() if v.causality is Causality.OUTPUT)
         self._input_index = {n: i for i, n in enumerate(self.inputs)}
@@ -204,6 +208,18 @@ class Component:
 
     __getitem__, __setitem__ = get, set
 
+    def unused(self, names: Iterable[str]) -> dict[str, str]:
+        """Of some parameters those that have no part in what is computed, each with the reason; a subclass may know more."""
+        reasons = {n: f"the effect {effect!r} takes its place" for effect in self.on for n in type(self).effects[effect].replaces}
+        return {n: reasons[own] for n in names if (own := n.partition("[")[0]) in reasons}
+
+    def refuse_unused(self, names: Iterable[str]) -> None:
+        """`BadInput` where parameters that were given have no part: their values would be ignored."""
+        if unused := self.unused(n for n in names if n in self.parameters):
+            values = ", ".join(f"{n} = {self.parameters[n]!r}" for n in unused)
+            raise BadInput(self.name, values, "none; it would have no effect: " + "; ".join(dict.fromkeys(unused.values())),
+                           "Leave it out.")
+
     def input_positions(self, names: Iterable[str]) -> np.ndarray:
         """Columns of `u` for input names, (n,)."""
         return np.array([self._input_index[n] for n in names], dtype=np.intp)
@@ -246,6 +262,7 @@ class Component:
         self.t = float(t)
         self.u[1:] = 0.0
         self.counts[:] = 0
+        self.refuse_unused(n for n, value in self.parameters.items() if value != self._defaults[n])
         try:
             status = self._initialize(self.t) or self._start(self.t)
         except (ArithmeticError, np.linalg.LinAlgError) as error:

@@ -35,6 +35,10 @@ def _mistakes(cls: type[Component]) -> Iterator[tuple[str, str, str, str]]:
         for other in (*effect_class.requires, *effect_class.excludes):
             if other not in cls.effects or other == name:
                 yield name, "another effect of the class", f"effect {name!r} with {other!r}", nearest(other, cls.effects)
+        own = [v.name for v in cls.own_variables if v.causality is Causality.PARAMETER]
+        for other in effect_class.replaces:
+            if other not in own:
+                yield name, "a parameter of the class", f"effect {name!r} in the place of {other!r}", nearest(other, own)
     for name, preset in cls.presets.items():
         for effect in preset.effects:
             if effect not in cls.effects:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -15,14 +16,18 @@ from .contact import at_contact, contact_compliance, heights_around, hung_around
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
 from .line.form import Form, form_of, formed_layout
+from .line.from_table import unused_by
 from .line.layout import Layout, uniform
-from .line.table import read_line
+from .line.table import Line, read_line
 from .mesh import NO_WIRE, add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
 FURTHER = 6  # contact points that `further_pantographs` can have
+# parameters that a table of a line may leave out
+LINE = ("contact_wire_tension", "contact_wire_mass", "messenger_tension", "messenger_mass", "dropper_stiffness", "dropper_mass",
+        "contact_clamp_mass", "messenger_clamp_mass", "support_stiffness", "support_damping")
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
 
 
@@ -132,11 +137,12 @@ spans = [50.0, 65.0, 55.0, 45.0, 60.0, 50.0]
 class LineTable(Effect):
     """A line from a table instead of uniform spans: sections, spans, droppers, supports, stitch wires (docs/own-line.md).
 
-    What the table leaves out comes from the parameters; span_length, spans, droppers and dropper_position have no part.
+    What the table leaves out comes from the parameters; one that the table leaves no use for is refused where it is given.
     """
 
     explicit_only = True
     excludes = ("pre_sag", "level_support", "steady_arm")
+    replaces = ("spans", "span_length", "droppers", "dropper_position")
 
     table = text(SIX_SPANS, "table of the line, as TOML text; a scene may name its file")
 
@@ -368,10 +374,25 @@ class Catenary(Component):
         """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
         return form_of(self._layout_for(*self._declared_arguments()))
 
+    def unused(self, names: Iterable[str]) -> dict[str, str]:
+        """See `Component.unused`; also what the table of a line leaves no use for, and what only the implicit method has."""
+        names = tuple(names)
+        reasons = super().unused(names)
+        if "spectral_radius" in names and self.parameters["method"] == "explicit":
+            reasons["spectral_radius"] = "method 'explicit' has none"
+        rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
+        if "line_table" in self.on and rest:
+            p, e = self._declared_arguments()
+            unused = unused_by(self._line(), p, e.bending_stiffness, rest)
+            reasons |= dict.fromkeys(unused, "line_table.table has it in every place")
+        return reasons
+
+    def _line(self) -> Line:
+        return read_line(str(self.parameters["line_table.table"]), f"{self.name}: line_table.table")
+
     def _layout_for(self, p, e) -> Layout:
         if e.line_table is not None:
-            line = read_line(str(self.parameters["line_table.table"]), f"{self.name}: line_table.table")
-            return formed_layout(line, p, e.bending_stiffness)
+            return formed_layout(self._line(), p, e.bending_stiffness)
         return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
 
     def _mesh_for(self, p, e):
@@ -383,11 +404,11 @@ class Catenary(Component):
         if getattr(self, "_mesh_key", None) != key:
             # Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force
             # that moves at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
-            element_time = p.element * math.sqrt(p.contact_wire_mass / p.contact_wire_tension)
+            layout = self._layout_for(p, e)
+            element_time = p.element * math.sqrt(layout.wires[0].mass / layout.wires[0].tension)
             h2 = min(p.substep**2, 0.7 * element_time**2)
             implicit = self.parameters["method"] == "implicit"
             time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
-            layout = self._layout_for(p, e)
             if len(layout.contact_lanes) > 1 and e.second_wire is None:
                 raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
                                "the effect second_wire", "Switch it on, here and at the pantographs.")

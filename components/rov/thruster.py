@@ -17,8 +17,13 @@ TURN = 2.0 * math.pi
 FASTEST_WATER = 5.0  # m/s, up to which the stable step of the propeller holds
 
 
+LIMITS = ("forward_limit", "reverse_limit")  # parameters of the thruster without a curve
+
+
 class StaticCurve(Effect):
     """Measured thrust over command as a table: dead band, saturation, less thrust astern. Numbers: T200 at 16 V."""
+
+    replaces = LIMITS
 
     command = parameter(T200_COMMAND, "1", "command of a row, not decreasing", size=ROWS, low=-1.0, high=1.0)
     thrust = parameter(T200_THRUST, "N", "thrust of a row, not decreasing", size=ROWS, nominal=10.0)
@@ -30,6 +35,7 @@ class PolynomialCurve(Effect):
     explicit_only = True
 
     excludes = ("static_curve",)
+    replaces = LIMITS
 
     coefficient = parameter((8.9, 176.0, -404.1, 389.9, -140.3), "N", "coefficients, of the power 1 first", size=5, nominal=100.0)
 
@@ -66,6 +72,7 @@ class Propeller(Effect):
     explicit_only = True
 
     excludes = ("static_curve", "polynomial_curve", "lag", "motor_lag")
+    replaces = LIMITS
 
     supply_voltage = parameter(16.0, "V", "voltage at full command", low=1e-3)
     resistance = parameter(0.18, "Ohm", "resistance of the motor", low=1e-6)

@@ -24,7 +24,9 @@ HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes
 def make(name: str, settings: UnitSettings) -> Component:
     """The component of a scene's entry, with its parameters checked."""
     cls = component_class(settings.component, f"units.{name}")
-    return cls(settings.effects, settings.parameters, preset=settings.preset, name=name)
+    component = cls(settings.effects, settings.parameters, preset=settings.preset, name=name)
+    component.refuse_unused(settings.parameters)
+    return component
 
 
 def describe_component(name: str, settings: UnitSettings) -> Interface:

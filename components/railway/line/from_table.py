@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -15,6 +15,7 @@ from .layout import GRAVITY, SECOND, Droppers, Holds, Layout, Stretch, Wire, par
 from .table import MOST_SPANS, DropperData, Line, Section, Span, Stitch, Support, WireData, over
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
+NOT_AT_ANCHORS = ("stiffness", "damping", "held", "contact_stiffness", "arm", "stitch")
 SYSTEM_HEIGHT = 1.2  # m, of that model, recalled
 
 
@@ -42,7 +43,18 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
             raise BadInput(f"{at}.supports", f"{len(section.supports)} for {len(spans)} spans", f"{len(spans) + 1}, or none")
         base = Support(contact_height=0.0, system_height=SYSTEM_HEIGHT, contact_stiffness=0.0, stagger=0.0, held=False,
                        stitch=Stitch(half_length=0.0))
+        for k in (1, len(section.supports)):
+            if ignored := [n for n in NOT_AT_ANCHORS if section.supports and _says(getattr(section.supports[k - 1], n))]:
+                raise BadInput(f"{at}.supports[{k}].{ignored[0]}", "a value for an anchor, where both wires are fixed", "none",
+                               "Leave it out, or give it to a support between the first and the last.")
+        if section.second_contact_wire.tension is None and _says(section.second_contact_wire):
+            raise BadInput(f"{at}.second_contact_wire", "a wire without tension", "its tension: with it there is one")
         given = section.supports or (Support(),) * (len(spans) + 1)
+        for k, support in enumerate(given, 1):
+            own = over(support, section.support, Support(stitch=section.stitch))
+            for part, key in (("arm", "length"), ("stitch", "half_length")):
+                if _says(inside := getattr(own, part)) and getattr(inside, key) is None:
+                    raise BadInput(f"{at}.supports[{k}].{part}", f"no {key}", f"its {key}", f"Without it there is no {part}.")
         supports = tuple(over(s, section.support, Support(stitch=section.stitch), base) for s in given)
         start = end if section.start is None else section.start
         if i == 1 and start != 0.0:
@@ -55,6 +67,11 @@ def resolved_sections(line: Line, where: str = "line") -> tuple[Resolved, ...]:
         sections.append(Resolved(at, section, spans, supports, x))
         end = float(x[-1])
     return tuple(sections)
+
+
+def _says(value: Any) -> bool:
+    """Whether a table says something, or a key has a value."""
+    return any(_says(getattr(value, f.name)) for f in fields(value)) if is_dataclass(value) else value is not None
 
 
 def support_positions(line: Line) -> np.ndarray:
@@ -116,6 +133,25 @@ def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None)
     supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
     contact_lanes = tuple(range(0, 2 * contacts, 2))
     return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4))
+
+
+def unused_by(line: Line, p: Any, bending: Any, names: Iterable[str]) -> list[str]:
+    """Of some parameters those on which the layout of a line does not depend: not a number in their place changes nothing."""
+    usual, unused = _numbers_of(lay_out(line, p, bending)), []
+    for name in names:
+        missing = {name.rpartition(".")[2]: math.nan}
+        changed = (p, bending._replace(**missing)) if "." in name else (p._replace(**missing), bending)
+        if np.array_equal(usual, _numbers_of(lay_out(line, *changed)), equal_nan=True):
+            unused.append(name)
+    return unused
+
+
+def _numbers_of(layout: Layout) -> np.ndarray:
+    """All that wires, droppers and springs are made of, one row of numbers."""
+    wires = [(w.tension, w.mass, w.bending) for w in layout.wires]
+    d, h = layout.droppers, layout.holds
+    return np.concatenate([np.ravel(wires), d.stiffness, d.mass_below, d.mass_above, h.stiffness, h.damping,
+                           layout.lateral.ravel()])
 
 
 def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:

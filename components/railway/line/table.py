@@ -148,6 +148,13 @@ class Line:
     sections: tuple[Section, ...] = tables(Section, "tension lengths")
 
 
+# keys of which one alone has an effect
+ALTERNATIVES: dict[type, tuple[tuple[str, ...], ...]] = {
+    DropperData: (("stiffness", "axial_stiffness"), ("mass", "mass_per_length")),
+    Span: (("heights", "sag"), ("heights", "relative_sag"), ("sag", "relative_sag")),
+}
+
+
 def read_line(text: str, where: str = "line") -> Line:
     """The line of a TOML text; anything that it cannot be is one `BadInput` with its place."""
     try:
@@ -163,6 +170,9 @@ def read_line(text: str, where: str = "line") -> Line:
 def _read(kind: type, data: Any, where: str) -> Any:
     if not isinstance(data, Mapping):
         raise BadInput(where, repr(data), "a table")
+    for group in ALTERNATIVES.get(kind, ()):
+        if len(both := [key for key in data if key in group]) > 1:
+            raise BadInput(where, f"{both[0]} and {both[1]}", "one of the two: only one would have an effect")
     known = {f.name: f for f in fields(kind)}
     if unknown := [key for key in data if key not in known]:
         raise BadInput(where, f"key {unknown[0]!r}", f"a key of a {kind.__name__.lower()}", nearest(unknown[0], known))
@@ -204,12 +214,21 @@ def _number(meta: Mapping[str, Any], value: Any, where: str) -> float:
 
 
 def over(first: Any, *others: Any) -> Any:
-    """One table from several of a kind: of each key the first that says something, whole tables inside likewise."""
+    """One table from several of a kind: of each key the first that says something, whole tables inside likewise.
+
+    Of keys of which one alone has an effect, the first table that says one of them decides for all.
+    """
+    groups = ALTERNATIVES.get(type(first), ())
+    rivals = {key: {other for group in groups if key in group for other in group} for group in groups for key in group}
+
     def merged(name: str, meta: Mapping[str, Any]) -> Any:
         values = [getattr(t, name) for t in (first, *others)]
         if meta["kind"] == "table":
             return over(*values)
-        return next((v for v in values if v is not None), None)
+        for t, value in zip((first, *others), values, strict=True):
+            if value is not None or any(getattr(t, rival) is not None for rival in rivals.get(name, ())):
+                return value
+        return None
 
     return type(first)(**{f.name: merged(f.name, f.metadata) for f in fields(first)})
 

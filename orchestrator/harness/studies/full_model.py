@@ -61,7 +61,7 @@ def effects_on(scene: Scene) -> dict[str, tuple[str, ...]]:
 
 
 def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
-    """The scene with exactly these effects; numbers of those that are off go with them.
+    """The scene with exactly these effects; numbers of those that are off, and those that others replace, go with them.
 
     A preset that has effects which are not wanted is replaced by its numbers.
     """
@@ -77,8 +77,9 @@ def with_effects(scene: Scene, wanted: Mapping[str, tuple[str, ...]]) -> Scene:
             changes[f"units.{name}.preset"] = ""
             parameters = {**preset.parameters, **parameters}
             preset = None
-        gone = cls.effects.keys() - set(on)
-        changes[f"units.{name}.parameters"] = {k: v for k, v in parameters.items() if k.partition(".")[0] not in gone}
+        gone = cls.effects.keys() - set(on) | {n for e in on for n in cls.effects[e].replaces}
+        changes[f"units.{name}.parameters"] = {
+            k: v for k, v in parameters.items() if k.partition(".")[0].partition("[")[0] not in gone}
         changes[f"units.{name}.effects"] = [e for e in on if preset is None or e not in preset.effects]
     return scene.with_changes(changes) if changes else scene
 

@@ -9,6 +9,7 @@ from cosimo.components.railway.line.form import find_form
 from cosimo.components.railway.line.from_table import arm_of, resolved_sections
 from cosimo.components.railway.line.table import Arm, Support, read_line, schema
 from cosimo.components.railway.statics import elasticity, loaded_equilibrium
+from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.systems.railway.network import G, Network
 
 WIRES = """
@@ -288,10 +289,60 @@ def test_an_arm_is_a_spring_beside_the_compliance_of_the_wire():
     ("[[sections]\nspans", "syntax error"),
     ("[[sections]]\nspans = [50, 50]\nsupport = { system_height = 0.2 }", "above the contact wire"),
     ("[[sections]]\nspans = [50]\n[[sections]]\nstart = 70.0\nspans = [50]", "a position in section 1"),
+    ("[[sections]]\nspans = [50]\ndroppers = { stiffness = 1e5, axial_stiffness = 2e5 }", "only one would have an effect"),
+    ("[[sections]]\nspans = [{ length = 50, positions = [20], heights = [0], sag = 0.1 }]", "heights and sag"),
+    ("[[sections]]\nspans = [50, 50]\nsupports = [5, 5, { stiffness = 1e5 }]", r"supports\[3\].stiffness.*anchor"),
+    ("[[sections]]\nspans = [50, 50]\nsupport.arm = { angle = 10 }", "arm: no length"),
+    ("[[sections]]\nspans = [50, 50]\nstitch = { tension = 3e3, mass = 0.3 }", "stitch: no half_length"),
+    ("[[sections]]\nspans = [50, 50]\nsecond_contact_wire.mass = 1.3", "a wire without tension"),
 ])
 def test_a_table_that_cannot_be_is_one_message(text, message):
     with pytest.raises(BadInput, match=message):
         form(text)
+
+
+def test_what_a_span_says_of_its_droppers_rules_over_the_section():
+    """Also where it says it in another way: a stiffness over the section's EA, a length without sag over a relative one."""
+    said = "spans = [50, { length = 50, droppers.stiffness = 3e5, droppers.mass = 0.0, sag = 0.0 }]"
+    layout = form("[[sections]]" + WIRES + "span.relative_sag = 0.001\n" + said).layout
+    right = layout.droppers.position > 50.0
+    assert set(layout.droppers.stiffness[right]) == {3e5}
+    assert set(layout.droppers.mass_below[right]) == {0.165}
+    assert np.abs(layout.droppers.height[right]).max() < 1e-12
+    assert layout.droppers.height[~right].min() < -0.045
+    assert layout.droppers.mass_below[~right].min() > 0.165
+
+
+@pytest.mark.parametrize(("values", "named"), [
+    ({"span_length": 60.0}, "span_length = 60.0"),
+    ({"dropper_position[2]": 11.0, "spans": 3}, r"dropper_position\[2\] = 11.0"),
+    ({"contact_wire_tension": 25e3}, "contact_wire_tension = 25000.0.*in every place"),
+    ({"dropper_stiffness": 1e5}, "dropper_stiffness = 100000.0"),
+    ({"bending_stiffness.contact_wire": 195.0}, "bending_stiffness.contact_wire"),
+    ({"method": "explicit", "spectral_radius": 0.8}, "method 'explicit'"),
+])
+def test_a_parameter_that_a_table_leaves_no_use_for_is_refused(values, named):
+    """In a scene with any value, elsewhere with another one than the default: a tool may write all parameters of an FMU."""
+    table = UNEQUAL.replace("mass = 1.35", "mass = 1.35, bending = 195.0")
+    effects = ["line_table", "bending_stiffness"]
+    unit = {"component": "Catenary", "effects": effects, "parameters": {"line_table.table": table} | values}
+    with pytest.raises(BadInput, match=named):
+        read_scene({"stop_time": 0.1, "units": {"catenary": unit}, "master": {"step": 1e-3}})
+    made = Catenary(effects, {"line_table.table": table, "method": "implicit"} | values)
+    if made.parameters != Catenary(effects, {"line_table.table": table, "method": made["method"]}).parameters:
+        with pytest.raises(BadInput, match="it would have no effect"):
+            made.initialize(0.0)
+
+
+def test_a_parameter_that_a_table_leaves_out_somewhere_is_taken():
+    """Messenger tension, support damping, and a dropper stiffness that one span leaves out."""
+    table = "[[sections]]\ncontact_wire.tension = 22e3\nspans = [50, { length = 50, droppers.stiffness = 3e5 }]"
+    values = {"dropper_stiffness": 1.5e5, "support_damping": 10.0, "messenger_tension": 17e3, "line_table.table": table}
+    unit = {"component": "Catenary", "effects": ["line_table"], "parameters": values}
+    read_scene({"stop_time": 0.1, "units": {"catenary": unit}, "master": {"step": 1e-3}})
+    made = Catenary(["line_table"], values | {"method": "implicit"})
+    made.initialize(0.0)
+    assert set(made.form().layout.droppers.stiffness) == {1.5e5, 3e5}
 
 
 def test_schema_names_every_key():
