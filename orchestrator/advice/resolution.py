@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...components.core.kernels import kernel, kernel_tuple
 from ..engine.algorithms.gauss_seidel import GaussSeidel
 from ..engine.algorithms.jacobi import Jacobi
 from ..engine.algorithms.master import Master
@@ -27,7 +28,6 @@ from ..engine.stepping.observers import BatchObserver
 from ..units.interface import Signal
 
 CHUNK = 2048  # steps that are kept
-PIECE = 12_000  # numbers that are added up together: arrays below the size for which memory comes from the system each time
 TAIL = 3  # rows that the differences of the next ones need
 NEGLIGIBLE = 1e-9  # of the largest value, or of the nominal one: a spread below it is rounding
 PARTS = 4  # of a run, whose second differences are compared
@@ -66,12 +66,38 @@ class SignalResolution:
         return ".".join(self.end)
 
 
-SUMS = ("_tail", "_tail_ticks", "_count", "_predictions", "_first", "_peak", "_total", "_total2", "_missed", "_seconds",
-        "_triples", "_largest", "_before", "_last")
+@kernel_tuple
+class Sums(NamedTuple):
+    """Of S signals over the steps so far; arrays that `add_steps` adds to.
+
+    rows: (TAIL, S), the last ones, the newest behind; first: the first one; peak: largest absolute value; total, total2: of
+    the deviation from `first`, and of its square; missed: of squared errors of extrapolation; largest, before: the largest such
+    error, and the one of the step before; last: of the last step; (S,) each.  seconds: (PARTS, S), of squared second differences.
+    ticks: (TAIL,), of `rows`.  counts: (2 + PARTS,), steps, errors of extrapolation, second differences in each part.
+    """
+
+    rows: np.ndarray
+    first: np.ndarray
+    peak: np.ndarray
+    total: np.ndarray
+    total2: np.ndarray
+    missed: np.ndarray
+    largest: np.ndarray
+    before: np.ndarray
+    last: np.ndarray
+    seconds: np.ndarray
+    ticks: np.ndarray
+    counts: np.ndarray
+
+    @classmethod
+    def zeros(cls, n: int) -> Sums:
+        """Of n signals and no step."""
+        return cls(np.zeros((TAIL, n)), *np.zeros((8, n)), np.zeros((PARTS, n)), np.zeros(TAIL, dtype=np.int64),
+                   np.zeros(2 + PARTS, dtype=np.int64))
 
 
 class StepResolution(BatchObserver):
-    """Sums over all macro steps; a few array operations for some hundred of them."""
+    """Sums over all macro steps, added to by some hundred of them at a time."""
 
     def __init__(self, master: Master, steps: int):
         """`steps`: of the whole run, about."""
@@ -83,15 +109,10 @@ class StepResolution(BatchObserver):
         self._judged = [not any(link.source == end and link.target[1].endswith("_compliance") for link in master.coupling.links)
                         for end, _ in self._signals]
         self._part = max(-(-steps // PARTS), 1)
-        n = len(self._signals)
         self._rows: list[np.ndarray] = []  # blocks (k, n)
         self._ticks: list[Sequence[int]] = []
-        self._tail, self._tail_ticks = np.zeros((0, n)), np.zeros(0, dtype=np.int64)
-        self._buffered = self._count = self._predictions = 0
-        self._first, self._peak = np.zeros(n), np.zeros(n)
-        self._total, self._total2, self._missed = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._seconds, self._triples = np.zeros((PARTS, n)), np.zeros(PARTS)
-        self._largest, self._before, self._last = np.zeros(n), np.zeros(n), np.zeros(n)  # errors of extrapolation
+        self._buffered = 0
+        self._sums = Sums.zeros(len(self._signals))
 
     def __call__(self, tick: int, t: float) -> None:
         self.observe_batch((tick,), (t,), np.array([self._sample()], dtype=float))
@@ -105,99 +126,77 @@ class StepResolution(BatchObserver):
             self._add()
 
     def _add(self) -> None:
-        """Add what was buffered to the sums, in pieces that stay in a near cache."""
-        new, ticks = np.concatenate(self._rows), np.concatenate(self._ticks)
+        """Add what was buffered to the sums."""
+        if self._rows:
+            add_steps(np.concatenate(self._rows), np.concatenate(self._ticks), self._degree, self._part, self._sums)
         self._rows, self._ticks, self._buffered = [], [], 0
-        if not self._count:
-            self._first = new[0].copy()
-        size = max(PIECE // max(new.shape[1], 1), 1)
-        for first in range(0, len(new), size):
-            self._add_piece(new[first : first + size], ticks[first : first + size])
-
-    def _add_piece(self, rows: np.ndarray, ticks: np.ndarray) -> None:
-        known = len(self._tail)
-        rows, ticks = np.concatenate((self._tail, rows)), np.concatenate((self._tail_ticks, ticks))
-        signals = np.ascontiguousarray(rows.T)  # (n, steps): sums over long rows take a third of the time
-        new = signals[:, known:]
-        apart = new - self._first[:, None]
-        self._total += apart.sum(axis=1)
-        self._total2 += _squared(apart)
-        self._peak = np.maximum(self._peak, np.maximum(new.max(axis=1), -new.min(axis=1)))
-        seconds, ends = _differences(signals, ticks, 2, known)
-        parts = np.minimum((self._count - known + ends) // self._part, PARTS - 1)
-        for part in range(parts[0], parts[-1] + 1) if len(parts) else ():
-            mine = slice(*np.searchsorted(parts, (part, part + 1)))
-            self._seconds[part] += _squared(seconds[:, mine])
-            self._triples[part] += mine.stop - mine.start
-        missed = seconds if self._degree == 1 else _differences(signals, ticks, self._degree + 1, known)[0]
-        self._missed += _squared(missed)
-        self._predictions += missed.shape[1]
-        self._find_largest(np.abs(missed))
-        self._count += new.shape[1]
-        self._tail, self._tail_ticks = rows[-TAIL:].copy(), ticks[-TAIL:].copy()
-
-    def _find_largest(self, missed: np.ndarray) -> None:
-        """Keep of each signal the largest error of an extrapolation so far, and the error of the step before it; (n, steps)."""
-        if not missed.shape[1]:
-            return
-        at, signals = missed.argmax(axis=1), np.arange(len(missed))
-        larger = missed[signals, at] > self._largest
-        before = np.where(at > 0, missed[signals, at - 1], self._last)
-        self._largest = np.where(larger, missed[signals, at], self._largest)
-        self._before = np.where(larger, before, self._before)
-        self._last = missed[:, -1].copy()
 
     def state(self) -> dict[str, Any]:
         """The sums so far, for a checkpoint."""
-        if self._rows:
-            self._add()
-        return {name: getattr(self, name) for name in SUMS}
+        self._add()
+        return self._sums._asdict()
 
     def take(self, state: Mapping[str, Any]) -> None:
         """Go on from a `state`."""
         self._rows, self._ticks, self._buffered = [], [], 0
-        for name in SUMS:
-            setattr(self, name, state[name])
+        for mine, kept in zip(self._sums, (state[name] for name in Sums._fields), strict=True):
+            mine[:] = kept
 
     def judge(self) -> list[SignalResolution]:
         """What the steps say of each signal that varies; call it once, at the end."""
+        self._add()
+        sums = self._sums
+        steps, predictions, triples = sums.counts[0], sums.counts[1], sums.counts[2:]
+        if triples.sum() < FEWEST:
+            return []
         with np.errstate(all="ignore"):
-            if self._rows:
-                self._add()
-            if self._triples.sum() < FEWEST:
-                return []
-            n = max(self._count, 1)
-            spread = np.sqrt(np.maximum(self._total2 / n - (self._total / n) ** 2, 0.0))
-            resolution = np.sqrt(self._seconds.sum(axis=0) / max(self._triples.sum(), 1.0)) / (4.0 * spread)
-            errors = np.sqrt(self._missed / max(self._predictions, 1)) / spread
-            by_part = np.sqrt(self._seconds / np.maximum(self._triples, 1.0)[:, None])
-            by_part = by_part[self._triples > 0]
+            spread = np.sqrt(np.maximum(sums.total2 / steps - (sums.total / steps) ** 2, 0.0))
+            resolution = np.sqrt(sums.seconds.sum(axis=0) / triples.sum()) / (4.0 * spread)
+            errors = np.sqrt(sums.missed / max(predictions, 1)) / spread
+            by_part = np.sqrt(sums.seconds[triples > 0] / triples[triples > 0, None])
             growth = by_part[-1] / by_part[:-1].max(axis=0) if len(by_part) > 1 else np.zeros(len(spread))
-            errors[(self._largest > JUMP * self._before) & (growth > AT_REST)] = 0.0  # a jump, which no extrapolation foretells
+            errors[(sums.largest > JUMP * sums.before) & (growth > AT_REST)] = 0.0  # a jump, which no extrapolation foretells
         return [SignalResolution(end, signal, float(resolution[k]), float(errors[k]) if end in self._extrapolated else 0.0,
-                                 float(growth[k]), float(self._peak[k]), float(spread[k]))
+                                 float(growth[k]), float(sums.peak[k]), float(spread[k]))
                 for k, (end, signal) in enumerate(self._signals)
-                if self._judged[k] and not is_discrete(signal) and spread[k] > NEGLIGIBLE * max(self._peak[k], signal.nominal)]
+                if self._judged[k] and not is_discrete(signal) and spread[k] > NEGLIGIBLE * max(sums.peak[k], signal.nominal)]
 
 
-def _differences(signals: np.ndarray, ticks: np.ndarray, order: int, known: int) -> tuple[np.ndarray, np.ndarray]:
-    """(differences of an order (n, m), step that each ends at (m,)) among equal steps, of those that end behind `known` ones."""
-    ends = np.arange(order, len(ticks))
-    even = ends >= known
-    changes = np.diff(ticks, n=2) != 0  # the k-th: at step k + 1
-    for back in range(1, order):
-        even &= ~changes[order - 1 - back : len(ticks) - 1 - back]
-    differences = signals
-    for _ in range(order):
-        differences = differences[:, 1:] - differences[:, :-1]
-    if (first := max(known - order, 0)) and even[first:].all():  # the usual case: no copy
-        return differences[:, first:], ends[first:]
-    return (differences, ends) if even.all() else (differences[:, even], ends[even])
+@kernel
+def add_steps(new, new_ticks, degree, part, sums):
+    """Rows (k, S) behind k further steps, which end at `new_ticks`, to the sums; part: steps in a part of the run.
 
-
-def _squared(values: np.ndarray) -> np.ndarray:
-    """Sums of squares over the steps, (n, steps) -> (n,)."""
-    return np.einsum("ij,ij->i", values, values)
+    A difference counts where the steps that it spans are equal.
+    """
+    rows, first, peak, total, total2, missed, largest, before, last, seconds, ticks, counts = sums
+    signals = first.size
+    for i in range(len(new)):
+        steps, tick = counts[0], new_ticks[i]
+        length = tick - ticks[2]
+        even = steps > 1 and length == ticks[2] - ticks[1]
+        predicted = steps > 0 if degree == 0 else even if degree == 1 else even and steps > 2 and length == ticks[1] - ticks[0]
+        mine = min(steps // part, PARTS - 1)
+        for k in range(signals):
+            x, x1, x2, x3 = new[i, k], rows[2, k], rows[1, k], rows[0, k]
+            if steps == 0:
+                first[k] = x
+            apart, slope, bend = x - first[k], x - x1, (x - x1) - (x1 - x2)
+            total[k] += apart
+            total2[k] += apart * apart
+            peak[k] = max(peak[k], abs(x))
+            if even:
+                seconds[mine, k] += bend * bend
+            if predicted:
+                wrong = slope if degree == 0 else bend if degree == 1 else bend - ((x1 - x2) - (x2 - x3))
+                missed[k] += wrong * wrong
+                if abs(wrong) > largest[k]:
+                    largest[k], before[k] = abs(wrong), last[k]
+                last[k] = abs(wrong)
+            rows[0, k], rows[1, k], rows[2, k] = x2, x1, x
+        ticks[0], ticks[1], ticks[2] = ticks[1], ticks[2], tick
+        counts[0] += 1
+        counts[1] += predicted
+        counts[2 + mine] += even
 
 
 def extrapolated(master: Master) -> set[Endpoint]:

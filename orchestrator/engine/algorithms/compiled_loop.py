@@ -37,6 +37,7 @@ class CompiledLoop:
         ends = np.cumsum([0] + [len(node.links) for node in nodes])
         self._slices = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
         self._now, self._links = np.zeros(len(nodes), dtype=UNIT), np.zeros(ends[-1], dtype=LINK)
+        self._none = [[0.0] * len(node.links) for node in nodes]  # for samples that there are none of
         late = master.late if isinstance(master, GaussSeidel) else [len(node.links) for node in nodes]
         for node, at, behind, row in zip(nodes, self._slices, late, self._now, strict=True):
             row["first_link"], row["links"], row["late"] = at.start, len(node.links), behind
@@ -75,8 +76,7 @@ class CompiledLoop:
         self._store(done)
         failure: BaseException | None = None
         t = float(times[min(done, len(times) - 1)])
-        for k, (taken, reached) in enumerate(self._now[["taken", "time"]].tolist()):
-            one = self._units[k]
+        for one, taken, reached in zip(self._units, self._now["taken"].tolist(), self._now["time"].tolist(), strict=True):
             one.stepped(taken, reached if isinstance(one, ComponentUnit) else t)
         if unit >= 0:
             one = self._units[unit]
@@ -177,42 +177,40 @@ class CompiledLoop:
             given[k] = self._links[["value", "slope", "half", "degree"]][link].tolist() if link < driven else meter.given(place)
 
     def _load(self) -> None:
-        now, links = self._now, self._links
-        now["taken"] = 0
+        now, links, nodes = self._now, self._links, self._master.nodes
+        pasts = [node.history for node in nodes]
         self._signals[:] = self._master.signals
-        for k, (node, at) in enumerate(zip(self._master.nodes, self._slices, strict=True)):
-            past, unit = node.history, self._units[k]
-            row = now[k]
-            row["samples"], row["h1"], row["h2"] = past.count, past.h1, past.h2
+        now["taken"], now["samples"] = 0, [past.count for past in pasts]
+        now["h1"], now["h2"] = [past.h1 for past in pasts], [past.h2 for past in pasts]
+        links["fault"] = UNALTERED
+        rows = {"present": [past.present for past in pasts], "before": [past.before for past in pasts],
+                "earlier": [past.earlier for past in pasts], "reached": [node.reached for node in nodes]}
+        for name, values in rows.items():
+            links[name] = [v for k, row in enumerate(values) for v in (self._none[k] if row is None else row)]
+        for node, unit, at, row in zip(nodes, self._units, self._slices, now, strict=True):
             if isinstance(unit, ComponentUnit):
                 row["time"] = unit.component.t
             else:
                 row["no_return"] = not unit.keeps_states()
-            links["fault"][at] = UNALTERED
             for place, (replaced, number) in (_changes(node) or {}).items():
                 links["fault"][at.start + place] = OVERRIDDEN if replaced else SHIFTED
                 links["alteration"][at.start + place] = number
             if isinstance(node, SmoothNode) and not row["led"]:
                 row["smoothing"] = JUMPED if node.reached is None else SMOOTH
-            for name, values in (("present", past.present), ("before", past.before), ("earlier", past.earlier),
-                                 ("reached", node.reached)):
-                if values is not None:
-                    links[name][at] = values
 
     def _store(self, done: int) -> None:
         now, master = self._now, self._master
         master.signals[:] = self._signals if isinstance(master.signals, np.ndarray) else self._signals.tolist()
         master.steps += done
-        for k, (node, at) in enumerate(zip(master.nodes, self._slices, strict=True)):
-            if not node.links:
-                continue
-            take, row, links = node.rows.of_array, now[k], self._links[at]
-            past = node.history
-            past.count, past.h1, past.h2 = row[["samples", "h1", "h2"]].tolist()
-            past.present = take(links["present"])
-            past.before, past.earlier = take(links["before"]), take(links["earlier"])
-            interpolated = bool(row["interpolates"])
-            node.reached, node.known = (None, take(links["known"])) if interpolated else (take(links["reached"]), None)
+        numbers = [now[name].tolist() for name in ("samples", "h1", "h2", "interpolates")]
+        present, before, earlier, known, reached = (
+            self._links[name].copy() for name in ("present", "before", "earlier", "known", "reached"))
+        for node, at, samples, h1, h2, interpolated in zip(master.nodes, self._slices, *numbers, strict=True):
+            if node.links:
+                take, past = node.rows.of_array, node.history
+                past.count, past.h1, past.h2 = samples, h1, h2
+                past.present, past.before, past.earlier = take(present[at]), take(before[at]), take(earlier[at])
+                node.reached, node.known = (None, take(known[at])) if interpolated else (take(reached[at]), None)
 
 
 def _changes(node: Node) -> Mapping[int, tuple[bool, float]] | None:

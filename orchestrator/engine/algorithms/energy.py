@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ....components.core.kernels import kernel
 from ...units import Unit
 from ...units.interface import PortValues
 from ..coupling import Coupling
@@ -106,11 +108,11 @@ class EnergyAccount:
         self._kept = master.degree + 2
         self.correction = correction
         self.times, self.samples = np.zeros(0), np.zeros((0, len(ends)))  # s, the newest at 0; newest first
-        self._kind, self._basis = b"", np.zeros((0, len(POINTS), 1, 1))
+        self._work, self._alone = np.zeros((2, len(ends), len(POINTS))), np.zeros((2, len(self.bonds)))
         self.integrals = np.zeros(len(ends))  # of what each input has been given beyond the output it stands for
         self.created, self.exchanged = np.zeros(len(self.bonds)), np.zeros(len(self.bonds))  # J, in the whole run
         self.elapsed = 0.0  # s, of all steps so far
-        self._course: list[tuple[np.ndarray, ...]] = []  # `Sums` behind each of the steps that were entered together last
+        self._course = np.zeros((1, 1 + len(ends)))  # sums before and behind each of the steps that were entered together last
         self.last = self.created, self.exchanged  # J, of the last step alone, without what it has returned of earlier ones
 
     def initialize(self, t: float) -> None:
@@ -128,47 +130,26 @@ class EnergyAccount:
         self.enter(h, np.asarray(self.master.signals)[None], np.array([[meter.given(k) for meter, k, _ in self.inputs]]))
 
     def enter(self, h: float, signals: np.ndarray, given: np.ndarray) -> None:
-        """Enter n equal steps: the master's signals behind each, (n, S), and `Meter.given` of each input, (n, inputs, 4).
-
-        The same whether steps are entered together or one by one: all operations are those of single numbers.
-        """
-        samples, first, self._course = signals[:, self._places], 0, []
-        while first < len(samples):
+        """Enter n equal steps: the master's signals behind each, (n, S), and `Meter.given` of each input, (n, inputs, 4)."""
+        n, kept, first = len(signals), len(self.samples), 0
+        outputs = np.empty((kept + n, self._places.size))  # oldest first
+        outputs[:kept], outputs[kept:] = self.samples[::-1], signals[:, self._places]
+        self._course = course = np.empty((n + 1, 1 + 2 * len(self.bonds)))
+        course[0] = np.concatenate(((self.elapsed,), self.created, self.exchanged))
+        returned, self.integrals = self.integrals, self.integrals.copy()
+        while first < n:
             times = np.concatenate(((0.0,), (self.times - h)[: self._kept - 1]))
             even = times.tobytes() == self.times.tobytes()  # and will be from here on
-            last = len(samples) if even else first + 1
-            if (kind := times.tobytes()) != self._kind:
-                self._kind, self._basis = kind, _basis(times, h * (POINTS - 1.0)).T[:, :, None, None]
-            self.times = times
-            self._enter(h, samples[first:last], given[first:last])
-            first = last
-
-    def _enter(self, h: float, samples: np.ndarray, terms: np.ndarray) -> None:
-        """Steps of one basis: outputs (n, inputs) and terms of the inputs (n, inputs, 4)."""
-        n, kept = len(samples), self.times.size
-        rows = np.concatenate((self.samples[kept - 2 :: -1] if kept > 1 else samples[:0], samples))  # oldest first
-        self.samples = rows[: -kept - 1 : -1]
-        value, slope, half, degree = np.ascontiguousarray(terms.T)  # (inputs, n): numbers of one input lie in a row
-        outputs = np.ascontiguousarray(rows.T)
-        if (held := degree > self._degrees[:, None]).any():  # the unit holds the mean
-            value = np.where(held, value + h * (slope / 2.0 + h * half / 3.0), value)
-            slope, half = np.where(held, 0.0, slope), np.where(held, 0.0, half)
-        at, watts = h * POINTS[:, None, None], self._watts[:, None]
-        given = (value + at * (slope + at * half)) / self._factors[:, None]  # (points, inputs, n)
-        true = np.zeros_like(given)
-        for j, basis in enumerate(self._basis):
-            true += basis * outputs[:, kept - 1 - j : kept - 1 - j + n]
-        into, out_of = watts * true[:, ::2] * given[:, 1::2], watts * given[:, ::2] * true[:, 1::2]
-        created, exchanged = h * _mean(into - out_of), h * _mean(np.abs(into + out_of)) / 2.0
-        returned, self.last = self.integrals, (created[:, -1], exchanged[:, -1])
-        course = _sums(self.elapsed, np.full(n, h)), _sums(self.created, created), _sums(self.exchanged, exchanged)
-        self.elapsed, self.created, self.exchanged = float(course[0][-1]), course[1][:, -1], course[2][:, -1]
-        self.integrals = _sums(self.integrals, h * _mean(given - true))[:, -1]
-        self._course.append(course)
+            last = n if even else first + 1
+            enter_steps(h, _basis(times.tobytes()), outputs[kept + first + 1 - times.size :], given[first:last], self._degrees,
+                        self._factors, self._watts, self._work, self.integrals, self._alone, course[first : last + 1])
+            self.times, first = times, last
+        self.samples = outputs[: -self.times.size - 1 : -1].copy()
+        self.elapsed, self.created, self.exchanged = self.sums_behind(n - 1)
+        self.last = self._alone[0].copy(), self._alone[1].copy()
         if self.correction:
-            mean = _mean(true)[:, -1]
-            owed = self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
-            self.last = created[:, -1] + owed, exchanged[:, -1]
+            mean = (WEIGHTS * self._work[0]).sum(axis=1)
+            self.last[0][:] += self._watts * (mean[::2] * returned[1::2] - returned[::2] * mean[1::2])
             self._owe()
 
     def _owe(self) -> None:
@@ -182,11 +163,8 @@ class EnergyAccount:
 
     def sums_behind(self, step: int) -> Sums:
         """The sums behind one of the steps that were entered together last, counted from 0."""
-        for part in self._course:
-            if step < len(part[0]):
-                return Sums(float(part[0][step]), part[1][:, step], part[2][:, step])
-            step -= len(part[0])
-        raise IndexError(step)
+        elapsed, powers = float(self._course[step + 1, 0]), self._course[step + 1, 1:].reshape(2, -1)
+        return Sums(elapsed, powers[0], powers[1])
 
     @property
     def order(self) -> int:
@@ -219,18 +197,46 @@ class EnergyAccount:
                 in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)}
 
 
-def _mean(values: np.ndarray) -> np.ndarray:
-    """Over a step, of values at `POINTS`, (points, ...)."""
-    return (WEIGHTS[:, None, None] * values).sum(axis=0)
+@kernel
+def enter_steps(h, basis, outputs, given, degrees, factors, watts, work, integrals, alone, course):
+    """Equal steps of an account, for I inputs and I / 2 bonds, of which the k-th has the inputs 2 k and 2 k + 1.
+
+    basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first; given: (n, I,
+    4), as of `Meter`; work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added
+    to; alone: (2, I / 2), J, created and exchanged in the last step; course: (n + 1, 1 + I), the sums behind each step, of which
+    the first are given.
+    """
+    kept, bonds = basis.shape[1], watts.size
+    for i in range(len(given)):
+        for k in range(degrees.size):
+            value, slope, half = given[i, k, 0], given[i, k, 1], given[i, k, 2]
+            if given[i, k, 3] > degrees[k]:  # the unit holds the mean
+                value, slope, half = value + h * (slope / 2.0 + h * half / 3.0), 0.0, 0.0
+            missed = 0.0
+            for p in range(3):
+                at, true = h * POINTS[p], 0.0
+                for j in range(kept):
+                    true += basis[p, j] * outputs[kept - 1 - j + i, k]
+                work[0, k, p], work[1, k, p] = true, (value + at * (slope + at * half)) / factors[k]
+                missed += WEIGHTS[p] * (work[1, k, p] - true)
+            integrals[k] += h * missed
+        course[i + 1, 0] = course[i, 0] + h
+        for b in range(bonds):
+            created = exchanged = 0.0
+            for p in range(3):
+                into = watts[b] * work[0, 2 * b, p] * work[1, 2 * b + 1, p]
+                out_of = watts[b] * work[1, 2 * b, p] * work[0, 2 * b + 1, p]
+                created += WEIGHTS[p] * (into - out_of)
+                exchanged += WEIGHTS[p] * abs(into + out_of)
+            alone[0, b], alone[1, b] = h * created, h * exchanged / 2.0
+            course[i + 1, 1 + b] = course[i, 1 + b] + alone[0, b]
+            course[i + 1, 1 + bonds + b] = course[i, 1 + bonds + b] + alone[1, b]
 
 
-def _sums(start: Any, terms: np.ndarray) -> np.ndarray:
-    """start + terms[..., 0] + ... + terms[..., k], from the left, for every k."""
-    return np.add.accumulate(np.concatenate((np.asarray(start)[..., None], terms), axis=-1), axis=-1)[..., 1:]
-
-
-def _basis(times: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Lagrange's polynomials for samples at times (k,), at other times (n,): (n, k)."""
-    others = ~np.eye(times.size, dtype=bool)
+@lru_cache(maxsize=64)
+def _basis(samples: bytes) -> np.ndarray:
+    """Lagrange's polynomials for samples at times (k,), s, whose bytes are given, at `POINTS` of the last step: (3, k)."""
+    times = np.frombuffer(samples)
+    at, others = times[1] * (1.0 - POINTS), ~np.eye(times.size, dtype=bool)
     return np.stack([np.prod((at[:, None] - times[o]) / (time - times[o]), axis=1)
                      for time, o in zip(times, others, strict=True)], axis=1)

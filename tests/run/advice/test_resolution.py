@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
-from cosimo.orchestrator.advice.resolution import SUMS, StepResolution, _differences
+from cosimo.orchestrator.advice.resolution import StepResolution, Sums, add_steps
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.short_run import full_but
@@ -48,25 +50,46 @@ def test_the_shipped_settings_raise_no_alarm(scene):
     assert (result.outcome, result.info["warnings"]) == ("done", [])
 
 
+def sums_of(signals: np.ndarray, ticks: np.ndarray, degree: int, blocks=(None,)) -> Sums:
+    """Of signals (n, k), added in blocks of steps that end at these indices."""
+    sums = Sums.zeros(len(signals))
+    for first, last in pairwise((0, *blocks)):
+        add_steps(np.ascontiguousarray(signals.T[first:last]), ticks[first:last], degree, 1000, sums)
+    return sums
+
+
 @pytest.mark.parametrize("phase", [0.2, 1.0, 2.0, 3.1])
 @pytest.mark.parametrize("degree", [0, 1, 2])
 def test_the_two_numbers_of_an_oscillation_are_those_of_its_phase(phase, degree):
     """q = sin²(φ/2); the error of an extrapolation of degree p is the (p+1)-th difference, (2 sin(φ/2))^(p+1) of the signal."""
     signals = np.cos(phase * np.arange(4000))[None]
-    ticks = np.arange(4000) * 7
-    for order, expected in ((2, 4.0 * np.sin(phase / 2.0) ** 2), (degree + 1, (2.0 * np.sin(phase / 2.0)) ** (degree + 1))):
-        differences, ends = _differences(signals, ticks, order, 0)
-        assert np.sqrt(np.mean(differences**2)) / signals.std() == pytest.approx(expected, rel=2e-2)
-        assert differences.shape[1] == len(ends) == 4000 - order
+    sums = sums_of(signals, np.arange(4000) * 7, degree)
+    assert sums.counts.tolist() == [4000, 4000 - degree - 1, 998, 1000, 1000, 1000]
+    for squares, number, expected in ((sums.seconds.sum(), 3998, 4.0 * np.sin(phase / 2.0) ** 2),
+                                      (sums.missed[0], 3999 - degree, (2.0 * np.sin(phase / 2.0)) ** (degree + 1))):
+        assert np.sqrt(squares / number) / signals.std() == pytest.approx(expected, rel=2e-2)
 
 
-def test_differences_are_taken_among_equal_steps_only():
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_differences_are_taken_among_equal_steps_only(degree):
     ticks = np.array([0, 1, 2, 3, 5, 7, 9, 10, 11, 12])
     signals = np.random.default_rng(1).normal(size=(2, 10))
-    for order in (1, 2, 3):
-        differences, ends = _differences(signals, ticks, order, 2)
-        assert ends.tolist() == [k for k in range(order, 10) if k >= 2 and np.ptp(np.diff(ticks)[k - order : k]) == 0]
-        np.testing.assert_array_equal(differences, np.diff(signals, n=order)[:, ends - order])
+    sums = sums_of(signals, ticks, degree, (4, 5, 10))
+
+    def equal(order):
+        ends = [k for k in range(order, 10) if np.ptp(np.diff(ticks)[k - order : k]) == 0]
+        return np.diff(signals, n=order)[:, np.array(ends) - order]
+
+    seconds, missed = equal(2), equal(degree + 1)
+    np.testing.assert_allclose(sums.seconds[0], (seconds**2).sum(axis=1), rtol=1e-13)
+    np.testing.assert_allclose(sums.missed, (missed**2).sum(axis=1), rtol=1e-13)
+    assert sums.counts.tolist() == [10, missed.shape[1], seconds.shape[1], 0, 0, 0]
+    np.testing.assert_allclose(sums.largest, np.abs(missed).max(axis=1), rtol=1e-13)
+    errors = np.abs(missed)
+    before = [row[k - 1] if k else 0.0 for row, k in zip(errors, errors.argmax(axis=1), strict=True)]
+    np.testing.assert_allclose(sums.before, before, rtol=1e-13)
+    np.testing.assert_allclose(sums.total / 10, signals.mean(axis=1) - signals[:, 0], rtol=1e-12)
+    np.testing.assert_array_equal(sums.peak, np.abs(signals).max(axis=1))
 
 
 def test_a_resumed_run_judges_all_steps(tmp_path, monkeypatch):
@@ -76,7 +99,7 @@ def test_a_resumed_run_judges_all_steps(tmp_path, monkeypatch):
 
     def seen(self):
         found = judge(self)
-        sums.append([np.array(getattr(self, name)) for name in SUMS])
+        sums.append([values.copy() for values in self._sums])
         return found
 
     monkeypatch.setattr(StepResolution, "judge", seen)
@@ -84,4 +107,4 @@ def test_a_resumed_run_judges_all_steps(tmp_path, monkeypatch):
     run(scene, checkpoint_every=0.34, checkpoint_to=tmp_path / "a")
     run(scene, resume=tmp_path / "a")
     for one, other in zip(sums[0], sums[2], strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-12)
+        np.testing.assert_array_equal(one, other)
