@@ -33,7 +33,7 @@ html_math_renderer = "mathml"
 html_theme = "furo"
 html_static_path = [str(HERE / "site" / "static")]
 html_css_files = ["site.css"]
-html_show_sphinx = False
+html_show_sphinx = html_show_copyright = False
 html_copy_source = False
 pygments_style = "friendly"
 pygments_dark_style = "monokai"

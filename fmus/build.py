@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import hashlib
-import os
 import shutil
 import tempfile
 import zipfile
@@ -22,6 +21,7 @@ from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description, shared_files
+from .files import replaced
 from .interface import interface
 from .own import own_sources
 
@@ -184,17 +184,9 @@ def _digest(members: dict[str, bytes]) -> str:
 def write(members: dict[str, bytes], path: Path) -> Path:
     """A zip file with sorted members and fixed dates; in place only when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, part = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as whole, zipfile.ZipFile(whole, "w") as file:
-            for member in sorted(members):
-                info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
-                info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
-                file.writestr(info, members[member])
-        os.chmod(part, 0o644)
-        os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(part)
-        raise
+    with replaced(path, "wb") as whole, zipfile.ZipFile(whole, "w") as file:
+        for member in sorted(members):
+            info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16
+            file.writestr(info, members[member])
     return path

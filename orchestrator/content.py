@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,8 @@ from typing import Any
 from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
+
+from ..fmus.files import replaced
 
 
 class DamagedContent(ValueError):
@@ -27,16 +27,8 @@ def write_content(path: Path, content: Any) -> None:
     arrays: dict[str, np.ndarray] = {}
     arrays["text"] = np.frombuffer(json.dumps(_plain(content, arrays)).encode(), dtype=np.uint8)
     arrays["digest"] = np.frombuffer(content_digest(arrays), dtype=np.uint8)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(name, path)
-    except BaseException:  # a second Ctrl-C, too
-        os.unlink(name)
-        raise
+    with replaced(path, "wb") as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
 def read_content(path: Path) -> Any:

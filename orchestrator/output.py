@@ -1,4 +1,4 @@
-"""Files that are written for the user: directories, their locks, files that are replaced by whole ones only."""
+"""Files that are written for the user: directories, their locks, texts and tables that are replaced by whole ones only."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import os
 import platform
 import re
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from time import time
-from typing import IO, Any
+from typing import Any
 
 from ..components.core.errors import BadInput
+from ..fmus.files import replaced
 
 PLOTLY = "plotly.min.js"  # beside the pages of a directory, which draw their figures with it
 UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or was writing when it was killed
@@ -34,24 +34,6 @@ def ensure_directory(directory: str | Path) -> Path:
     except OSError as error:
         raise not_written(directory, error) from None
     return Path(directory)
-
-
-@contextmanager
-def replaced(path: str | Path) -> Iterator[IO[str]]:
-    """A text file to write, which takes the place of `path` when it is whole; after an error `path` is as it was."""
-    path = Path(path)
-    handle, part = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            yield file
-            file.flush()
-            os.fsync(handle)
-        os.chmod(part, 0o666 & ~_umask())
-        os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(part)
-        raise
 
 
 def write_json(path: str | Path, content: Any) -> None:
@@ -173,9 +155,6 @@ if sys.platform == "win32":
         except (FileExistsError, PermissionError):
             raise BlockingIOError from None
         return lambda: os.close(handle)
-
-    def _umask() -> int:
-        return 0
 else:
     import fcntl
 
@@ -190,9 +169,3 @@ else:
         except OSError:  # a file system without locks
             pass
         return lambda: os.close(handle)
-
-    def _umask() -> int:
-        """Of this process; the system has no call that only reads it."""
-        mask = os.umask(0o077)
-        os.umask(mask)
-        return mask

@@ -31,7 +31,7 @@ def cards(system: str, folder: str) -> str:
 
 
 def _gallery() -> str:
-    parts = ["# Scenes", "Each picture is the first figure of the report of `cosimo run NAME --in-process`."]
+    parts = ["# Gallery of scenes", "Each picture is the first figure of the report of `cosimo run NAME --in-process`."]
     for system in SYSTEMS.values():
         parts += [f"## [{system.title}](../../systems/{system.name}.md)", cards(system.name, "")]
     toctree = "\n".join(["```{toctree}", ":hidden:", "", *sorted(scene_files()), "```"])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-import os
 import sys
 import types
 import zlib
@@ -17,7 +16,8 @@ from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
+
+from ..files import replaced
 
 DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
@@ -90,6 +90,5 @@ def save(digest: str, text: str) -> None:
         if (file := _file(digest)) is not None:
             file.parent.mkdir(mode=0o700, exist_ok=True)
             content = zlib.compress(text.encode(), 1)
-            part = file.with_suffix(f".{uuid4().hex[:8]}.part")
-            part.write_bytes(hashlib.sha256(content).digest() + content)
-            os.replace(part, file)
+            with replaced(file, "wb") as whole:
+                whole.write(hashlib.sha256(content).digest() + content)

@@ -6,7 +6,6 @@ Typer runs the command again at each press of Tab: nothing of components is impo
 from __future__ import annotations
 
 import json
-import os
 import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -15,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import typer
+
+from ...fmus.files import replaced
 
 ROOT = Path(__file__).parents[2]
 SCENE_FILES = (".toml", ".ssd", ".ssp")
@@ -32,9 +33,8 @@ def catalogue() -> dict[str, Any]:
         path.parent.mkdir(parents=True, exist_ok=True)
         for old in path.parent.glob("*.json"):
             old.unlink(missing_ok=True)
-        part = path.with_suffix(f".{os.getpid()}")
-        part.write_text(json.dumps(names), encoding="utf-8")
-        os.replace(part, path)
+        with replaced(path) as file:
+            json.dump(names, file)
     return names
 
 

@@ -13,7 +13,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
-from ...output import PLOTLY, replaced
+from ....fmus.files import replaced
+from ...output import PLOTLY
 from ..charts.blocks import Block, Figure
 from ..charts.style import DARK
 from .embed import embedded

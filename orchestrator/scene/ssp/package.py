@@ -7,22 +7,20 @@ them, never to name a file on this machine: an FMU is copied into the user's cac
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 import zipfile
 import zlib
-from contextlib import suppress
 from io import BytesIO
 from math import isfinite, nan
 from pathlib import Path, PurePosixPath
 from posixpath import normpath
-from tempfile import mkstemp
 from urllib.parse import unquote, urlsplit
 
 from lxml import etree
 
 from ....components.core.errors import BadInput, nearest
 from ....fmus.build import kept
+from ....fmus.files import replaced
 from ....fmus.loader import cache_root
 from ...loading import MOST_INSIDE, check_archive
 
@@ -120,15 +118,8 @@ class Package:
 def _written(path: Path, content: bytes) -> Path:
     """A file that appears as a whole."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, part = mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(part, path)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(part)
-        raise
+    with replaced(path, "wb") as file:
+        file.write(content)
     return path
 
 

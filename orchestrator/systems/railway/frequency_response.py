@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
+from ....fmus.files import replaced
 from ...harness.analysis.least_squares import Fit, fit
 from ...harness.charts.blocks import Block, Text
 from ...harness.charts.chart import Chart, Grid, Panel, Series
@@ -29,7 +30,7 @@ from ...harness.charts.charts import draw_chart
 from ...harness.charts.style import number
 from ...harness.report.generic import grid_table
 from ...harness.report.page import Page, Section, write_page
-from ...output import ensure_directory, replaced, write_table
+from ...output import ensure_directory, write_table
 
 MASSES = {2: ("head", "frame"), 3: ("head", "frame", "lower_frame")}
 UNITS = {"mass": "kg", "stiffness": "N/m", "damping": "N.s/m"}
