@@ -13,13 +13,14 @@ from .common import (
     COMPONENT,
     AsJson,
     Changes,
+    Presets,
     Resume,
     app,
-    change,
-    changed,
     listed,
     parameters_of,
+    preset_of,
     print_table,
+    scene_of,
     status_spinner,
     study,
 )
@@ -40,6 +41,7 @@ def accuracy(
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
         "Effects of a component that is measured alone."))] = None,
     values: Changes = None,
+    presets: Presets = None,
     as_json: AsJson = False,
     resume: Resume = False,
 ) -> None:
@@ -54,9 +56,9 @@ def accuracy(
     kept: Path | None = None
     with study(output, resume), status_spinner() as on_message:  # the directory now, not after a long measurement
         if what.startswith(COMPONENT):
-            measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, on_message)
+            measured = _alone(what.removeprefix(COMPONENT), budget, stop, effects, values, presets, on_message)
         else:
-            measured, kept = _of_scene(what, budget, stop, effects, values, on_message)
+            measured, kept = _of_scene(what, budget, stop, effects, values, presets, on_message)
         written = [write_points(measured, output), for_accuracy(measured, output), *([kept] if kept else [])]
     if as_json:
         import json
@@ -68,26 +70,23 @@ def accuracy(
 
 
 def _alone(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
-           on_message: Callable[[str], None]) -> Accuracy:
+           presets: list[str] | None, on_message: Callable[[str], None]) -> Accuracy:
     from ..harness.studies.component_accuracy import BUDGET, component_accuracy
 
     on = tuple(listed("--effects", effects)) if effects else ()
-    return component_accuracy(name, on, parameters_of(values or []), stop=stop, budget=budget or BUDGET, on_message=on_message)
+    return component_accuracy(name, on, parameters_of(values or []), preset=preset_of(presets), stop=stop,
+                              budget=budget or BUDGET, on_message=on_message)
 
 
 def _of_scene(name: str, budget: float | None, stop: float | None, effects: list[str] | None, values: list[str] | None,
-              on_message: Callable[[str], None]) -> tuple[Accuracy, Path]:
+              presets: list[str] | None, on_message: Callable[[str], None]) -> tuple[Accuracy, Path]:
     from ..harness.studies.accuracy import BUDGET
     from ..harness.studies.accuracy import accuracy as measure
     from ..harness.studies.fronts import keep, marked
-    from ..systems import load_scene
 
     if effects:
         raise BadInput("--effects", repr(",".join(effects)), "none for a scene, which names its own", "Remove it.")
-    scene = load_scene(name)
-    changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
-    changes |= {} if stop is None else {"stop_time": stop}
-    scene = changed(scene, changes)
+    scene = scene_of(name, values, presets, {} if stop is None else {"stop_time": stop})
     measured = marked(scene, measure(scene, budget=budget or BUDGET, on_message=on_message))
     return measured, keep(scene, measured)
 

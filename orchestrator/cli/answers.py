@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from .common import FAILED_CHECK, Changes, app, print_table, status_spinner, warn
-from .many import Jobs, SceneName, Scheduler, scene_of, stopped_early
+from .common import FAILED_CHECK, Changes, Presets, app, print_table, scene_of, status_spinner, warn
+from .many import Jobs, SceneName, Scheduler, stopped_early
 
 Quantities = Annotated[list[str] | None, typer.Option("--quantity", help=(
     '"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].'))]
@@ -27,14 +27,14 @@ def sensitivity(
     samples: Annotated[int, typer.Option("--samples", help=(
         "Blocks of as many runs as parameters, and 2 (sobol) or 1 more."))] = 128,
     output: Directory = Path("sensitivity"),
-    values: Changes = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
     """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values)
+    loaded = scene_of(scene, values, presets)
     with locked(output):
         answer = many.sensitivity(loaded, plan, output, quantities=quantity or [], method=method, samples=samples, jobs=jobs,
                                   scheduler=scheduler, progress=True)
@@ -54,14 +54,14 @@ def uncertainty(
         "Which effects are needed so that the others change less than the parameters' uncertainty."))] = False,
     share: Annotated[float, typer.Option("--share", help="Of the standard deviation that the others may change.")] = 1.0,
     output: Directory = Path("uncertainty"),
-    values: Changes = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values)
+    loaded = scene_of(scene, values, presets)
     with locked(output):
         answer = many.uncertainty(loaded, plan, output, quantities=quantity or [], effects=effects, share=share, jobs=jobs,
                                   scheduler=scheduler, progress=True)
@@ -80,14 +80,14 @@ def uncertainty(
 def fit(
     scene: SceneName, plan: Settings,
     output: Directory = Path("fit"),
-    values: Changes = None,
+    values: Changes = None, presets: Presets = None,
 ) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values)
+    loaded = scene_of(scene, values, presets)
     with locked(output), _counted() as observe:
         answer = many.fit(loaded, plan, observe=observe)
         written = [answer.save(output), answers.for_fit(answer, output)]
@@ -103,14 +103,14 @@ def fit(
 def design(
     scene: SceneName, plan: Settings,
     output: Directory = Path("design"),
-    values: Changes = None,
+    values: Changes = None, presets: Presets = None,
 ) -> None:
     """Parameters for a small or large quantity within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
 
-    loaded = scene_of(scene, values)
+    loaded = scene_of(scene, values, presets)
     with locked(output), _counted() as observe:
         answer = many.design(loaded, plan, observe=observe)
         written = [answer.save(output), answers.for_design(answer, loaded, output)]

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput, nearest
-from .common import FAILED_CHECK, AsJson, app, output_width, print_table
+from .common import FAILED_CHECK, AsJson, Presets, app, output_width, print_table
 from .completion import components as component_names
 from .completion import kinds_and_systems
 
@@ -102,6 +102,7 @@ def build(
     effects: Annotated[str, typer.Option(help="With --native: effects that are on, separated by commas.")] = "",
     values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
         "With --native: a parameter, or the start value of an input; may be repeated."))] = None,
+    presets: Presets = None,
     scene: Annotated[str, typer.Option(help="With --native: units of this scene, as it configures and starts them.")] = "",
     derivatives: Annotated[bool, typer.Option("--derivatives", help=(
         "List the inputs der(v) and der(v,2) of each input v, for masters that extrapolate."))] = False,
@@ -111,11 +112,11 @@ def build(
     from ...fmus.build import build as build_fmu
 
     given = [option for option, value in (("--target", target), ("--fmi", fmi), ("--effects", effects), ("--set", values),
-                                          ("--scene", scene)) if value]
+                                          ("--preset", presets), ("--scene", scene)) if value]
     if native:
         from .native import build_native_fmus
 
-        build_native_fmus(names or [], output, target, fmi, effects, values or [], scene, derivatives)
+        build_native_fmus(names or [], output, target, fmi, effects, values or [], presets, scene, derivatives)
         return
     if given:
         raise BadInput("build", f"{given[0]} without --native", "no such option: other FMUs are configured by their host",

@@ -51,8 +51,8 @@ Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory f
 
 Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", autocompletion=parameters, help=(
     "Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated."))]
-Presets = Annotated[list[str] | None, typer.Option("--preset", metavar="UNIT=NAME", autocompletion=presets, help=(
-    "Published parameters of a component instead of the scene's; may be repeated."))]
+Presets = Annotated[list[str] | None, typer.Option("--preset", metavar="[UNIT=]NAME", autocompletion=presets, help=(
+    "Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated."))]
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
@@ -172,6 +172,27 @@ def with_presets(scene: Scene, texts: Sequence[str]) -> dict[str, Any]:
             raise BadInput("--preset", repr(preset), f"a preset of {scene.units[unit].component}", nearest(preset, presets))
         changes[f"units.{unit}.preset"] = preset
     return changes
+
+
+def preset_of(texts: Sequence[str] | None) -> str:
+    """The preset of a component alone; "" where none is given."""
+    if len(texts or []) > 1 or any("=" in text for text in texts or []):
+        raise BadInput("--preset", repr(",".join(texts or [])), "one preset of a component alone", "As in --preset DSA380.")
+    return texts[0].strip() if texts else ""
+
+
+def changes_of(scene: Scene, values: Sequence[str] | None, presets: Sequence[str] | None) -> dict[str, Any]:
+    """Changes of a scene by --preset and --set."""
+    return with_presets(scene, presets or []) | dict(change(scene, text) for text in values or [])
+
+
+def scene_of(name: str, values: Sequence[str] | None, presets: Sequence[str] | None,
+             more: Mapping[str, Any] | None = None) -> Scene:
+    """A scene with the changes of the command line; more: those of other options."""
+    from ..systems import load_scene
+
+    loaded = load_scene(name)
+    return changed(loaded, {**changes_of(loaded, values, presets), **(more or {})})
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:

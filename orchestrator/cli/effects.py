@@ -11,7 +11,7 @@ import typer
 
 from ...components.core.errors import BadInput
 from .choices import TOLERANCE
-from .common import AsJson, Changes, Resume, app, change, changed, listed, print_table, share, status_spinner, study, warn
+from .common import AsJson, Changes, Presets, Resume, app, listed, print_table, scene_of, share, status_spinner, study, warn
 from .completion import scenes
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def effects(
         "Parts, defects, loads and the like to take into the full model, too."))] = None,
     stop: Annotated[float | None, typer.Option("--stop", help="End of the runs, s.")] = None,
     values: Changes = None,
+    presets: Presets = None,
     as_json: AsJson = False,
     resume: Resume = False,
 ) -> None:
@@ -38,14 +39,11 @@ def effects(
     from ..harness.studies.chosen import keep
     from ..harness.studies.effects import effects as find
     from ..scene.text import write_scene
-    from ..systems import load_scene
 
     allowed = share("--tolerance", tolerance)
     if write is not None and write.suffix != ".toml":
         raise BadInput("--write", repr(str(write)), "a .toml file")
-    loaded = load_scene(scene)
-    changes: dict[str, Any] = dict(change(loaded, text) for text in values or []) | ({} if stop is None else {"stop_time": stop})
-    loaded = changed(loaded, changes)
+    loaded = scene_of(scene, values, presets, {} if stop is None else {"stop_time": stop})
     with study(output, resume), status_spinner() as on_message:  # the directory now, not after many runs
         result = find(loaded, allowed, more=listed("--with", more) if more else (), on_message=on_message)
         written = [result.save(output), for_effects(result, output)]

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ...components.core.errors import BadInput
-from .common import FAILED_RUN, STOPPED, Changes, app, change, changed, range_of, warn
+from .common import FAILED_RUN, STOPPED, Changes, Presets, app, range_of, scene_of, warn
 from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.sweep import Sweep
-    from ..scene.scene import Scene
 
 Plan_ = Annotated[Path | None, typer.Option("--plan", help=(
     "TOML file: what varies, how points are chosen, what is kept of each run."))]
@@ -33,6 +32,7 @@ def sweep(
     output: Annotated[Path, typer.Option("-o", "--output", help=(
         "Directory for sweep.csv, the data set and the report; points that are there are not run again."))] = Path("sweep"),
     values: Changes = None,
+    presets: Presets = None,
     jobs: Jobs = None,
     scheduler: Scheduler = "",
     add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
@@ -46,7 +46,7 @@ def sweep(
 
     if plan is not None and over:
         raise BadInput("sweep", "--plan and --over", "one of them")
-    loaded = scene_of(scene, values, {"sweep": dict(map(range_of, over))} if over else {})
+    loaded = scene_of(scene, values, presets, {"sweep": dict(map(range_of, over))} if over else {})
     with locked(output):  # now, not after a long sweep
         results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True)
         written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
@@ -61,15 +61,6 @@ def sweep(
     stopped_early(results, left)
     if failed:
         raise SystemExit(FAILED_RUN)
-
-
-def scene_of(name: str, values: list[str] | None, more: dict[str, Any] | None = None) -> Scene:
-    """A scene with the changes of the command line."""
-    from ..systems import load_scene
-
-    loaded = load_scene(name)
-    changes: dict[str, Any] = dict(change(loaded, text) for text in values or [])
-    return changed(loaded, {**changes, **(more or {})})
 
 
 def stopped_early(results: Sweep, left: int) -> None:

@@ -11,11 +11,11 @@ from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, nearest
 from ...fmus.native.build import build_native, own_target
-from .common import listed, parameters_of
+from .common import listed, parameters_of, preset_of, scene_of
 
 
 def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str, effects: str, values: Sequence[str],
-                      scene: str, derivatives: bool) -> None:
+                      presets: Sequence[str] | None, scene: str, derivatives: bool) -> None:
     """Build native FMUs and print their paths; arguments as of the command `build`."""
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
@@ -26,8 +26,8 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
     if scene and (effects or values):
         raise BadInput("build", "--effects or --set with --scene", "one of them: the scene says what is on")
     on = listed("--effects", [effects]) if effects else []
-    units = scene_units(scene, names) if scene else {
-        name.rpartition(":")[2]: partial(_component, name, on, parameters_of(values))
+    units = scene_units(scene, presets, names) if scene else {
+        name.rpartition(":")[2]: partial(_component, name, on, parameters_of(values), preset_of(presets))
         for name in names or CATALOGUE}
     refused: list[BadInput] = []
     for name, maker in units.items():
@@ -44,16 +44,15 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
                        "components whose steps are kernels", "The lines above name what prevents it.")
 
 
-def _component(name: str, effects: Sequence[str], values: dict[str, Any]) -> Component:
-    return component_class(name, "build")(effects, values)
+def _component(name: str, effects: Sequence[str], values: dict[str, Any], preset: str) -> Component:
+    return component_class(name, "build")(effects, values, preset=preset)
 
 
-def scene_units(name: str, wanted: Sequence[str]) -> dict[str, Callable[[], Component]]:
+def scene_units(name: str, presets: Sequence[str] | None, wanted: Sequence[str]) -> dict[str, Callable[[], Component]]:
     """Makers of a scene's components, or of those that are wanted, at the inputs with which the scene's run begins."""
     from ..native import makers
-    from ..systems import load_scene
 
-    scene = load_scene(name)
+    scene = scene_of(name, None, presets)
     components = [unit for unit, settings in scene.units.items() if settings.component]
     for unit in wanted:
         if unit not in components:

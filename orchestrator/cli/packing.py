@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import FAILED_CHECK, Changes, Native, app, change, print_table, share, status_spinner, warn
+from .common import FAILED_CHECK, Changes, Native, Presets, app, print_table, scene_of, share, status_spinner, warn
 from .completion import scenes
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ def ssp(
     scene: Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")],
     output: Annotated[Path | None, typer.Option("-o", "--output", help="File to write; default: the scene's name.")] = None,
     values: Changes = None,
+    presets: Presets = None,
     step: Annotated[float | None, typer.Option("--step", help="Macro step, s, that the package tells other masters.")] = None,
     tolerance: Annotated[str, typer.Option("--tolerance", help=(
         "How far other masters may be from the scene, relative to the range of each quantity, or to the standard deviation of a "
@@ -35,11 +36,8 @@ def ssp(
     """
     from ..native import initial_inputs
     from ..scene.ssp.write import check, write
-    from ..systems import load_scene
 
-    loaded = load_scene(scene)
-    if values:
-        loaded = loaded.with_changes(dict(change(loaded, value) for value in values))
+    loaded = scene_of(scene, values, presets)
     packed = loaded if step is None else loaded.with_changes({"master.step": step})
     warn(loaded.remarks)
     path = output or Path(f"{loaded.name}.ssp")

@@ -23,15 +23,14 @@ from .common import (
     Output,
     Presets,
     app,
-    change,
     changed,
+    changes_of,
     listed,
     print_table,
     share,
     status_spinner,
     switched_on,
     warn,
-    with_presets,
 )
 from .completion import effects as effect_names
 from .completion import scenes
@@ -94,8 +93,7 @@ def run(
     changes = {place: value for place, value in given.items() if value is not None}
     within = tolerance_of_effects(effects, tolerance)
     changes |= switched_on(loaded, effects or []) if within is None else {}
-    changes |= with_presets(loaded, presets or [])
-    changes |= dict(change(loaded, text) for text in values or [])
+    changes |= changes_of(loaded, values, presets)
     changes |= _walled(loaded) if isolate else {}
     loaded = changed(loaded, changes)
     choice = None

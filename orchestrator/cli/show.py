@@ -12,9 +12,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...components.core.errors import BadInput, StepFailed, nearest
-from .common import FAILED_RUN, AsJson, Changes, app, change, listed, parameters_of, print_table, status_spinner, switched_on
+from .common import (
+    FAILED_RUN,
+    AsJson,
+    Changes,
+    Presets,
+    app,
+    changes_of,
+    listed,
+    parameters_of,
+    preset_of,
+    print_table,
+    status_spinner,
+    switched_on,
+)
 from .completion import anything
-from .completion import presets as preset_names
 
 if TYPE_CHECKING:
     from ...components.core.component import Component
@@ -31,9 +43,8 @@ def show(
         "a component, module:Class, a shipped scene or case by its name, a scene file, or the table of an overhead line"))],
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
         "Effects that are on; of a scene unit.effect, beside its own. May be repeated."))] = None,
-    preset: Annotated[str, typer.Option("--preset", autocompletion=preset_names, help=(
-        "Published parameters of a component."))] = "",
     values: Changes = None,
+    presets: Presets = None,
     timed: Annotated[bool, typer.Option("--time", help=(
         "Of a component: measure what each effect adds to a step; compiles each of them, which takes seconds."))] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory for a drawing as SVG.")] = None,
@@ -47,8 +58,9 @@ def show(
     from ..systems.railway.line import is_line
 
     component = name in CATALOGUE or (":" in name and not name.endswith(FILES))
-    for option, given in (("--preset", preset), ("--time", timed)):
-        if given and not component:
+    scene = not component and (name in scene_files() or name.endswith(FILES))
+    for option, given, possible in (("--preset", presets, component or scene), ("--time", timed, component)):
+        if given and not possible:
             raise BadInput("show", f"{option} with {name!r}", "a component", "It would have no effect.")
     if name.endswith(".toml") and is_line(Path(name)):
         from .railway import show_line
@@ -62,9 +74,9 @@ def show(
         drawing = None
         if component:
             on = listed("--effects", effects) if effects else []
-            shown, drawing = _component(name, on, preset, parameters_of(values or []), timed)
-        elif name in scene_files() or name.endswith(FILES):
-            shown, drawing = _scene(name, effects or [], values or [])
+            shown, drawing = _component(name, on, preset_of(presets), parameters_of(values or []), timed)
+        elif scene:
+            shown, drawing = _scene(name, effects or [], values, presets)
             shown |= {"reference": _reference(name)} if name in cases() else {}
         elif name in cases():
             shown = {"title": f"{name}: {cases()[name].title}", "text": cases()[name].text, "reference": _reference(name)}
@@ -163,12 +175,13 @@ def _reference(name: str) -> list[dict[str, Any]]:
              "provenance": r.standing, "source": r.source} for t in names for r in load_table(t).rows]
 
 
-def _scene(name: str, effects: list[str], values: list[str]) -> tuple[dict[str, Any], Drawing]:
+def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None
+           ) -> tuple[dict[str, Any], Drawing]:
     from ..advice.stepping_path import stepping_path
     from ..systems import load_scene
 
     scene = load_scene(name)
-    scene = scene.with_changes({**switched_on(scene, effects), **dict(change(scene, text) for text in values)})
+    scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})
     try:
         path = stepping_path(scene)
     except StepFailed as error:

@@ -6,7 +6,7 @@ import os
 import sys
 from math import inf, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,14 +15,15 @@ from .common import (
     COMPONENT,
     FAILED_CHECK,
     Changes,
+    Presets,
     Resume,
     app,
-    change,
-    changed,
     listed,
     parameters_of,
+    preset_of,
     print_table,
     range_of,
+    scene_of,
     study,
 )
 from .completion import anything
@@ -51,9 +52,9 @@ def stability(
         "Steps of each run; more of them show slower growth. Default 1000, 600 for a component."))] = None,
     effects: Annotated[list[str] | None, typer.Option("--effects", metavar="EFFECT[,...]", help=(
         "Effects of a component that is measured alone; default: none, and each with what it needs."))] = None,
-    preset: Annotated[str, typer.Option("--preset", help="Published parameters of a component that is measured alone.")] = "",
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the table and the report.")] = Path("stability"),
     values: Changes = None,
+    presets: Presets = None,
     resume: Resume = False,
 ) -> None:
     """Measure how long steps may be. Example: cosimo stability mass-on-spring --algorithm jacobi --extrapolation 0 -o out
@@ -63,7 +64,7 @@ def stability(
     """
     if hard:
         for option, given in {"--over": over, "--algorithm": algorithm, "--extrapolation": extrapolation, "--steps": steps,
-                              "--effects": effects, "--preset": preset, "--set": values}.items():
+                              "--effects": effects, "--preset": presets, "--set": values}.items():
             if given:
                 raise BadInput(option, "a value", "none for hard cases, which have their own", "Remove it.")
         _hard_cases(names or [], output, resume)
@@ -76,26 +77,21 @@ def stability(
         for option, given in (("--over", over), ("--algorithm", algorithm), ("--extrapolation", extrapolation)):
             if given:
                 raise BadInput(option, "a value", "none for a component alone", "Remove it.")
-        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset, steps, output, resume)
+        _internal_steps(what.removeprefix(COMPONENT), effects, values, preset_of(presets), steps, output, resume)
         return
-    for option, value in (("--effects", ",".join(effects or [])), ("--preset", preset)):
-        if value:
-            raise BadInput(option, repr(value), "none for a scene, which names its own", "Remove it.")
-    _macro_steps(what, over, values, algorithm, extrapolation, steps, output, resume)
+    if effects:
+        raise BadInput("--effects", repr(",".join(effects)), "none for a scene, which names its own", "Remove it.")
+    _macro_steps(what, over, values, presets, algorithm, extrapolation, steps, output, resume)
 
 
-def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, algorithm: list[str] | None,
-                 extrapolation: list[int] | None, steps: int | None, output: Path, resume: bool) -> None:
+def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, presets: list[str] | None,
+                 algorithm: list[str] | None, extrapolation: list[int] | None, steps: int | None, output: Path,
+                 resume: bool) -> None:
     from ..harness.report.studies.stability import for_stability
     from ..harness.studies.stability import STEPS
     from ..harness.studies.stability import stability as measure
-    from ..systems import load_scene
 
-    scene = load_scene(what)
-    changes: dict[str, Any] = dict(change(scene, text) for text in values or [])
-    if over:
-        changes["study.stability"] = dict(map(range_of, over))
-    scene = changed(scene, changes)
+    scene = scene_of(what, values, presets, {"study.stability": dict(map(range_of, over))} if over else {})
     schemes = _schemes(scene, algorithm, extrapolation)
     with study(output, resume):  # the directory now, not after a long study
         measured = measure(scene, schemes, steps=steps or STEPS, progress=True)

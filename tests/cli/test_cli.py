@@ -7,7 +7,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.cli.common import change, parameters_of, with_presets
+from cosimo.orchestrator.cli.common import change, parameters_of, preset_of, scene_of, with_presets
 from cosimo.orchestrator.systems import load_scene
 
 SCENE = """
@@ -175,3 +175,28 @@ def test_places_that_cannot_be_written_are_one_message(scene, tmp_path, capsys):
         assert message.startswith("cosimo: ")
         assert message.count("\n") == 1
         assert "expected a place that can be" in message
+
+
+def test_presets_of_a_scene_and_of_a_component_alone():
+    scene = scene_of("en50318-2002", ["pantograph.head_mass=7"], ["pantograph=DSA380"], {"stop_time": 1.0})
+    assert (scene.units["pantograph"].preset, scene.units["pantograph"].parameters["head_mass"]) == ("DSA380", 7)
+    assert "DSA380" in scene.title
+    assert preset_of(["DSA380"]) == "DSA380"
+    assert preset_of(None) == ""
+    for texts in (["pantograph=DSA380"], ["DSA250", "DSA380"]):
+        with pytest.raises(BadInput, match="one preset of a component alone"):
+            preset_of(texts)
+
+
+@pytest.mark.parametrize("arguments", [
+    ("accuracy", "SCENE", "-o", "x"), ("stability", "SCENE", "-o", "x"), ("effects", "SCENE", "-o", "x"), ("show", "SCENE"),
+    ("ssp", "SCENE", "-o", "x.ssp"), ("sweep", "SCENE", "--over", "pantograph.speed=50:60:2", "-o", "x"), ("run", "SCENE"),
+    ("build", "--native", "--scene", "SCENE", "-o", "x"), ("accuracy", "component:Pantograph", "-o", "x"),
+    ("show", "Pantograph")])
+def test_every_command_of_scenes_and_components_takes_presets(arguments, tmp_path, monkeypatch, capsys):
+    """A wrong name is refused with the nearest one, before anything runs."""
+    monkeypatch.chdir(tmp_path)
+    given = [a.replace("SCENE", "en50318-2002") for a in arguments]
+    preset = "pantograph=DSA381" if "en50318-2002" in given else "DSA381"
+    assert cosimo(*given, "--preset", preset) == 2
+    assert "did you mean 'DSA380'" in capsys.readouterr().err

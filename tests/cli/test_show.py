@@ -87,7 +87,7 @@ def test_time_that_effects_add(capsys):
 
 
 @pytest.mark.parametrize("arguments", [
-    ("mass-on-spring", "--time"), ("mass-on-spring", "--preset", "a"), ("iso16281", "-o", "x")])
+    ("mass-on-spring", "--time"), ("mass-on-spring", "--preset", "a"), ("iso16281", "--preset", "a"), ("iso16281", "-o", "x")])
 def test_options_without_effect_are_refused(arguments, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as done:

@@ -55,10 +55,10 @@ class ComponentRun:
     """
 
     def __init__(self, name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None,
-                 stop: float | None = None, wave: float = SHARE):
+                 stop: float | None = None, wave: float = SHARE, preset: str = ""):
         self.cls: type[Component] = component_class(name, "component")
-        self.effects, self.parameters = effects, dict(parameters or {})
-        self.key = (self.cls, effects, self.parameters, stop, wave)  # for a study's journal
+        self.effects, self.parameters, self.preset = effects, dict(parameters or {}), preset
+        self.key = (self.cls, effects, self.parameters, stop, wave, preset)  # for a study's journal
         first = self.make()
         self.stop = stop or self.cls.default_stop
         self.steps = max(min(round(self.stop / self.cls.default_step), STEPS), 4)
@@ -77,7 +77,7 @@ class ComponentRun:
     def make(self, substep: float | None = None) -> Component:
         """A component that has not been initialized."""
         more = {} if substep is None else {"substep": substep}
-        return self.cls(self.effects, {**self.parameters, **more})
+        return self.cls(self.effects, {**self.parameters, **more}, preset=self.preset)
 
     def own(self, substep: float | None = None) -> Solved:
         """The outputs by the component's own integrator; raises `BadInput` and `StepFailed`."""
@@ -137,10 +137,10 @@ class ComponentRun:
 
 
 def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Mapping[str, Any] | None = None, *,
-                       stop: float | None = None, budget: float = BUDGET, repeats: int = REPEATS,
+                       preset: str = "", stop: float | None = None, budget: float = BUDGET, repeats: int = REPEATS,
                        on_message: Callable[[str], None] = lambda text: None) -> Accuracy:
     """Measure a component of the catalogue alone; raises `BadInput` where it integrates nothing."""
-    one = ComponentRun(name, effects, parameters, stop)
+    one = ComponentRun(name, effects, parameters, stop, preset=preset)
     probe = one.make()
     probe.initialize(0.0)
     usual = float(probe.get("substep")) if "substep" in probe.parameters else None
@@ -192,9 +192,9 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
         for method in METHODS:
             for tolerance in TOLERANCES:
                 measure(f"SciPy {method}", tolerance, partial(one.by_scipy, method, tolerance, 0.05 * budget))
-    return Accuracy(f"component:{name}", f"{one.cls.title} alone, {one.stop:g} s", tuple(with_finer_errors(points)), truth.method,
-                    second.method, agreement, machine_name(), versions(), ", ".join(truth.shares),
-                    calibration=calibrate().seconds)
+    title = ", ".join([f"{one.cls.title} alone", *([preset] if preset else []), f"{one.stop:g} s"])
+    return Accuracy(f"component:{name}", title, tuple(with_finer_errors(points)), truth.method, second.method, agreement,
+                    machine_name(), versions(), ", ".join(truth.shares), calibration=calibrate().seconds)
 
 
 def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str], None]) -> list[Solution]:
