@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from .common import FAILED_CHECK, Changes, Presets, app, print_table, scene_of, status_spinner, warn
+from .common import FAILED_CHECK, STOPPED, Changes, Presets, app, print_table, scene_of, status_spinner, warn
 from .many import Jobs, SceneName, Scheduler, stopped_early
 
 Quantities = Annotated[list[str] | None, typer.Option("--quantity", help=(
@@ -80,7 +81,7 @@ def uncertainty(
 def fit(
     scene: SceneName, plan: Settings,
     output: Directory = Path("fit"),
-    values: Changes = None, presets: Presets = None,
+    values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
     from ..harness.report import answers
@@ -88,13 +89,13 @@ def fit(
     from ..systems import many
 
     loaded = scene_of(scene, values, presets)
-    with locked(output), _counted() as observe:
-        answer = many.fit(loaded, plan, observe=observe)
+    with locked(output), _searched() as observe:
+        answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe)
         written = [answer.save(output), answers.for_fit(answer, output)]
     print_table("", ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)"],
                 [(n, answer.units[n], *rest) for n, *rest in answer.fit.rows()])
     warn(answer.fit.messages)
-    print(f"{answer.runs} runs; wrote {', '.join(map(str, written))}")
+    print(f"{_runs(answer.runs, answer.computed)}; wrote {', '.join(map(str, written))}")
     if not answer.fit.converged:
         raise SystemExit(FAILED_CHECK)
 
@@ -103,7 +104,7 @@ def fit(
 def design(
     scene: SceneName, plan: Settings,
     output: Directory = Path("design"),
-    values: Changes = None, presets: Presets = None,
+    values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
     """Parameters for a small or large quantity within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
     from ..harness.report import answers
@@ -111,8 +112,8 @@ def design(
     from ..systems import many
 
     loaded = scene_of(scene, values, presets)
-    with locked(output), _counted() as observe:
-        answer = many.design(loaded, plan, observe=observe)
+    with locked(output), _searched() as observe:
+        answer = many.design(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe)
         written = [answer.save(output), answers.for_design(answer, loaded, output)]
     print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
     if answer.best >= 0:
@@ -121,13 +122,24 @@ def design(
     else:
         print("no run keeps all limits")
     warn([answer.message] if answer.message else [])
-    print(f"{len(answer.steps)} runs; wrote {', '.join(map(str, written))}")
+    print(f"{_runs(len(answer.steps), answer.computed)}; wrote {', '.join(map(str, written))}")
     if answer.best < 0:
         raise SystemExit(FAILED_CHECK)
 
 
+def _runs(asked: int, computed: int) -> str:
+    return f"{asked} runs" + (f", {asked - computed} of an earlier call" if asked > computed else "")
+
+
 @contextmanager
-def _counted() -> Iterator[Callable[[int], None]]:
-    """A function that shows on a terminal how many runs there were."""
-    with status_spinner() as show:
-        yield lambda n: show(f"{n} runs")
+def _searched() -> Iterator[Callable[[int], None]]:
+    """A function that shows on a terminal how many runs there were; a signal ends the search with its exit code."""
+    from ..harness.journal import Stopped
+
+    try:
+        with status_spinner() as show:
+            yield lambda n: show(f"{n} runs")
+    except Stopped as stopped:
+        print(f"cosimo: stopped by {stopped.signal.name}; {stopped.kept} runs are kept, and the same command goes on with them",
+              file=sys.stderr)
+        raise SystemExit(STOPPED + stopped.signal) from None

@@ -126,8 +126,8 @@ def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | No
                 stopped = _compute(task, chosen, digests, missing, parts, live, jobs, scheduler)
             live.end("stopped" if stopped is not None else "done")
             efficiency = live.efficiency()
-        return _sweep(scene, chosen, store.locate_points(parts, digests), folder, base, stopped, directory is not None,
-                      missing.size, efficiency)
+        return collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
+                               computed=missing.size, efficiency=efficiency)
 
 
 def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
@@ -155,16 +155,21 @@ def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray,
     if not scheduler and count == 1:
         return compute_here(task, plan, digests, missing, folder, live)
     workers: Workers = Cluster(scheduler) if scheduler else Pool(count)
+    live.workers = workers.count
     try:
-        return compute_with(workers, task, plan, digests, missing, folder.resolve(), live)
+        stopped = compute_with(workers, task, plan, digests, missing, folder.resolve(), live)
     except BaseException:
         workers.stop()
         raise
+    if stopped is None:
+        workers.close()
+    return stopped
 
 
-def _sweep(scene: Scene, plan: Points, located: store.Located, folder: Path, base: str, stopped: Signals | None, kept: bool,
-           computed: int, efficiency: float) -> Sweep:
+def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, digests: np.ndarray | None = None,
+                    stopped: Signals | None = None, kept: bool = True, computed: int = 0, efficiency: float = 1.0) -> Sweep:
     """The points as they lie in the folder, with table and data set where they stay there."""
+    located = store.locate_points(store.points_folder(folder, base), plan.digests(base) if digests is None else digests)
     collected = store.collect(located, folder)
     varied = {name: column.labels for name, column in plan.columns.items()}
     units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)

@@ -29,6 +29,10 @@ from .case import CurveSettings
 from .model import Model, Number, Positive
 from .plan import KeepSettings
 
+Share = Annotated[float, Field(strict=True, gt=0.0, lt=0.5)]
+Starts = Annotated[int, Field(strict=True, ge=1, le=10_000)]
+Seed = Annotated[int, Field(strict=True, ge=0)]
+
 
 class RangeSettings(Model):
     """Bounds of a parameter, and where a search starts: at `start`, else at the scene's own value, else in the middle."""
@@ -67,8 +71,10 @@ class FitSettings(Model):
     vary: Annotated[dict[str, RangeSettings], Field(min_length=1)]
     curves: tuple[FittedCurve, ...] = ()
     targets: tuple[TargetSettings, ...] = ()
-    step: Positive = Field(default=1e-4, description="of differences, a share of the range between the bounds")
-    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=50, description="of the Jacobian, at most")
+    step: Share = Field(default=1e-4, description="of differences, a share of the range between the bounds")
+    starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
+    seed: Seed = Field(default=0, description="of the other starts")
+    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=50, description="of the residuals, at most, each start")
 
     @model_validator(mode="after")
     def _has_data(self) -> FitSettings:
@@ -104,8 +110,10 @@ class DesignSettings(Model):
     constraints: dict[str, LimitSettings] = {}
     method: Literal["COBYQA", "SLSQP"] = Field(
         default="COBYQA", description="COBYQA needs no derivatives; SLSQP for smooth figures")
-    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=200, description="at most")
-    step: Positive = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
+    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=200, description="at most, each start")
+    starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
+    seed: Seed = Field(default=0, description="of the other starts")
+    step: Share = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
     accuracy: Positive = Field(default=1e-4, description="of the parameters, a share of the range between the bounds")
     keep: KeepSettings = KeepSettings()
 

@@ -50,15 +50,17 @@ def uncertainty(scene: Scene, plan: PlanLike, directory: str | Path | None = Non
     return answer(scene, plan, directory, summarize=summary, **options)
 
 
-def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, **options: Any) -> SceneFit:
+def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None,
+        **options: Any) -> SceneFit:
     """Parameters from measurements: as `harness.many.fitting`, with the figures of the scene's system among the targets."""
     from ..harness.many.fitting import fit as answer
 
-    return answer(scene, settings, summarize=summary, **options)
+    return answer(scene, settings, directory, summarize=summary, **options)
 
 
-def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, **options: Any) -> Design:
+def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None,
+           **options: Any) -> Design:
     """Parameters for a small or large quantity: as `harness.many.design`, with the figures of the scene's system."""
     from ..harness.many.design import design as answer
 
-    return answer(scene, settings, summarize=summary, **options)
+    return answer(scene, settings, directory, summarize=summary, **options)

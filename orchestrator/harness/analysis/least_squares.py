@@ -29,7 +29,8 @@ class Fit:
 
     values, deviations: (n,), the latter standard deviations, infinite where the data do not determine a parameter.
     covariance, correlation: (n, n).  intervals: (n, 2) at 95 %, by Student's t.
-    residuals: (m,) at the fit.  condition: of the scaled Jacobian.  messages: what a user should know.
+    residuals: (m,) at the fit.  variance: of them, 1 where the deviations of the data are known.  condition: of the scaled
+    Jacobian.  messages: what a user should know.
     """
 
     names: tuple[str, ...]
@@ -39,6 +40,7 @@ class Fit:
     correlation: np.ndarray
     intervals: np.ndarray
     residuals: np.ndarray
+    variance: float
     condition: float
     evaluations: int
     converged: bool
@@ -48,6 +50,17 @@ class Fit:
     def rms(self) -> float:
         """Root mean square of the residuals; about 1 where they are over their true standard deviations."""
         return float(np.sqrt(np.mean(self.residuals**2)))
+
+    def chi_square(self, other: Fit) -> float:
+        """How much worse another fit is: difference of the sums of squares over the variance of the residuals."""
+        return (float(other.residuals @ other.residuals) - float(self.residuals @ self.residuals)) / self.variance
+
+    @property
+    def largest_chi_square(self) -> float:
+        """Below this `chi_square`, the data do not distinguish two fits at 95 %."""
+        from scipy.stats import chi2
+
+        return float(chi2.ppf(COVERAGE, len(self.names)))
 
     def rows(self) -> list[tuple[str, float, float, float, float]]:
         """(name, value, standard deviation, low, high) of every parameter."""
@@ -118,10 +131,11 @@ def _judged(names: tuple[str, ...], solution: Any, low: np.ndarray, high: np.nda
     if m == n and not noise_known:
         messages.append("as many parameters as residuals: the data leave nothing to estimate their uncertainty from")
     width = np.where(np.isfinite(high - low), high - low, np.inf)
-    for name, value, bottom, top, reach_ in zip(names, p, low, high, AT_BOUND * width, strict=True):
-        if value - bottom <= reach_ < np.inf or top - value <= reach_ < np.inf:
-            messages.append(f"{name} has stopped at its bound, {value:.6g}: its uncertainty holds to one side at most")
-    return Fit(names, p, deviations, covariance, correlation, intervals, r, condition, count, bool(solution.success),
+    for name, value, bottom, top, near in zip(names, p, low, high, AT_BOUND * width, strict=True):
+        if value - bottom <= near < np.inf or top - value <= near < np.inf:
+            end = "lower" if value - bottom <= top - value else "upper"
+            messages.append(f"{name} has stopped at its {end} bound: its uncertainty holds to one side at most")
+    return Fit(names, p, deviations, covariance, correlation, intervals, r, factor, condition, count, bool(solution.success),
                tuple(messages))
 
 

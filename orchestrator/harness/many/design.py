@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,12 @@ from ...output import write_table
 from ...scene.scene import Scene, read_toml
 from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import one_message
-from .evaluations import Evaluations, Summarize, column_name, keep_for
+from ..sweep import Sweep
+from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
 from .measures import Row
 from .plan import unit_of
+from .sampling import other_starts
+from .searches import Ask, differences, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
 BAD = 1e3  # a failed run is this many scales worse than the start
@@ -38,7 +41,8 @@ class Step:
 class Design:
     """The best run that keeps all limits, among all that were made. best: its place in `steps`, -1 where none does.
 
-    names: of the parameters; constraints: of the columns with limits; active: those at a limit.
+    names: of the parameters; constraints: of the columns with limits; active: those at a limit.  starts: searches.  computed:
+    runs of this call; the others were kept.  sweep: all of them.
     """
 
     quantity: str
@@ -50,6 +54,9 @@ class Design:
     best: int
     active: tuple[str, ...]
     message: str
+    starts: int
+    computed: int
+    sweep: Sweep | None = None
 
     @property
     def values(self) -> dict[str, float]:
@@ -75,55 +82,98 @@ def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> De
         raise one_message(error, DesignSettings, name) from None
 
 
-def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, *, summarize: Summarize | None = None,
-           observe: Callable[[int], None] = lambda n: None) -> Design:
-    """Search for the least (or largest) quantity within bounds and limits; a local search, from the start that is given.
+def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
+           jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None
+           ) -> Design:
+    """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts.
 
-    Raises `BadInput`, also where the start cannot be run.
+    `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
+    of differences, and of several starts, as in a sweep; they change no number. Raises `BadInput`, also where the start cannot be
+    run, and `Stopped` where a signal has ended it.
     """
-    from scipy.optimize import NonlinearConstraint, minimize
-
     wanted = design_settings(settings)
     aim = wanted.minimise or wanted.maximise
-    runs = Evaluations(scene, wanted.vary, keep_for([aim, *wanted.constraints], wanted.keep), summarize, observe)
-    low, width = runs.low, runs.high - runs.low
-    start = runs.start(wanted.vary)
-    first = runs(start)
-    if first.outcome != "done":
-        raise BadInput("design: start", f"a run that is {first.outcome}: {first.reason}", "a start that runs",
-                       "Give another start.")
-    quantity = column_name(first.numbers, aim, "design")
-    columns = [column_name(first.numbers, n, "design: constraints") for n in wanted.constraints]
-    limits = dict(zip(columns, wanted.constraints.values(), strict=True))
-    sign = -1.0 if wanted.maximise else 1.0
-    scale = abs(first.numbers[quantity]) or 1.0
-    sizes = [_size(limits[c]) for c in columns]
+    keep = keep_for([aim, *wanted.constraints], wanted.keep)
+    with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
+        start = runs.start(wanted.vary)
+        (first,) = runs([start])
+        if first.outcome != "done":
+            raise BadInput("design: start", f"a run that is {first.outcome}: {first.reason}", "a start that runs",
+                           "Give another start.")
+        quantity = column_name(first.numbers, aim, "design")
+        columns = [column_name(first.numbers, n, "design: constraints") for n in wanted.constraints]
+        limits = dict(zip(columns, wanted.constraints.values(), strict=True))
+        searching = _Searching(wanted, runs, quantity, limits, first.numbers[quantity])
+        starts = [(start - runs.low) / (runs.high - runs.low), *other_starts(wanted.starts, len(start), wanted.seed)]
+        solutions = run_searches([searching.search(u) for u in starts], runs)
+        steps = tuple(_step(p, row, quantity, limits) for p, row in runs.history)
+        good = [k for k, s in enumerate(steps) if s.feasible]
+        best = min(good, key=lambda k: searching.sign * steps[k].quantity, default=-1)
+        left = [s.message for s in solutions if not s.success]
+        which = f"{len(left)} of {len(starts)} searches" if len(starts) > 1 else "the search"
+        message = f"{which} ended before it had converged: {left[0]}" if left else ""
+        ends = zip(limits.items(), steps[best].constraints, strict=True) if good else ()
+        active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
+        return Design(quantity, bool(wanted.maximise), tuple(runs.names), {n: unit_of(scene, n) for n in runs.names}, limits,
+                      steps, best, active, message, len(starts), runs.computed, runs.sweep())
 
-    def objective(u: np.ndarray) -> float:
-        row = runs(low + np.clip(u, 0.0, 1.0) * width)
-        value = row.numbers.get(quantity, np.nan) if row.outcome == "done" else np.nan
-        return sign * value / scale if np.isfinite(value) else sign * first.numbers[quantity] / scale + BAD
 
-    def constrained(u: np.ndarray) -> np.ndarray:
-        row = runs(low + np.clip(u, 0.0, 1.0) * width)
-        values = [row.numbers.get(c, np.nan) / s for c, s in zip(columns, sizes, strict=True)]
-        return np.array([v if np.isfinite(v) else _outside(limits[c], s) for v, c, s in zip(values, columns, sizes, strict=True)])
+class _Searching:
+    """The aim and the limits over the unit cube, scaled, from the rows of runs. first: the quantity at the start."""
 
-    ends = [[(getattr(limits[c], end) / s if getattr(limits[c], end) is not None else other)
-             for c, s in zip(columns, sizes, strict=True)] for end, other in (("low", -np.inf), ("high", np.inf))]
-    constraints = [NonlinearConstraint(constrained, *ends)] if columns else []
-    options = ({"maxfev": wanted.evaluations, "final_tr_radius": wanted.accuracy, "initial_tr_radius": 0.1}
-               if wanted.method == "COBYQA" else
-               {"maxiter": wanted.evaluations, "ftol": wanted.accuracy**2, "eps": wanted.step})
-    solution = minimize(objective, (start - low) / width, method=wanted.method, bounds=[(0.0, 1.0)] * len(low),
-                        constraints=constraints, options=options)
-    steps = tuple(_step(p, row, quantity, limits) for p, row in runs.history)
-    good = [k for k, s in enumerate(steps) if s.feasible]
-    best = min(good, key=lambda k: sign * steps[k].quantity, default=-1)
-    message = "" if solution.success else f"the search ended before it had converged: {solution.message}"
-    active = tuple(c for c, v in zip(columns, steps[best].constraints, strict=True) if _at_limit(v, limits[c])) if good else ()
-    return Design(quantity, bool(wanted.maximise), tuple(runs.names), {n: unit_of(scene, n) for n in runs.names}, limits, steps,
-                  best, active, message)
+    def __init__(self, wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings],
+                 first: float):
+        self.wanted, self.runs, self.quantity, self.limits = wanted, runs, quantity, limits
+        self.sign = -1.0 if wanted.maximise else 1.0
+        self.first, self.scale = self.sign * first, abs(first) or 1.0
+        self.sizes = [_size(limit) for limit in limits.values()]
+
+    def search(self, start: np.ndarray) -> Callable[[Ask], Any]:
+        """SciPy's solution from a start in the unit cube."""
+        wanted = self.wanted
+        ends = [[(getattr(limit, end) / s if getattr(limit, end) is not None else other)
+                 for limit, s in zip(self.limits.values(), self.sizes, strict=True)]
+                for end, other in (("low", -np.inf), ("high", np.inf))]
+
+        def solve(ask: Ask) -> Any:
+            from scipy.optimize import NonlinearConstraint, minimize
+
+            def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
+                inside = [self.runs.low + np.clip(u, 0.0, 1.0) * (self.runs.high - self.runs.low) for u in points]
+                return [self._scaled(row) for row in ask(inside)]
+
+            def whole(u: np.ndarray) -> np.ndarray:
+                v = values([u])[0]
+                return np.where(np.isfinite(v), v, self._bad())
+
+            def jacobian(u: np.ndarray) -> np.ndarray:
+                return differences(values, np.clip(u, 0.0, 1.0), wanted.step, self.runs.names)
+
+            if wanted.method == "COBYQA":
+                options = {"maxfev": wanted.evaluations, "final_tr_radius": wanted.accuracy, "initial_tr_radius": 0.1}
+                constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends)] if self.limits else []
+                slopes = {}
+            else:
+                options = {"maxiter": wanted.evaluations, "ftol": wanted.accuracy**2}
+                constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: jacobian(u)[1:])
+                               ] if self.limits else []
+                slopes = {"jac": lambda u: jacobian(u)[0]}
+            return minimize(lambda u: whole(u)[0], start, method=wanted.method, bounds=[(0.0, 1.0)] * len(start),
+                            constraints=constraints, options=options, **slopes)
+
+        return solve
+
+    def _scaled(self, row: Row) -> np.ndarray:
+        """Aim and limited columns, (1 + c,); NaN where the run failed."""
+        if row.outcome != "done":
+            return np.full(1 + len(self.sizes), np.nan)
+        columns = [row.numbers.get(c, np.nan) / s for c, s in zip(self.limits, self.sizes, strict=True)]
+        return np.array([self.sign * row.numbers.get(self.quantity, np.nan) / self.scale, *columns])
+
+    def _bad(self) -> np.ndarray:
+        """What a failed run has in their places: worse than the start, and clearly out of the limits."""
+        outside = [_outside(limit, s) for limit, s in zip(self.limits.values(), self.sizes, strict=True)]
+        return np.array([self.first / self.scale + BAD, *outside])
 
 
 def _size(limit: LimitSettings) -> float:

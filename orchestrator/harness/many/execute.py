@@ -10,14 +10,13 @@ from math import inf
 from pathlib import Path
 from signal import Signals
 from time import perf_counter
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ....components.core.errors import BadInput
 from ...progress import Interrupt
 from .batches import BatchReport, Point, run_batch, signal_of, write_outcome
-from .live import Live
 from .measures import Task
 from .plan import Points
 from .store import locate_points
@@ -31,6 +30,12 @@ LOOK = 0.2  # s between two looks at signals
 KILLED = "the process that ran this point ended without an answer: it crashed, or was killed, such as for want of memory"
 
 
+class Observer(Protocol):
+    """Who is told of batches that have ended."""
+
+    def count(self, report: BatchReport) -> None: ...
+
+
 @dataclass
 class _Batch:
     places: np.ndarray  # of points in the plan
@@ -40,11 +45,12 @@ class _Batch:
 
 @dataclass
 class Schedule:
-    """Which points come next. missing: places in the plan."""
+    """Which points come next. missing: places in the plan.  compiled: there is machine code for all of them."""
 
     plan: Points
     missing: np.ndarray
     workers: int
+    compiled: bool = False
     per_point: float = 0.0  # s, of the fastest recent batch; 0: not known
     _ready: deque[np.ndarray] = field(default_factory=deque)
     _first: deque[_Batch] = field(default_factory=deque)
@@ -57,7 +63,9 @@ class Schedule:
         order = np.argsort(groups, kind="stable")
         cuts = np.flatnonzero(np.diff(groups[order])) + 1
         for members in np.split(self.missing[order], cuts):
-            if members.size:
+            if members.size and self.compiled:
+                self._ready.append(members)
+            elif members.size:
                 group = int(self.plan.kernels[members[0]])
                 self._first.append(_Batch(members[:1], group))
                 self._waiting[group] = members[1:]
@@ -100,7 +108,7 @@ class Schedule:
             self._ready.append(rest)
 
 
-def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Live,
+def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Observer,
                  seconds: float = inf) -> Signals | None:
     """In this process, one after the other, for about so many s; the signal that has ended it early."""
     schedule, since = Schedule(plan, missing, 1), perf_counter()
@@ -114,13 +122,13 @@ def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndar
 
 
 def compute_with(workers: Workers, task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path,
-                 live: Live) -> Signals | None:
-    """By workers; the signal that has ended it early. A point that ends its process is a row "killed"; the others go on.
+                 live: Observer, compiled: bool = False) -> Signals | None:
+    """By workers; the signal that has ended it, and them, early. A point that ends its process is a row "killed"; the others go
+    on.
 
     Raises `BadInput` where the scheduler is gone, or the directory cannot be written.
     """
-    schedule = Schedule(plan, missing, workers.count)
-    live.workers = workers.count
+    schedule = Schedule(plan, missing, workers.count, compiled)
     flying: dict[Future[BatchReport], _Batch] = {}
     with Interrupt(lambda: None) as interrupt:
         while True:
@@ -130,7 +138,6 @@ def compute_with(workers: Workers, task: Task, plan: Points, digests: np.ndarray
                 workers.stop()
                 return interrupt.wanted
             if not flying:
-                workers.close()
                 return None
             ended = wait(flying, timeout=LOOK, return_when=FIRST_COMPLETED).done
             lost = [b for f in ended if (b := _come_back(f, flying.pop(f), schedule, live, workers))]
@@ -138,7 +145,7 @@ def compute_with(workers: Workers, task: Task, plan: Points, digests: np.ndarray
                 _crashed(lost, flying, schedule, live, workers, digests, folder)
 
 
-def _come_back(future: Future[BatchReport], batch: _Batch, schedule: Schedule, live: Live, workers: Workers) -> _Batch | None:
+def _come_back(future: Future[BatchReport], batch: _Batch, schedule: Schedule, live: Observer, workers: Workers) -> _Batch | None:
     """Count an ended batch; returns it where its process is gone."""
     try:
         report = future.result()
@@ -156,7 +163,7 @@ def _come_back(future: Future[BatchReport], batch: _Batch, schedule: Schedule, l
     return None
 
 
-def _crashed(lost: list[_Batch], flying: dict[Any, _Batch], schedule: Schedule, live: Live, workers: Workers,
+def _crashed(lost: list[_Batch], flying: dict[Any, _Batch], schedule: Schedule, live: Observer, workers: Workers,
              digests: np.ndarray, folder: Path) -> None:
     """A process is gone, and with those of this machine all batches that were on their way. Which point did it shows when each
     of those that have not been written runs alone."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +19,21 @@ from ...settings.plan import KeepSettings
 from ..analysis.least_squares import Fit
 from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
+from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
-from .evaluations import Evaluations, Summarize, column_name, keep_for
-from .plan import unit_of
+from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
+from .measures import Row
+from .plan import changes, unit_of
+from .sampling import other_starts
+from .searches import Ask, differences, run_searches
+
+SAME_PLACE = 1e-2  # of the range between the bounds: fits nearer to one another than this are one
 
 
 @dataclass(frozen=True)
 class SceneFit:
     """Fitted parameters of a scene. fit: in the parameters' own units.  units: of measure by name.  charts: measured and fitted.
-    scene: with the fitted values."""
+    scene: with the fitted values.  runs: that the search asked for, `computed` of them by this call.  sweep: all of them."""
 
     fit: Fit
     units: Mapping[str, str]
@@ -36,6 +42,8 @@ class SceneFit:
     charts: tuple[Chart, ...]
     targets: tuple[tuple[str, float, float, float], ...]  # quantity, measured, its deviation, fitted
     runs: int
+    computed: int
+    sweep: Sweep | None = None
 
     def save(self, directory: str | Path) -> Path:
         """Write fit.csv: a row a parameter, with its correlations with the others."""
@@ -62,13 +70,16 @@ def fit_settings(data: FitSettings | Mapping[str, Any], name: str = "fit") -> Fi
         raise one_message(error, FitSettings, name) from None
 
 
-def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, *, folder: str | Path = ".",
-        summarize: Summarize | None = None, observe: Callable[[int], None] = lambda n: None) -> SceneFit:
+def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
+        folder: str | Path = ".", jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None,
+        observe: Observe = lambda n: None) -> SceneFit:
     """Fit parameters to measured curves and numbers. `folder`: of the curves' files, where the settings are no file themselves.
 
     Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
     on both sides where it has a cut-off; its samples count as independent, which makes the deviations too small where they are
-    not. Raises `BadInput`, also where the start cannot be run.
+    not. `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes
+    the runs of a Jacobian, and of several starts, as in a sweep; they change no number. Raises `BadInput`, also where the start
+    cannot be run, and `Stopped` where a signal has ended it.
     """
     if isinstance(settings, str | Path):
         settings, folder = read_fit(settings)
@@ -78,62 +89,115 @@ def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, *,
     signals = [s for c in wanted.curves for s in (c.signal, c.over) if s]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
-    runs = Evaluations(scene, wanted.vary, keep, summarize, observe)
-    low, width = runs.low, runs.high - runs.low
-    first = runs.start(wanted.vary)
-
-    _check_start(runs, first)
-    size = _residuals(runs, first, wanted, folder, 0).size
-
-    def residuals(u: np.ndarray) -> np.ndarray:
-        return _residuals(runs, low + u * width, wanted, folder, size)
-
-    names = runs.names
-    start = dict(zip(names, ((first - low) / width).tolist(), strict=True))
-    known = bool(wanted.targets) or all(c.deviation is not None for c in wanted.curves)
-    unit = least_squares(residuals, start, dict.fromkeys(names, (0.0, 1.0)), noise_known=known, step=wanted.step,
-                         most=wanted.evaluations)
-    scaled = _in_units(unit, low, width)
-    result, row = runs.result(scaled.values), runs(scaled.values)
-    if result is None or row.outcome != "done":
-        raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
-    comparisons = [compare_curve(c, folder, result) for c in wanted.curves]
-    targets = tuple((t.quantity, t.value, t.deviation, row.numbers[column_name(row.numbers, t.quantity, "fit: targets")])
-                    for t in wanted.targets)
-    return SceneFit(scaled, {n: unit_of(scene, n) for n in names}, result.scene, dict(zip(names, first.tolist(), strict=True)),
-                    tuple(c.chart() for c in comparisons), targets, len(runs.history))
+    with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
+        return _Fitting(scene, wanted, folder, runs).answer()
 
 
-def _check_start(runs: Evaluations, first: np.ndarray) -> None:
-    row = runs(first)
-    if row.outcome != "done":
-        raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")
+@dataclass(frozen=True)
+class _KeptRun:
+    """Signals of a point, as a comparison with a measurement reads them."""
+
+    scene: Scene
+    row: Row
+
+    @property
+    def time(self) -> np.ndarray:
+        return self.row.time
+
+    @property
+    def measures(self) -> Mapping[str, str]:
+        return self.row.units
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.row.signals[name]
 
 
-def _residuals(runs: Evaluations, p: np.ndarray, wanted: FitSettings, folder: Path, size: int) -> np.ndarray:
-    """All residuals at parameters p, (m,); NaN where the run failed; `size`: as many as at the start, 0 there.
+class _Fitting:
+    """One fit: its residuals over the unit cube, from the rows of its runs."""
 
-    Raises `BadInput` where the stretch that both have depends on the parameters.
-    """
-    result, row = runs.result(p), runs(p)
-    if result is None or row.outcome != "done":
-        return np.full(max(size, 1), np.nan)
-    parts: list[np.ndarray] = []
-    for curve in wanted.curves:
-        comparison = compare_curve(curve, folder, result)
-        parts.append((comparison.simulated - comparison.measured) / (curve.deviation or 1.0))
-    for target in wanted.targets:
-        value = row.numbers[column_name(row.numbers, target.quantity, "fit: targets")]
-        parts.append(np.array([(value - target.value) / target.deviation]))
-    whole = np.concatenate(parts)
-    if size and whole.size != size:
-        raise BadInput("fit: curves", f"{whole.size} samples within a run, {size} within the first one",
-                       "a stretch that does not depend on the parameters", "Cut the measurement to what every run covers.")
-    return whole
+    def __init__(self, scene: Scene, wanted: FitSettings, folder: Path, runs: Evaluations):
+        self.scene, self.wanted, self.folder, self.runs = scene, wanted, folder, runs
+        self.low, self.width = runs.low, runs.high - runs.low
+        self.size = 0  # residuals: as many as at the start
+
+    def answer(self) -> SceneFit:
+        """Search from every start; the fit with the least residuals, and what the others came to."""
+        runs, names = self.runs, self.runs.names
+        first = runs.start(self.wanted.vary)
+        (row,) = runs([first])
+        if row.outcome != "done":
+            raise BadInput("fit: start", f"a run that is {row.outcome}: {row.reason}", "a start that runs", "Give another start.")
+        self.size = self._residuals(first, row).size
+        starts = [(first - self.low) / self.width, *other_starts(self.wanted.starts, len(names), self.wanted.seed)]
+        rows = runs([self.low + u * self.width for u in starts])
+        usable = [u for u, row in zip(starts, rows, strict=True) if row.outcome == "done"]
+        fits = sorted(run_searches([self._search(u) for u in usable], runs), key=lambda f: float(f.residuals @ f.residuals))
+        messages = [f"{len(starts) - len(usable)} of {len(starts)} starts could not be run"] if len(usable) < len(starts) else []
+        best = _in_units(fits[0], self.low, self.width)
+        messages += [*best.messages, *_others(best, [_in_units(f, self.low, self.width) for f in fits[1:]], self.width)]
+        (row,) = runs([best.values])
+        if row.outcome != "done":
+            raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
+        fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
+        comparisons = [compare_curve(c, self.folder, _KeptRun(fitted, row)) for c in self.wanted.curves]
+        targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
+        return SceneFit(replace(best, messages=tuple(messages)), {n: unit_of(self.scene, n) for n in names}, fitted,
+                        runs.values(first), tuple(c.chart() for c in comparisons), targets, len(runs.history), runs.computed,
+                        runs.sweep())
+
+    def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
+        names, wanted = self.runs.names, self.wanted
+        known = bool(wanted.targets) or all(c.deviation is not None for c in wanted.curves)
+
+        def search(ask: Ask) -> Fit:
+            def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
+                p = [self.low + u * self.width for u in points]
+                return [self._residuals(x, row) for x, row in zip(p, ask(p), strict=True)]
+
+            return least_squares(lambda u: values([u])[0], dict(zip(names, start.tolist(), strict=True)),
+                                 dict.fromkeys(names, (0.0, 1.0)), noise_known=known, most=wanted.evaluations,
+                                 jacobian=lambda u: differences(values, u, wanted.step, names))
+
+        return search
+
+    def _residuals(self, p: np.ndarray, row: Row) -> np.ndarray:
+        """All residuals at parameters p, (m,); NaN where the run failed.
+
+        Raises `BadInput` where the stretch that both have depends on the parameters.
+        """
+        if row.outcome != "done":
+            return np.full(max(self.size, 1), np.nan)
+        parts: list[np.ndarray] = []
+        for curve in self.wanted.curves:
+            comparison = compare_curve(curve, self.folder, _KeptRun(self.runs.scene, row))
+            parts.append((comparison.simulated - comparison.measured) / (curve.deviation or 1.0))
+        parts += [np.array([(self._target(row, t.quantity) - t.value) / t.deviation]) for t in self.wanted.targets]
+        whole = np.concatenate(parts)
+        if self.size and whole.size != self.size:
+            raise BadInput("fit: curves", f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} within the "
+                           "first one", "a stretch that does not depend on the parameters",
+                           "Cut the measurement to what every run covers.")
+        return whole
+
+    def _target(self, row: Row, quantity: str) -> float:
+        return row.numbers[column_name(row.numbers, quantity, "fit: targets")]
+
+
+def _others(best: Fit, others: Sequence[Fit], width: np.ndarray) -> list[str]:
+    """What fits from other starts tell: another minimum that the data do not distinguish from the best one."""
+    if not others:
+        return []
+    elsewhere = [f for f in others if (np.abs(f.values - best.values) > SAME_PLACE * width).any()]
+    texts = [f"{len(others) + 1 - len(elsewhere)} of {len(others) + 1} starts came to this fit"] if elsewhere else []
+    for f in elsewhere:
+        if best.chi_square(f) <= best.largest_chi_square:
+            values = ", ".join(f"{n} = {v:.6g}" for n, v in zip(f.names, f.values, strict=True))
+            texts.append(f"another fit explains the data as well, within 95 %: {values}")
+    return list(dict.fromkeys(texts))
 
 
 def _in_units(unit: Fit, low: np.ndarray, width: np.ndarray) -> Fit:
     """A fit over shares of the ranges as one in the parameters' units."""
     return Fit(unit.names, low + unit.values * width, unit.deviations * width, unit.covariance * np.outer(width, width),
-               unit.correlation, low[:, None] + unit.intervals * width[:, None], unit.residuals, unit.condition, unit.evaluations,
-               unit.converged, unit.messages)
+               unit.correlation, low[:, None] + unit.intervals * width[:, None], unit.residuals, unit.variance, unit.condition,
+               unit.evaluations, unit.converged, unit.messages)

@@ -29,6 +29,11 @@ def unit_points(method: str, n: int, d: int, seed: int) -> np.ndarray:
     return np.clip(u, SMALLEST, 1.0 - SMALLEST)
 
 
+def other_starts(starts: int, d: int, seed: int) -> list[np.ndarray]:
+    """Where searches start besides the first one, (d,) each in (0, 1): a Latin hypercube."""
+    return list(unit_points("latin-hypercube", starts - 1, d, seed)) if starts > 1 else []
+
+
 def correlated(u: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """Points (n, d) of the unit cube whose normal scores have the correlation `matrix` (d, d): a normal copula, by Cholesky.
 

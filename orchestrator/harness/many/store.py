@@ -30,7 +30,7 @@ from ...output import not_written, write_json, write_table
 from ...scene.scene import Scene
 from ..code_digests import components_digest
 from .batches import SECTION, SIGNAL, TIME
-from .measures import Task
+from .measures import Row, Task
 from .plan import Points
 
 POINTS = "points"
@@ -133,6 +133,35 @@ def locate_points(folder: Path, digests: np.ndarray, retry: bool = False) -> Loc
     at = np.minimum(np.searchsorted(every[order], digests), every.size - 1)
     there = every[order][at] == digests
     return Located(folder, files, digests, np.where(there, parts[order][at], -1), np.where(there, rows[order][at], -1))
+
+
+def digests_in(path: Path) -> list[int]:
+    """Of the rows of a part, none where it is damaged."""
+    import pyarrow.parquet as parquet
+
+    try:
+        return parquet.read_table(path, columns=["digest"], partitioning=None).column("digest").to_pylist()
+    except Exception:  # damaged: as if it were not there
+        return []
+
+
+def read_row(path: Path, k: int) -> Row:
+    """A row of a part."""
+    import pyarrow.parquet as parquet
+
+    table = parquet.read_table(path, partitioning=None).slice(k, 1)
+    row = Row(table.column("outcome")[0].as_py(), table.column("reason")[0].as_py())
+    for field in table.schema:
+        value, unit = table.column(field.name)[0], (field.metadata or {}).get(b"unit", b"").decode()
+        if field.name.startswith(NUMBER):
+            name = field.name.removeprefix(NUMBER)
+            row.numbers[name], row.units[name] = value.as_py(), unit
+        elif field.name.startswith(SIGNAL):
+            name = field.name.removeprefix(SIGNAL)
+            row.signals[name], row.units[name] = value.values.to_numpy(), unit
+        elif field.name == TIME:
+            row.time = value.values.to_numpy()
+    return row
 
 
 def collect(located: Located, directory: Path) -> Collected:

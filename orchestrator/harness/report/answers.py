@@ -138,7 +138,8 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
     else:
         lead = f"None of {len(y)} runs keeps all limits."
     notes = [answer.message] if answer.message else []
-    notes.append("A local search: another start may lead to a better place.")
+    notes.append("A local search: another start may lead to a better place." if answer.starts == 1 else
+                 f"{answer.starts} local searches from points spread over the bounds: there may be a better place still.")
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 
 

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -16,12 +16,27 @@ from ..analysis.signals import Filter, amplitude_spectrum, uniform
 from ..charts.chart import Chart, Panel, Series
 
 if TYPE_CHECKING:
-    from ...results import Result
+    from ...scene.scene import Scene
 
 EDGE = 2.0  # periods of the cut-off at either end, which a filter distorts
 STATISTICS: Mapping[str, Callable[[np.ndarray], Any]] = {
     "mean": np.mean, "standard deviation": np.std, "maximum": np.max, "minimum": np.min}
 LEAST = 8  # samples of both within the stretch that is compared
+
+
+class Recorded(Protocol):
+    """A run, or what is kept of one. time: (n,) s.  measures: units by signal."""
+
+    @property
+    def time(self) -> np.ndarray: ...
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def measures(self) -> Mapping[str, str]: ...
+
+    def __getitem__(self, name: str) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -67,7 +82,7 @@ class Comparison:
         return Chart(f"{c.signal} against the measurement{where}", "", (history, spectrum), text, columns=1, height=260)
 
 
-def compare_curve(curve: CurveSettings, folder: Path, result: Result) -> Comparison:
+def compare_curve(curve: CurveSettings, folder: Path, result: Recorded) -> Comparison:
     """The comparison of a curve with a run.
 
     Raises `BadInput` where the file or the signal cannot be used, or both share no stretch.

@@ -51,7 +51,7 @@ def test_what_the_data_do_not_determine_is_named():
 def test_a_fit_at_its_bound_says_so():
     x, y = line(3)
     found = fit(lambda p: p[0] + p[1] * x - y, {"offset": 0.0, "slope": 0.1}, {"offset": (-1e3, 1e3), "slope": (0.0, 0.2)})
-    assert any("slope has stopped at its bound" in text for text in found.messages)
+    assert any("slope has stopped at its upper bound" in text for text in found.messages)
 
 
 def test_too_few_data_and_bad_starts_are_refused():

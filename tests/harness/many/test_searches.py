@@ -1,0 +1,174 @@
+"""Fits and designs: the same for any number of workers and starts, kept as points, going on where they were ended."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.harness.many.design import design
+from cosimo.orchestrator.harness.many.fitting import fit
+from cosimo.orchestrator.harness.many.searches import differences, run_searches
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.harness.many.points import formula
+from cosimo.tests.harness.many.test_answers import measured
+from cosimo.tests.harness.many.test_runs import session, contents, parts
+from cosimo.tests.harness.test_sweep import MASS
+
+TWO = {  # (a - 1)² + (b - 2)² = 2 and a + b = 3: at (2, 1) and at (0, 3)
+    "vary": {"f.a": {"low": -3.0, "high": 4.0, "start": 1.5}, "f.b": {"low": -3.0, "high": 6.0, "start": 1.5}},
+    "targets": [{"quantity": "f.parabola, end", "value": 2.0, "deviation": 0.1},
+                {"quantity": "f.total, end", "value": 3.0, "deviation": 0.1}]}
+
+
+def test_a_fit_does_not_depend_on_the_number_of_workers(tmp_path):
+    scene = read_scene(MASS | {"sweep": {}, "master": {"step": 1e-2}})
+    settings = {"vary": {"m.k": {"low": 300.0, "high": 500.0, "start": 380.0}, "m.v0": {"low": 1.0, "high": 3.0}},
+                "curves": [measured(tmp_path)], "starts": 2}
+    one, two = (fit(scene, settings, tmp_path / str(jobs), folder=tmp_path, jobs=jobs) for jobs in (1, 2))
+    assert one.fit.values.tobytes() == two.fit.values.tobytes()
+    assert one.fit.covariance.tobytes() == two.fit.covariance.tobytes()
+    assert one.runs == one.computed == two.computed == len(one.sweep.outcomes)
+    assert contents(tmp_path / "1") == contents(tmp_path / "2")
+    again = fit(scene, settings, tmp_path / "2", folder=tmp_path)
+    assert (again.computed, again.runs) == (0, one.runs)
+    assert again.fit.values.tobytes() == one.fit.values.tobytes()
+    # the data set has the signals of every run: x = v0/ω sin ωt
+    time, x = list(one.sweep.signals("m.x_out"))[-1]
+    k, v0 = one.sweep.varied["m.k"][-1], one.sweep.varied["m.v0"][-1]
+    np.testing.assert_allclose(x, v0 / np.sqrt(k) * np.sin(np.sqrt(k) * time), atol=1e-9)
+
+
+@pytest.mark.full
+def test_a_design_by_differences_does_not_depend_on_the_number_of_workers(tmp_path):
+    settings = {"vary": {"f.a": {"low": -4.0, "high": 4.0}, "f.b": {"low": -4.0, "high": 4.0}}, "minimise": "f.parabola, end",
+                "constraints": {"f.total, end": {"high": 2.0}}, "method": "SLSQP", "starts": 3}
+    one, two = (design(read_scene(formula()), settings, tmp_path / str(jobs), jobs=jobs) for jobs in (1, 2))
+    assert one.steps == two.steps
+    assert one.starts == 3
+    assert one.values == {"f.a": pytest.approx(0.5, abs=2e-3), "f.b": pytest.approx(1.5, abs=2e-3)}
+    assert design(read_scene(formula()), settings, tmp_path / "2").computed == 0
+
+
+def test_several_starts_find_what_one_start_does_not_see():
+    one = fit(read_scene(formula()), TWO)
+    assert not any("another fit" in text for text in one.fit.messages)
+    several = fit(read_scene(formula()), TWO | {"starts": 6})
+    a, b = several.fit.values
+    assert (round(a), round(b)) in ((2, 1), (0, 3))
+    other = {(2, 1): (0.0, 3.0), (0, 3): (2.0, 1.0)}[round(a), round(b)]
+    (text,) = {t.split(": ")[0] for t in several.fit.messages if "another fit" in t}
+    assert text == "another fit explains the data as well, within 95 %"
+    named = [t for t in several.fit.messages if "another fit" in t][0]
+    values = [float(part.split(" = ")[1]) for part in named.split(": ")[1].split(", ")]
+    np.testing.assert_allclose(values, other, atol=1e-4)
+
+
+def test_differences_stay_within_bounds_and_go_around_failed_runs():
+    """Of (u², u v): columns (2 u, v) and (0, u), but for half a step."""
+    asked = []
+
+    def values(points):
+        asked.extend(points)
+        return [np.array([u * u, u * v]) if failed is None or not failed(u, v) else np.full(2, np.nan) for u, v in points]
+
+    def exact(u, v, h):
+        return [[2.0 * u + h, 0.0], [v, u]]
+
+    failed = None
+    np.testing.assert_allclose(differences(values, np.array([0.5, 1.0]), 1e-3, ["u", "v"]), exact(0.5, 1.0, 1e-3), rtol=1e-9)
+    assert all((0.0 <= p).all() and (p <= 1.0).all() for p in asked)
+
+    def failed(u, v):
+        return u > 0.5
+
+    np.testing.assert_allclose(differences(values, np.array([0.5, 0.3]), 1e-3, ["u", "v"]), exact(0.5, 0.3, -1e-3), rtol=1e-9)
+
+    def failed(u, v):
+        return v != 0.3
+
+    with pytest.raises(BadInput, match="search: v"):
+        differences(values, np.array([0.5, 0.3]), 1e-3, ["u", "v"])
+
+
+def test_searches_ask_together_and_a_failed_one_ends_all():
+    batches = []
+
+    def compute(points):
+        batches.append([p.tolist() for p in points])
+        return [p.sum() for p in points]
+
+    def search(first, times):
+        def work(ask):
+            return sum(ask([np.array([first + k])])[0] for k in range(times))
+
+        return work
+
+    assert run_searches([search(0.0, 2), search(10.0, 3)], compute) == [1.0, 33.0]
+    assert batches == [[[0.0], [10.0]], [[1.0], [11.0]], [[12.0]]]
+    before = threading.active_count()
+
+    def fails(ask):
+        ask([np.array([1.0])])
+        raise BadInput("here", "a fault", "none")
+
+    with pytest.raises(BadInput, match="a fault"):
+        run_searches([search(0.0, 9), fails, search(5.0, 9)], compute)
+    assert threading.active_count() == before
+
+
+SCENE = """
+stop_time = 1.0
+[units.d]
+component = "cosimo.tests.harness.many.points:Doubler"
+parameters = { pause = 0.1 }
+[master]
+step = 1.0
+"""
+PLAN = """
+starts = 3
+[vary]
+"d.value" = { low = 0.0, high = 10.0, start = 1.0 }
+[[targets]]
+quantity = "d.twice, end"
+value = 6.0
+deviation = 0.1
+"""
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_stopped_fit_goes_on_with_what_it_has(tmp_path, number):
+    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "fit.toml").write_text(PLAN)
+    command = [sys.executable, "-m", "cosimo.orchestrator.cli", "fit", tmp_path / "scene.toml", "--plan", tmp_path / "fit.toml",
+               "--jobs", "2", "-o"]
+    process = subprocess.Popen([*command, tmp_path / "out"], stderr=subprocess.PIPE, text=True, start_newsession=True)
+    try:
+        while len(parts(tmp_path / "out")) < 5:
+            assert process.poll() is None
+            time.sleep(0.05)
+    finally:
+        os.kill(process.pid, number)
+        _, messages = process.communicate()
+    assert process.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 128 + signal.SIGTERM)
+    if number == signal.SIGTERM:
+        assert "stopped by SIGTERM" in messages
+        assert "the same command goes on" in messages
+    while session(process.pid):  # workers of a killed one write their present runs and end
+        time.sleep(0.05)
+    import pyarrow.parquet as parquet
+
+    kept = sum(parquet.read_metadata(p).num_rows for p in parts(tmp_path / "out"))
+    assert kept >= 5
+    scene = load_scene(tmp_path / "scene.toml")
+    rest = fit(scene, tmp_path / "fit.toml", tmp_path / "out")
+    whole = fit(scene, tmp_path / "fit.toml", tmp_path / "whole")
+    assert rest.computed == whole.computed - kept
+    assert contents(tmp_path / "out") == contents(tmp_path / "whole")
+    (row,) = rest.fit.rows()
+    assert row[1:3] == (pytest.approx(3.0, abs=1e-6), pytest.approx(0.05, rel=1e-6))
