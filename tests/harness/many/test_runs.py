@@ -120,7 +120,7 @@ def test_a_killed_sweep_keeps_what_was_computed(tmp_path, number):
     """Its workers write their present points and end."""
     (tmp_path / "script.py").write_text(SCRIPT)
     out = tmp_path / "out"
-    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], env={**os.environ}, start_newsession=True)
+    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], env={**os.environ}, start_new_session=True)
     try:
         while not parts(out):
             assert process.poll() is None
@@ -128,12 +128,12 @@ def test_a_killed_sweep_keeps_what_was_computed(tmp_path, number):
         process.send_signal(number)
         process.wait()
         for _ in range(600):  # its workers, in the session of the killed one
-            if not session(process.pid):
+            if not session_of(process.pid):
                 break
             time.sleep(0.1)
-        assert session(process.pid) == []
+        assert session_of(process.pid) == []
     finally:
-        for worker in session(process.pid):
+        for worker in session_of(process.pid):
             os.kill(worker, signal.SIGKILL)
     import pyarrow.parquet as parquet
 
@@ -145,7 +145,7 @@ def test_a_killed_sweep_keeps_what_was_computed(tmp_path, number):
     assert rest.measures["d.twice, mean"].tolist() == [2.0 * k for k in range(40)]
 
 
-def session(leader):
+def session_of(leader):
     """Processes of a session that are left."""
     pids = []
     for name in os.listdir("/proc"):
@@ -165,11 +165,11 @@ def test_killed_workers_lose_no_points(tmp_path):
     """While two workers run, one is killed from outside; every point is computed in the end."""
     (tmp_path / "script.py").write_text(SCRIPT)
     out = tmp_path / "out"
-    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], start_newsession=True)
+    process = subprocess.Popen([sys.executable, tmp_path / "script.py", out], start_new_session=True)
     while not parts(out):
         assert process.poll() is None
         time.sleep(0.1)
-    workers = [p for p in session(process.pid) if p != process.pid and "spawn_main" in _command(p)]
+    workers = [p for p in session_of(process.pid) if p != process.pid and "spawn_main" in _command(p)]
     os.kill(workers[0], signal.SIGKILL)
     assert process.wait() == 0
     rest = sweep(read_scene(scene(pause=0.3)), {"vary": {"d.value": list(map(float, range(40)))}}, out)
