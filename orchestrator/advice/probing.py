@@ -34,7 +34,7 @@ from ..run_info import CompileTime
 from ..scene.scene import Scene
 from ..units import Unit
 from ..units.interface import PortValues
-from .stability import longest_step, radius
+from .stability import longest_step, radii
 from .step_cost import StepCost, step_cost
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
@@ -183,7 +183,7 @@ def _contact(scene: Scene, pair: str, omega2: float, damping: float) -> Contact:
     degree, h = scene.master.extrapolation, scene.master.step
     delay = int(scene.master.feedthrough == "delayed")
     limits = [longest_step(omega2, damping, p, delay) for p in range(3)]
-    grown = radius(omega2 * h * h, damping * h, degree, delay)
+    grown = float(radii(np.array([omega2 * h * h]), np.array([damping * h]), degree, delay)[0])
     left = -log(max(grown, NOISE)) / (sqrt(omega2) * h) if omega2 > 0.0 else (-inf if h > limits[degree] else inf)
     return Contact(pair, omega2, damping, (limits[0], limits[1], limits[2]), left)
 

@@ -26,19 +26,24 @@ MEANS = (
 )
 SHORTEST, LONGEST = 3e-3, 1e2  # of the shortest time of the contact itself, between which a limit is looked for
 GRID = 600
+PARTS = 32  # of a stretch in which the limit lies, looked at together
 UNITY = 1.0 + 1e-12  # a root beyond it grows
 
 
-def radius(w: float, z: float, degree: int, delay: int = 0) -> float:
-    """Largest |λ|: what remains of a motion after one step. `delay`: 1 where the force is one step old, else 0."""
+def radii(w: np.ndarray, z: np.ndarray, degree: int, delay: int = 0) -> np.ndarray:
+    """Largest |λ| of each (k,): what remains of a motion after one step. `delay`: 1 where the force is one step old, else 0."""
     b, g = (np.array([float(x) for x in terms]) for terms in MEANS[degree])
-    polynomial = np.zeros(degree + delay + 3)
-    polynomial[:3] = 1.0, -2.0, 1.0
-    linear = b * z + g * w
+    polynomial = np.zeros((w.size, degree + delay + 3))
+    polynomial[:, :3] = 1.0, -2.0, 1.0
+    linear = b * z[:, None] + g * w[:, None]
     n = len(b)
-    polynomial[1 + delay : 1 + delay + n] += linear
-    polynomial[2 + delay : 2 + delay + n] += b * w - linear
-    return float(np.abs(np.roots(polynomial)).max())
+    polynomial[:, 1 + delay : 1 + delay + n] += linear
+    polynomial[:, 2 + delay : 2 + delay + n] += b * w[:, None] - linear
+    m = polynomial.shape[1] - 1
+    companion = np.zeros((w.size, m, m))  # of each polynomial, whose first coefficient is 1
+    companion[:, 1:, :-1] = np.eye(m - 1)
+    companion[:, 0] = -polynomial[:, 1:]
+    return np.abs(np.linalg.eigvals(companion)).max(axis=1)
 
 
 def longest_step(omega2: float, damping: float, degree: int, delay: int = 0) -> float:
@@ -53,17 +58,19 @@ def longest_step(omega2: float, damping: float, degree: int, delay: int = 0) -> 
         return min(2.0 * damping / omega2 if omega2 > 0.0 else np.inf, 2.0 / damping if damping > 0.0 else np.inf)
     scale = 1.0 / max(np.sqrt(max(omega2, 0.0)), damping)
 
-    def grows(h: float) -> bool:
-        return radius(omega2 * h * h, damping * h, degree, delay) > UNITY
+    def grows(h: np.ndarray) -> np.ndarray:
+        return radii(omega2 * h * h, damping * h, degree, delay) > UNITY
 
     steps = scale * np.geomspace(SHORTEST, LONGEST, GRID)
-    unstable = next((i for i, h in enumerate(steps) if grows(h)), None)
-    if unstable is None:
+    unstable = grows(steps)
+    if not unstable.any():
         return np.inf
-    if unstable == 0:
+    first = int(np.argmax(unstable))
+    if first == 0:
         return 0.0
-    low, high = steps[unstable - 1], steps[unstable]
+    low, high = steps[first - 1], steps[first]
     while high - low > 1e-9 * high:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if grows(middle) else (middle, high)
+        between = np.linspace(low, high, PARTS + 1)
+        k = int(np.argmax(grows(between[1:])))  # the last of them grows
+        low, high = between[k], between[k + 1]
     return float(low)
