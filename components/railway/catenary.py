@@ -15,10 +15,10 @@ from ..core.variables import choice, input_, integer, output, parameter, text
 from .contact import at_contact, contact_compliance, heights_around, hung_around, in_range, wire_height
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
+from .line.dropper_table import line_of
 from .line.form import Form, form_of, formed_layout
 from .line.from_table import unused_by
 from .line.layout import Layout, uniform
-from .line.table import Line, read_line
 from .mesh import NO_WIRE, add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
@@ -145,6 +145,7 @@ class LineTable(Effect):
     replaces = ("spans", "span_length", "droppers", "dropper_position")
 
     table = text(SIX_SPANS, "table of the line, as TOML text; a scene may name its file")
+    droppers = text("", "droppers in the place of those of the table, as CSV text; a scene may name its file")
 
 
 class SecondWire(Effect):
@@ -383,16 +384,13 @@ class Catenary(Component):
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
         if "line_table" in self.on and rest:
             p, e = self._declared_arguments()
-            unused = unused_by(self._line(), p, e.bending_stiffness, rest)
+            unused = unused_by(line_of(self.parameters, self.name), p, e.bending_stiffness, rest)
             reasons |= dict.fromkeys(unused, "line_table.table has it in every place")
         return reasons
 
-    def _line(self) -> Line:
-        return read_line(str(self.parameters["line_table.table"]), f"{self.name}: line_table.table")
-
     def _layout_for(self, p, e) -> Layout:
         if e.line_table is not None:
-            return formed_layout(self._line(), p, e.bending_stiffness)
+            return formed_layout(line_of(self.parameters, self.name), p, e.bending_stiffness)
         return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
 
     def _mesh_for(self, p, e):

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ...components.core.errors import BadInput
 from .common import app, listed, parameters_of, print_table, share, status_spinner, warn
+
+if TYPE_CHECKING:
+    from ...components.railway.line.form import Form
 
 railway = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Pantographs and overhead lines.")
 app.add_typer(railway, name="railway")
@@ -57,6 +59,8 @@ def line_(
     table: Annotated[Path | None, typer.Argument(help="the line's table, a TOML file")] = None,
     values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(
         "Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."))] = None,
+    droppers: Annotated[Path | None, typer.Option("--droppers", help=(
+        "CSV file of droppers in the place of the table's, such as a droppers.csv of this command."))] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help=(
         "Directory for droppers.csv, supports.csv and line.svg."))] = None,
@@ -70,20 +74,19 @@ def line_(
         return
     if table is None:
         raise BadInput("railway line", "no table", "the path of one", "Such as my-line.toml; --schema prints its keys.")
-    show_line(table, parameters_of(values or []))
+    form, title = line.read(table, parameters_of(values or []), droppers)
+    show_line(form, title)
     if output is not None:
-        form, title = line.read(table, parameters_of(values or []))
         print(f"wrote {', '.join(map(str, line.save(form, title, output)))}")
 
 
-def show_line(table: Path, values: Mapping[str, Any]) -> None:
+def show_line(form: Form, title: str) -> None:
     """A line's drawing and its dropper table on the terminal."""
     from ..systems.railway import line
 
-    form, title = line.read(table, values)
     print(title, line.text_drawing(form), sep="\n\n", end="\n\n")
-    print_table("droppers", line.DROPPER_COLUMNS, line.dropper_rows(form))
-    print_table("supports", line.SUPPORT_COLUMNS, line.support_rows(form))
+    print_table("droppers", line.CREW, line.shown(line.dropper_rows(form), line.CREW))
+    print_table("supports", line.SUPPORT_COLUMNS, line.shown(line.support_rows(form), line.SUPPORT_COLUMNS))
 
 
 @railway.command("fit-pantograph")

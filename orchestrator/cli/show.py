@@ -56,6 +56,7 @@ def show(
     from ..scene.scene import scene_files
     from ..systems import cases
     from ..systems.railway.line import is_line
+    from ..systems.railway.line import read as read_line
 
     component = name in CATALOGUE or (":" in name and not name.endswith(FILES))
     scene = not component and (name in scene_files() or name.endswith(FILES))
@@ -67,7 +68,7 @@ def show(
 
         if output is not None:
             raise BadInput("show", "-o with the table of a line", "no directory", "cosimo railway has its drawing.")
-        show_line(Path(name), parameters_of(values or []))
+        show_line(*read_line(Path(name), parameters_of(values or [])))
         return
     with status_spinner() as progress:
         progress("initializing, which compiles kernels where the cache has none")

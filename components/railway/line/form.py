@@ -7,7 +7,7 @@ bending stiffness changes heights within centimetres of a clamp only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,11 @@ import numpy as np
 from ...core.banded import banded_product, factor_band, solve_band
 from ...core.errors import BadInput
 from .from_table import lay_out
-from .layout import GRAVITY, Layout
+from .layout import GRAVITY, Droppers, Layout
 from .table import Line
 
 RIGID_CLAMP = 1e10  # N/m
+AGREED_LENGTH, AGREED_FORCE = 1e-4, 0.1  # m, N: what a table says of a dropper besides, in the digits of a drawing
 PASSES = 4  # masses depend on the lengths, which depend on them: an error of 1 mm leaves 1e-8 m after two
 
 
@@ -49,6 +50,16 @@ def find_form(line: Line, p: Any) -> Form:
             k = int(np.argmin(lengths))
             raise BadInput("line", f"the dropper at {form.layout.droppers.position[k]:g} m would be {lengths[k]:.3g} m long",
                            "a messenger above the contact wire", "Raise the system height, or the tension of the messenger.")
+    d = form.layout.droppers
+    for name, tolerance, given, actual in (
+            ("length", AGREED_LENGTH, d.length, form.length), ("cut length", AGREED_LENGTH, d.cut_length, form.cut_length),
+            ("preload", AGREED_FORCE, d.preload, form.preload)):
+        wrong = np.abs(given - actual) > tolerance  # not where nothing is given
+        if np.any(wrong):
+            k = int(np.argmax(np.where(wrong, np.abs(given - actual), 0.0)))
+            raise BadInput("line", f"a {name} of {given[k]:.6g} of the dropper at {d.position[k]:g} m",
+                           f"{actual[k]:.6g}, which follows from the rest of the line",
+                           "Leave it out; or leave out the height, so that the cut length rules.")
     return form
 
 
@@ -57,7 +68,9 @@ def formed_layout(line: Line, p: Any, bending: Any) -> Layout:
 
     p: parameters of `Catenary`; bending: its effect or None.
     """
-    return lay_out(line, p, bending, find_form(line, p).length)
+    form = find_form(line, p)
+    layout = lay_out(line, p, bending, form.length)
+    return replace(layout, droppers=replace(layout.droppers, height=form.layout.droppers.height))
 
 
 def form_of(layout: Layout) -> Form:
@@ -94,7 +107,6 @@ def form_of(layout: Layout) -> Form:
     np.subtract.at(weight, (hold, h.lane), h.lift)
     placed = fixed.copy()
     placed[on, d.lower] = True
-    height[on, d.lower] = d.height
     rigid = ~np.isnan(h.height)
     placed[hold[rigid], h.lane[rigid]] = True
     height[hold[rigid], h.lane[rigid]] = h.height[rigid]
@@ -107,6 +119,10 @@ def form_of(layout: Layout) -> Form:
         stiffness[lane + W :: W, 0] += k
         stiffness[lane : W * (n - 1) : W, W] -= k
     loads = -weight
+    if np.isnan(d.height).any():
+        d = replace(d, height=_heights_of_cut_lengths(stiffness, loads, height, placed, d, on, ties))
+        layout = replace(layout, droppers=d)
+    height[on, d.lower] = d.height
     for lane in layout.contact_lanes:
         _solve(stiffness, loads, height, placed, [lane], W, [])
     preload = _unbalanced(stiffness, weight, height)[on, d.lower]
@@ -126,6 +142,47 @@ def form_of(layout: Layout) -> Form:
         rest = h.height[messenger] + np.where(h.stiffness[messenger] > 0.0, reaction / h.stiffness[messenger], np.inf)
     return Form(layout, x, height, length, length - preload / d.stiffness, preload, h.position[messenger], reaction, rest,
                 upward[hold[held], h.lane[held]], np.column_stack((h.position[held], h.lane[held])))
+
+
+def _heights_of_cut_lengths(stiffness: np.ndarray, loads: np.ndarray, height: np.ndarray, placed: np.ndarray, d: Droppers,
+                            on: np.ndarray, ties: list[tuple[int, int]]) -> np.ndarray:
+    """Heights of the contact wire's clamps, (d,) m, where some droppers have a cut length and no height.
+
+    Such a dropper pulls with N = k (L - L0), so that all wires are solved together, node by node. One with a height is cut so
+    that its clamp is there: what the contact wire lacks at that place is a load of the wire above.
+    """
+    n, W = height.shape
+    left, here, right, b = *np.zeros((3, n, W, W)), loads.copy()
+    lanes = np.arange(W)
+    here[:, lanes, lanes] = stiffness[:, 0].reshape(n, W)
+    right[:-1, lanes, lanes] = stiffness[:-W, W].reshape(n - 1, W)
+    left[1:, lanes, lanes] = right[:-1, lanes, lanes]
+    fixed = placed.copy()
+    for node, low, up, k, length, z in zip(on, d.lower, d.upper, d.stiffness, d.cut_length, d.height, strict=True):
+        if np.isnan(z):
+            here[node, [low, up], [low, up]] += k
+            here[node, [low, up], [up, low]] -= k
+            b[node, low] -= k * length
+            b[node, up] += k * length
+            fixed[node, low] = False
+        else:
+            for block in (left, here, right):
+                block[node, up] += block[node, low]
+            b[node, up] += loads[node, low]
+            height[node, low] = z
+    for one, other in ties:
+        node, pair = one // W, [one % W, other % W]
+        here[node, pair, pair] += RIGID_CLAMP
+        here[node, pair, pair[::-1]] -= RIGID_CLAMP
+    left[fixed], right[fixed], here[fixed] = 0.0, 0.0, np.eye(W)[np.nonzero(fixed)[1]]
+    b[fixed] = np.nan_to_num(height[fixed])
+    for i in range(1, n):  # block elimination
+        factor = left[i] @ np.linalg.inv(here[i - 1])
+        here[i] -= factor @ right[i - 1]
+        b[i] -= factor @ b[i - 1]
+    for i in reversed(range(n)):
+        b[i] = np.linalg.solve(here[i], b[i] - (right[i] @ b[i + 1] if i < n - 1 else 0.0))
+    return np.where(np.isnan(d.height), b[on, d.lower], d.height)
 
 
 def _solve(stiffness: np.ndarray, loads: np.ndarray, height: np.ndarray, placed: np.ndarray, lanes: list[int], W: int,

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import BadInput
 from .layout import GRAVITY, SECOND, Droppers, Holds, Layout, Stretch, Wire, parabola
-from .table import MOST_SPANS, DropperData, Line, Section, Span, Stitch, Support, WireData, over
+from .table import MOST_SPANS, Dropper, DropperData, Line, Section, Span, Stitch, Support, WireData, over
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
 NOT_AT_ANCHORS = ("stiffness", "damping", "held", "contact_stiffness", "arm", "stitch")
@@ -120,19 +120,21 @@ def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None)
         holds += parts.holds()
         lateral += parts.lateral()
     droppers.sort(key=lambda d: d[:2])
-    columns = [np.array(c) for c in zip(*droppers, strict=True)] if droppers else [np.zeros(0)] * 10
+    columns = [np.array(c) for c in zip(*droppers, strict=True)] if droppers else []
     if not droppers:
         raise BadInput("line.sections", "no dropper", "at least one")
-    position, lower, upper, stiffness, axial, mass, per_length, below, above, height = columns
+    position, lower, upper, stiffness, axial, mass, per_length, below, above, height, *stated = columns
     L = np.ones(position.size) if lengths is None else lengths
     k = np.where(axial > 0.0, axial / L, stiffness)
-    half = 0.5 * (mass + per_length * L)
-    rows = Droppers(position, lower.astype(int), upper.astype(int), k, below + half, above + half, height)
+    mass = mass + per_length * L
+    half = 0.5 * mass
+    rows = Droppers(position, lower.astype(int), upper.astype(int), k, below + half, above + half, height, mass, *stated)
     held = [np.array(c) for c in zip(*holds, strict=True)] if holds else [np.zeros(0)] * 7
     springs = Holds(held[0], held[1].astype(int), *held[2:])
     supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
     contact_lanes = tuple(range(0, 2 * contacts, 2))
-    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4))
+    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4),
+                  reference)
 
 
 def unused_by(line: Line, p: Any, bending: Any, names: Iterable[str]) -> list[str]:
@@ -158,8 +160,8 @@ def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
     """Positions of the droppers of the first contact wires, in order, m."""
     base = DropperData(FIRST, GAP)
     return tuple(sorted(
-        round(float(x + xi), 9) for s in sections for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
-        for xi in _positions(span.positions, span, over(span.droppers, s.section.droppers, base), f"{s.name}.spans[{k + 1}]")))
+        round(float(x + row.position), 9) for s in sections for k, (x, span) in enumerate(zip(s.x[:-1], s.spans, strict=True))
+        for row in _droppers(span, over(span.droppers, s.section.droppers, base), 1, f"{s.name}.spans[{k + 1}]")))
 
 
 class _Section:
@@ -206,31 +208,39 @@ class _Section:
         return wires
 
     def droppers(self) -> list[tuple[float, ...]]:
-        """Rows of position, lower and upper lane, stiffness, EA, mass, mass per length, clamps below and above, height."""
+        """Rows as the columns in `lay_out`, from position, lanes, stiffness and EA to what the table says besides."""
         p = self.p
         base = DropperData(FIRST, GAP, None, None, None, None, p.contact_clamp_mass, p.messenger_clamp_mass)
         rows: list[tuple[float, ...]] = []
         for k, (x, span) in enumerate(zip(self.s.x[:-1], self.s.spans, strict=True)):
             where = f"{self.s.name}.spans[{k + 1}]"
             d = over(span.droppers, self.s.section.droppers, base)
-            own = (d.stiffness or p.dropper_stiffness, d.axial_stiffness or 0.0, _first(d.mass, p.dropper_mass if
-                   d.mass_per_length is None else 0.0), d.mass_per_length or 0.0, d.contact_clamp, d.messenger_clamp)
-            for lane, positions in ((self.contact, span.positions), (SECOND, span.second_positions)):
-                if lane == SECOND != self.contact and self.second is None:
-                    if positions is not None:
-                        raise BadInput(f"{where}.second_positions", "droppers of a second contact wire", "none",
-                                       "Give second_contact_wire a tension.")
-                    continue
-                at = _positions(positions, span, d, where)
-                heights = self._heights(k, span, at, where)
-                rows += [(round(float(x + xi), 9), lane, self._hangs_from(x + xi), *own, z)
-                         for xi, z in zip(at, heights, strict=True)]
-                if self.second is None:
-                    break
+            for number, lane in ((1, self.contact), (2, SECOND))[: 1 if self.second is None else 2]:
+                own = _droppers(span, d, number, where)
+                heights = self._heights(k, span, np.array([row.position for row in own]), where)
+                for row, z in zip(own, heights, strict=True):
+                    one = over(row, Dropper(stiffness=d.stiffness, axial_stiffness=d.axial_stiffness))
+                    per_length = 0.0 if row.mass is not None else d.mass_per_length or 0.0
+                    at, given = float(x + row.position), row.height
+                    if given is not None or row.cut_length is not None:
+                        z = math.nan if given is None else given - self.reference
+                    rows.append((
+                        round(at, 9), lane, self._hangs_from(at, row, where), one.stiffness or p.dropper_stiffness,
+                        one.axial_stiffness or 0.0, _first(row.mass, d.mass, 0.0 if per_length else p.dropper_mass), per_length,
+                        _first(row.contact_clamp, d.contact_clamp), _first(row.messenger_clamp, d.messenger_clamp), z,
+                        *(_first(value, math.nan) for value in (row.cut_length, row.length, row.preload))))
+            if self.second is None and any(row.contact_wire == 2 for row in span.dropper_list or ()):
+                raise BadInput(f"{where}.dropper_list", "a dropper of a second contact wire", "none",
+                               "Give second_contact_wire a tension.")
+            if self.second is None and span.second_positions is not None:
+                raise BadInput(f"{where}.second_positions", "droppers of a second contact wire", "none",
+                               "Give second_contact_wire a tension.")
         return rows
 
-    def _hangs_from(self, x: float) -> int:
+    def _hangs_from(self, x: float, row: Dropper, where: str) -> int:
         under = any(abs(x - support) < t.half_length - 1e-6 for support, t in self.stitches)
+        if row.hangs_from not in ("", name := "stitch" if under else "messenger"):
+            raise BadInput(where, f"a dropper at {x:g} m that hangs from {row.hangs_from!r}", name, "Leave it out.")
         return self.stitch if under else self.messenger
 
     def _heights(self, k: int, span: Span, at: np.ndarray, where: str) -> np.ndarray:
@@ -290,6 +300,17 @@ def arm_of(support: Support, force: float) -> tuple[float, float, float]:
                            "a force that can carry the arm", "Give its angle, or a greater stagger.")
     lift = force * math.tan(phi) - hanging if arm.angle is not None or force > 0.0 else 0.0
     return force / (arm.length * math.cos(phi) ** 3), mass / 3.0, lift
+
+
+def _droppers(span: Span, d: DropperData, wire: int, where: str) -> list[Dropper]:
+    """Droppers of a contact wire in a span, one by one; wire: 1 or 2."""
+    if span.dropper_list is None:
+        return [Dropper(position=float(x)) for x in _positions((span.positions, span.second_positions)[wire - 1], span, d, where)]
+    own = [row for row in span.dropper_list if (row.contact_wire or 1) == wire]
+    if any(row.position is None for row in own):
+        raise BadInput(f"{where}.dropper_list", "a dropper without position", "its position, m")
+    _positions(tuple(row.position for row in own), span, d, where)
+    return own
 
 
 def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, where: str) -> np.ndarray:

@@ -65,7 +65,8 @@ class Holds:
 class Droppers:
     """Droppers, by position. All (d,). lower, upper: lanes; masses in kg, each with its clamp and half of the dropper.
 
-    height: of the contact wire's clamp at rest, m.
+    height: of the contact wire's clamp at rest, m; NaN where it follows from the cut length.  mass: without clamps.
+    cut_length, length, preload: what a table says of them, m, m, N; NaN where it says nothing.
     """
 
     position: np.ndarray
@@ -75,6 +76,10 @@ class Droppers:
     mass_below: np.ndarray
     mass_above: np.ndarray
     height: np.ndarray
+    mass: np.ndarray
+    cut_length: np.ndarray
+    length: np.ndarray
+    preload: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -88,6 +93,7 @@ class Layout:
     holds: Holds
     contact_lanes: tuple[int, ...] = (0,)
     lateral: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))  # (k, 4): contact wire, position, stagger, force
+    reference: float = 0.0  # m, level in the line's table that heights count from
 
     @property
     def places(self) -> np.ndarray:
@@ -127,7 +133,8 @@ def uniform(p: Any, bending: Any, pre_sag: Any, arm: Any, level: Any) -> Layout:
     holds = Holds(np.tile(inner, 2), np.repeat([0, 1], s), both(arms[0], p.support_stiffness), both(0.0, p.support_damping),
                   both(arms[1], 0.0), np.zeros(2 * s), both(0.0 if level is not None else np.nan, 0.0))
     droppers = Droppers(positions, np.zeros(d, int), np.ones(d, int), np.full(d, p.dropper_stiffness),
-                        np.full(d, p.contact_clamp_mass + half), np.full(d, p.messenger_clamp_mass + half), height)
+                        np.full(d, p.contact_clamp_mass + half), np.full(d, p.messenger_clamp_mass + half), height,
+                        np.full(d, p.dropper_mass), *np.full((3, d), np.nan))
     return Layout(2, supports, wires, droppers, holds)
 
 

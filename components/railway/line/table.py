@@ -45,9 +45,9 @@ def table(kind: type, text: str) -> Any:
     return field(default_factory=kind, metadata={"kind": "table", "of": kind, "text": text})
 
 
-def tables(kind: type, text: str, short: str = "") -> Any:
+def tables(kind: type, text: str, short: str = "", default: Any = ()) -> Any:
     """A list of tables; short: the key that a bare number in the list stands for."""
-    return field(default=(), metadata={"kind": "tables", "of": kind, "text": text, "short": short})
+    return field(default=default, metadata={"kind": "tables", "of": kind, "text": text, "short": short})
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,24 @@ class DropperData:
     axial_stiffness: Number = number("N", "EA, from which the stiffness follows by the length, instead", 1.0)
     mass: Number = number("kg", "mass of one", 0.0)
     mass_per_length: Number = number("kg/m", "mass per length, instead", 0.0)
+    contact_clamp: Number = number("kg", "mass of the clamp at the contact wire", 0.0)
+    messenger_clamp: Number = number("kg", "mass of the clamp at the messenger", 0.0)
+
+
+@dataclass(frozen=True)
+class Dropper:
+    """One dropper: by the wanted height of the contact wire, by its cut length, or straight less sag where neither is given."""
+
+    position: Number = number("m", "position from the left support; in a CSV table, along the line")
+    contact_wire: Number = number("1", "1, or 2 for a second contact wire", 1.0, 2.0)
+    hangs_from: str = words("messenger or stitch: follows from the position, and is compared")
+    height: Number = number("m", "wanted height of the contact wire at its clamp")
+    length: Number = number("m", "length under load: follows, and is compared", 1e-3)
+    cut_length: Number = number("m", "length without load; beside a height it is compared", 1e-3)
+    preload: Number = number("N", "tension at rest: follows, and is compared")
+    stiffness: Number = number("N/m", "stiffness in tension", 1.0)
+    axial_stiffness: Number = number("N", "EA, from which the stiffness follows by the length, instead", 1.0)
+    mass: Number = number("kg", "mass", 0.0)
     contact_clamp: Number = number("kg", "mass of the clamp at the contact wire", 0.0)
     messenger_clamp: Number = number("kg", "mass of the clamp at the messenger", 0.0)
 
@@ -115,6 +133,8 @@ class Span:
     positions: tuple[float, ...] | None = numbers("m", "positions of the droppers from the left support; [] for none")
     heights: tuple[float, ...] | None = numbers("m", "heights of the contact wire at the droppers; left out, straight less sag")
     second_positions: tuple[float, ...] | None = numbers("m", "positions of the second contact wire's droppers")
+    dropper_list: tuple[Dropper, ...] | None = tables(
+        Dropper, "droppers one by one, from left to right; a number is a position", "position", None)
     sag: Number = number("m", "depth of the parabola of pre-sag between the first and the last dropper")
     relative_sag: Number = number("1", "the same over the length of the span, instead", 0.0, 0.1)
     wear: Number = number("1", "worn share of the contact wire's section; mass falls by it", 0.0, 0.5)
@@ -151,7 +171,9 @@ class Line:
 # keys of which one alone has an effect
 ALTERNATIVES: dict[type, tuple[tuple[str, ...], ...]] = {
     DropperData: (("stiffness", "axial_stiffness"), ("mass", "mass_per_length")),
-    Span: (("heights", "sag"), ("heights", "relative_sag"), ("sag", "relative_sag")),
+    Dropper: (("stiffness", "axial_stiffness"),),
+    Span: (("heights", "sag"), ("heights", "relative_sag"), ("sag", "relative_sag"), ("dropper_list", "positions"),
+           ("dropper_list", "heights"), ("dropper_list", "second_positions")),
 }
 
 
@@ -182,11 +204,11 @@ def _read(kind: type, data: Any, where: str) -> Any:
 def _value(meta: Mapping[str, Any], value: Any, where: str) -> Any:
     match meta["kind"]:
         case "number":
-            return _number(meta, value, where)
+            return checked_number(meta, value, where)
         case "numbers":
             if not isinstance(value, list):
                 raise BadInput(where, repr(value), "a list of numbers")
-            return tuple(_number(meta, v, f"{where}[{i}]") for i, v in enumerate(value, 1))
+            return tuple(checked_number(meta, v, f"{where}[{i}]") for i, v in enumerate(value, 1))
         case "words":
             if not isinstance(value, str):
                 raise BadInput(where, repr(value), "a text")
@@ -204,7 +226,8 @@ def _value(meta: Mapping[str, Any], value: Any, where: str) -> Any:
     return tuple(_read(meta["of"], row, f"{where}[{i}]") for i, row in enumerate(rows, 1))
 
 
-def _number(meta: Mapping[str, Any], value: Any, where: str) -> float:
+def checked_number(meta: Mapping[str, Any], value: Any, where: str) -> float:
+    """A value as the number that a key wants, or `BadInput`; meta: as of `number`."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise BadInput(where, repr(value)[:80], f"a number in {meta['unit']}")
     if not meta["low"] <= value <= meta["high"]:

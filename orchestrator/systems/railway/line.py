@@ -13,22 +13,35 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ....components.railway.catenary import Catenary
+from ....components.railway.line.dropper_table import column_names, with_droppers
 from ....components.railway.line.form import Form, find_form
 from ....components.railway.line.layout import GRAVITY
 from ....components.railway.line.table import read_line
 from ...output import ensure_directory
 from ...scene.files import read_text
 
-DROPPER_COLUMNS = ("position, m", "contact wire", "hangs from", "height, m", "length, m", "cut length, m", "preload, N")
-SUPPORT_COLUMNS = ("position, m", "reaction, N", "rest height of the spring, m")
+DROPPERS = column_names()
+DROPPER_COLUMNS = tuple(name for key, name in DROPPERS.items() if key != "axial_stiffness")
+CREW = DROPPER_COLUMNS[:7]  # what the terminal shows
+SUPPORT_COLUMNS = ("position [m]", "reaction [N]", "rest height of the spring [m]")
 WIDTH, HEIGHT = 110, 14  # characters of the drawing
 PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a metre up, pixels a metre to the side
 
 
-def read(path: Path, values: Mapping[str, Any]) -> tuple[Form, str]:
-    """Form and title of the line in a file; values: parameters of `Catenary` for what it leaves out."""
-    line = read_line(read_text(path, "line"), str(path))
-    return find_form(line, Catenary((), values)._declared_arguments()[0]), line.title or path.stem
+def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None) -> tuple[Form, str]:
+    """Form and title of the line in a file.
+
+    values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table.
+    """
+    text = read_text(path, "line")
+    line = read_line(text, str(path))
+    tables = {"line_table.table": text}
+    if droppers is not None:
+        tables["line_table.droppers"] = read_text(droppers, "droppers")
+        line = with_droppers(line, tables["line_table.droppers"], str(droppers))
+    catenary = Catenary(["line_table"], {**values, **tables})
+    catenary.refuse_unused(values)
+    return find_form(line, catenary._declared_arguments()[0]), line.title or path.stem
 
 
 def is_line(path: Path) -> bool:
@@ -47,18 +60,24 @@ def _wire(form: Form, lane: int) -> str:
     return "stitch" if stitch else "messenger"
 
 
-def dropper_rows(form: Form) -> list[tuple[str, ...]]:
-    """The table that a crew gets, a row a dropper, text."""
-    d = form.layout.droppers
-    return [(f"{x:.3f}", str(lower // 2 + 1), _wire(form, upper), f"{z:+.4f}", f"{length:.4f}", f"{cut:.4f}", f"{force:.1f}")
-            for x, lower, upper, z, length, cut, force in zip(
-                d.position, d.lower, d.upper, d.height, form.length, form.cut_length, form.preload, strict=True)]
+def dropper_rows(form: Form) -> list[tuple[Any, ...]]:
+    """A row a dropper, columns `DROPPER_COLUMNS`; heights as in the line's table."""
+    d, half = form.layout.droppers, 0.5 * form.layout.droppers.mass
+    numbers = (form.length, form.cut_length, form.preload, d.stiffness, d.mass, d.mass_below - half, d.mass_above - half)
+    return [(x, lower // 2 + 1, _wire(form, upper), z, *rest) for x, lower, upper, z, *rest in zip(
+        d.position, d.lower, d.upper, d.height + form.layout.reference, *numbers, strict=True)]
 
 
-def support_rows(form: Form) -> list[tuple[str, ...]]:
-    """Messenger supports, text."""
-    return [(f"{x:.3f}", f"{force:.1f}", f"{rest:.4f}") for x, force, rest in zip(
-        form.support, form.reaction, form.rest_height, strict=True)]
+def support_rows(form: Form) -> list[tuple[float, ...]]:
+    """Messenger supports, columns `SUPPORT_COLUMNS`; heights as in the line's table."""
+    return list(zip(form.support, form.reaction, form.rest_height + form.layout.reference, strict=True))
+
+
+def shown(rows: list[tuple[Any, ...]], columns: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """The first columns of a table in the digits of a crew: mm, 0.1 mm of heights and lengths, 0.1 N."""
+    digits = {"position [m]": ".3f", "preload [N]": ".1f", "reaction [N]": ".1f"}
+    return [tuple(f"{v:{digits.get(c, '.4f')}}" if isinstance(v, float) else str(v) for c, v in zip(columns, row, strict=False))
+            for row in rows]
 
 
 def save(form: Form, title: str, folder: Path) -> list[Path]:
@@ -68,8 +87,8 @@ def save(form: Form, title: str, folder: Path) -> list[Path]:
     for path, columns, rows in ((paths[0], DROPPER_COLUMNS, dropper_rows(form)), (paths[1], SUPPORT_COLUMNS, support_rows(form))):
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(column.replace(", ", " [") + "]" if ", " in column else column for column in columns)
-            writer.writerows(rows)
+            writer.writerow(columns)
+            writer.writerows([f"{v:.15g}" if isinstance(v, float) else v for v in row] for row in rows)
     paths[2].write_text(svg(form, title), encoding="utf-8")
     return paths
 

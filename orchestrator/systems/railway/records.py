@@ -10,8 +10,8 @@ import numpy as np
 
 from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
+from ....components.railway.line.dropper_table import line_of
 from ....components.railway.line.from_table import dropper_positions, resolved_sections
-from ....components.railway.line.table import read_line
 from ...harness.analysis.signals import Filter
 from .contact import ContactRecord, ContactStatistics
 from .keys import RailwayKeys
@@ -80,7 +80,7 @@ def track_of(result: Result) -> Track:
 def _track(values: Mapping[str, Any]) -> Track:
     """Of the parameters of a catenary."""
     if "line_table.table" in values:
-        sections = resolved_sections(read_line(values["line_table.table"]))
+        sections = resolved_sections(line_of(values))
         supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
         return Track(float(np.median(np.diff(supports))), dropper_positions(sections), tuple(supports.tolist()))
     count = int(values.get("droppers", 0))

@@ -1,11 +1,13 @@
 """Lines from tables: form finding and elasticity against a network of strings, closed forms and a published drawing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import contact_compliance, wire_height
-from cosimo.components.railway.line.form import find_form
+from cosimo.components.railway.line.form import find_form, form_of
 from cosimo.components.railway.line.from_table import arm_of, resolved_sections
 from cosimo.components.railway.line.table import Arm, Support, read_line, schema
 from cosimo.components.railway.statics import elasticity, loaded_equilibrium
@@ -295,10 +297,52 @@ def test_an_arm_is_a_spring_beside_the_compliance_of_the_wire():
     ("[[sections]]\nspans = [50, 50]\nsupport.arm = { angle = 10 }", "arm: no length"),
     ("[[sections]]\nspans = [50, 50]\nstitch = { tension = 3e3, mass = 0.3 }", "stitch: no half_length"),
     ("[[sections]]\nspans = [50, 50]\nsecond_contact_wire.mass = 1.3", "a wire without tension"),
+    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ height = 1 }] }]", "without position"),
+    ("[[sections]]\nspans = [{ length = 50, dropper_list = [20], positions = [20] }]", "dropper_list and positions"),
+    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, hangs_from = 'stitch' }] }]", "expected messenger"),
+    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, height = 0, cut_length = 1.0 }] }]",
+     "a cut length of 1 of the dropper at 20 m"),
+    ("[[sections]]\nspans = [{ length = 50, dropper_list = [{ position = 20, contact_wire = 2 }] }]", "second contact wire"),
 ])
 def test_a_table_that_cannot_be_is_one_message(text, message):
     with pytest.raises(BadInput, match=message):
         form(text)
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("some", [slice(None), slice(0, None, 3), slice(10, 20)])
+def test_droppers_of_given_lengths_hang_where_the_network_has_them(name, some):
+    """Cut by up to 0.6 mm from the wanted lengths, all of them or some beside droppers of wanted heights."""
+    text, more = CASES[name]
+    found = form(text)
+    d, cut = found.layout.droppers, found.cut_length.copy()
+    cut[some] += np.random.default_rng(3).uniform(-6e-4, 6e-4, cut[some].size)
+    height = d.height.copy()
+    height[some] = np.nan
+    other = form_of(replace(found.layout, droppers=replace(d, height=height, cut_length=cut)))
+    assert other.cut_length[some] == pytest.approx(cut[some], abs=1e-9)
+    net, _ = network(text, **more)
+    net.droppers = [(*row[:3], length, row[4]) for row, length in zip(net.droppers, other.cut_length, strict=True)]
+    net.springs = [(*row[:2], rest) for row, rest in zip(net.springs, other.rest_height, strict=True)]
+    heights, tension = net.solve()
+    assert tension == pytest.approx(other.preload, rel=1e-6)
+    assert np.abs(other.preload - found.preload).max() > 0.5
+    assert [heights["c", round(p, 6)] for p in d.position] == pytest.approx(other.layout.droppers.height, abs=1e-8)
+    assert np.array_equal(other.layout.droppers.height[~np.isnan(height)], d.height[~np.isnan(height)])
+
+
+def test_droppers_of_a_table_one_by_one():
+    """A length given as one found, a stiffness, a mass and clamps of one's own; what stays out comes from the section."""
+    text = "[[sections]]" + WIRES + "spans = [50, { length = 50, dropper_list = [%s] }, 50]\nsupports = [5.3, 5.3, 5.4, 5.4]"
+    rows = "5, {{ position = 15, height = 5.32, stiffness = 3e5 }}, {{ position = 30, {}, mass = 0.2 }}, 45"
+    wanted = form(text % rows.format("height = 5.355"))
+    k = int(np.flatnonzero(wanted.layout.droppers.position == 80.0)[0])
+    assert wanted.layout.droppers.height[k - 2 : k + 2] == pytest.approx([0.01, 0.02, 0.055, 0.09], abs=1e-12)
+    assert wanted.layout.droppers.stiffness[k - 1] == 3e5
+    assert wanted.layout.droppers.mass_below[k] == pytest.approx(0.165 + 0.1)
+    cut = form(text % rows.format(f"cut_length = {wanted.cut_length[k]:.15g}"))
+    assert cut.layout.droppers.height == pytest.approx(wanted.layout.droppers.height, abs=1e-9)
+    assert cut.preload == pytest.approx(wanted.preload, abs=1e-6)
 
 
 def test_what_a_span_says_of_its_droppers_rules_over_the_section():

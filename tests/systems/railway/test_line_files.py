@@ -6,10 +6,12 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.components.railway.catenary import Catenary
 from cosimo.orchestrator.cli import app
 from cosimo.orchestrator.scene.files import SHIPPED
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway import line
+from cosimo.orchestrator.systems.railway.records import _track
 from typer.testing import CliRunner
 
 LINES = sorted((SHIPPED / "railway" / "lines").glob("*.toml"))
@@ -35,7 +37,7 @@ def test_a_crew_gets_every_dropper(path, tmp_path):
     with droppers.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == form.length.size
-    assert [float(r["cut length [m]"]) for r in rows] == pytest.approx(form.cut_length, abs=5.1e-5)
+    assert [float(r["cut length [m]"]) for r in rows] == pytest.approx(form.cut_length, abs=1e-12)
     assert all(float(r["length [m]"]) > float(r["cut length [m]"]) > 0.0 for r in rows)
     assert len(supports.read_text(encoding="utf-8").splitlines()) == form.support.size + 1
     picture = ET.parse(drawing).getroot()
@@ -55,6 +57,87 @@ def test_a_scene_takes_over_the_text_of_its_line(tmp_path):
     scene = load_scene(tmp_path / "scene.toml")
     (tmp_path / "lines" / "mine.toml").unlink()
     assert scene.with_changes({"stop_time": 0.2}).units["catenary"].parameters["line_table.table"] == table
+
+
+@pytest.mark.parametrize("path", LINES, ids=lambda p: p.stem)
+@pytest.mark.parametrize("height", [True, False], ids=["heights", "lengths"])
+def test_the_table_of_a_crew_gives_the_same_line_again(path, height, tmp_path):
+    """As it was written, and with cut lengths instead of heights."""
+    form, title = line.read(path, {})
+    file = line.save(form, title, tmp_path)[0]
+    if not height:
+        rows = list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
+        keep = [c for c in rows[0] if c != "height [m]"]
+        file.write_text("\n".join([",".join(keep), *(",".join(r[c] for c in keep) for r in rows)]), encoding="utf-8")
+    again, _ = line.read(path, {}, file)
+    both = again.layout.droppers, form.layout.droppers
+    for name in ("position", "lower", "upper", "stiffness", "mass_below", "mass_above", "height"):
+        assert getattr(both[0], name) == pytest.approx(getattr(both[1], name), rel=1e-9, abs=1e-9), name
+    assert again.length == pytest.approx(form.length, abs=1e-9)
+    assert again.preload == pytest.approx(form.preload, rel=1e-9, abs=1e-5)  # a length of 1e-10 m is 2e-5 N
+    assert again.reaction == pytest.approx(form.reaction, rel=1e-9, abs=1e-5)
+
+
+TWO_SPANS = "[[sections]]\ndroppers.stiffness = 2e5\nspans = [40, 50]\n"
+DROPPERS = "position [m],height [m],cut length [m],stiffness [N/m]\n10,0.01,,\n30,,1.05,\n50,0,,1e5\n80,0,,\n"
+
+
+@pytest.mark.parametrize("write", [
+    lambda text: text, lambda text: "\ufeff" + text.replace("\n", "\r\n"),
+    lambda text: text.replace(",", ";").replace(".", ","), lambda text: text.replace(",", "\t").replace(".", ",") + "\t\t\t\n"],
+    ids=["plain", "with a byte order mark", "semicolons and decimal commas", "tabs"])
+def test_droppers_of_spreadsheets_are_read(write):
+    values = {"line_table.table": TWO_SPANS, "line_table.droppers": write(DROPPERS), "method": "implicit"}
+    form = Catenary(["line_table"], values).form()
+    d = form.layout.droppers
+    assert d.position.tolist() == [10.0, 30.0, 50.0, 80.0]
+    assert d.stiffness.tolist() == [2e5, 2e5, 1e5, 2e5]
+    assert d.height[[0, 2, 3]].tolist() == [0.01, 0.0, 0.0]
+    assert form.cut_length[1] == pytest.approx(1.05, abs=1e-9)
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("height [m]\n1", "a column position"),
+    ("position [mm]\n1", r"column 'position \[mm\]'.*did you mean 'position \[m\]'"),
+    ("position [m],position [m]\n1,2", "each column once"),
+    ("position [m],height [m]\n10,5,3", "line 2: 3 cells; expected 2.*Decimal commas need semicolons"),
+    ("position [m],height [m]\n10,abc", "line 2, height: 'abc'; expected a number in m"),
+    ("position [m],height [m]\n10,nan", "line 2, height"),
+    ("position [m],mass [kg]\n10,-1", "line 2, mass: -1"),
+    ("position [m],height [m]\n,5", "line 2: no position"),
+    ("position [m]\n40", "line 2: a dropper of contact wire 1 at 40 m; expected a place inside a span"),
+    ("position [m],contact wire\n10,2", "line 2: a dropper of contact wire 2"),
+    ("position [m]\n10\n10", "increasing positions"),
+    ("position [m]\n", "no row"),
+    (DROPPERS.replace("0.01,,", "0.01,0.9,"), "a cut length of 0.9 of the dropper at 10 m.*which follows"),
+])
+def test_droppers_that_cannot_be_are_one_message(text, message):
+    with pytest.raises(BadInput, match=message):
+        Catenary(["line_table"], {"line_table.table": TWO_SPANS, "line_table.droppers": text, "method": "implicit"}).form()
+
+
+def test_a_scene_takes_over_its_droppers(tmp_path):
+    """From the file that the scene names; the marks of the report are at these droppers."""
+    (tmp_path / "mine.toml").write_text(TWO_SPANS, encoding="utf-8")
+    (tmp_path / "droppers.csv").write_text(DROPPERS, encoding="utf-8")
+    text = SCENE.replace('"lines/mine.toml"', '"mine.toml", line_table.droppers = "droppers.csv"')
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    values = load_scene(tmp_path / "scene.toml").units["catenary"].parameters
+    assert values["line_table.droppers"] == DROPPERS
+    assert _track(values).droppers == (10.0, 30.0, 50.0, 80.0)
+
+
+def test_the_command_takes_droppers_and_refuses_what_they_leave_no_use_for(tmp_path):
+    file, droppers = tmp_path / "mine.toml", tmp_path / "mine.csv"
+    file.write_text(TWO_SPANS, encoding="utf-8")
+    droppers.write_text(DROPPERS, encoding="utf-8")
+    done = CliRunner().invoke(app, ["railway", "line", str(file), "--droppers", str(droppers), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert len((tmp_path / "out" / "droppers.csv").read_text(encoding="utf-8").splitlines()) == 5
+    with pytest.raises(BadInput, match=r"dropper_stiffness = 300000\.0"):
+        line.read(file, {"dropper_stiffness": 3e5})
+    with pytest.raises(BadInput, match="span_length"):
+        line.read(file, {"span_length": 50.0})
 
 
 def test_commands_show_a_line_and_its_schema(tmp_path):

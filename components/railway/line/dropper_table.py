@@ -1,0 +1,104 @@
+"""Droppers of a line as a CSV table: the one that `cosimo railway line` writes for a crew, or one's own, read back.
+
+With it a line has just its droppers. A row is one dropper: its position, and the wanted height of the contact wire there or the
+cut length.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+from ...core.errors import BadInput, nearest
+from .from_table import Resolved, resolved_sections
+from .table import Dropper, Line, checked_number, read_line
+
+
+def column_names() -> dict[str, str]:
+    """Key of `Dropper` -> name of its column, with the unit."""
+    return {f.name: f.name.replace("_", " ") + (f" [{unit}]" if (unit := f.metadata.get("unit", "1")) != "1" else "")
+            for f in fields(Dropper)}
+
+
+def line_of(values: Mapping[str, Any], where: str = "line") -> Line:
+    """The line of parameters of `Catenary`: its table, and the droppers of `line_table.droppers` if there are some."""
+    line = read_line(str(values["line_table.table"]), f"{where}: line_table.table")
+    droppers = str(values.get("line_table.droppers", ""))
+    return with_droppers(line, droppers, f"{where}: line_table.droppers") if droppers else line
+
+
+def with_droppers(line: Line, text: str, where: str) -> Line:
+    """The line with the droppers of a CSV table in the place of its own."""
+    rows = _rows(text, where)
+    sections = [_with_rows(s, i, rows, line) for i, s in enumerate(resolved_sections(line))]
+    if rows:
+        place, row = next(iter(rows.items()))
+        raise BadInput(f"{where}, line {place}", f"a dropper of contact wire {row.contact_wire or 1:g} at {row.position:g} m",
+                       "a place inside a span with that wire", "Positions count from the first support of the line.")
+    return replace(line, sections=tuple(sections))
+
+
+def _with_rows(s: Resolved, index: int, rows: dict[int, Dropper], line: Line) -> Any:
+    """A section with its spans one by one, each with its rows, which are taken out of `rows`."""
+    spans = []
+    twin = s.section.second_contact_wire.tension is not None
+    wires = (1.0, 2.0) if twin else (1.0 + index % 2,)
+    for a, b, span in zip(s.x[:-1], s.x[1:], s.spans, strict=True):
+        mine = {place: row for place, row in rows.items() if a < row.position < b and (row.contact_wire or 1.0) in wires}
+        for place in mine:
+            del rows[place]
+        own = sorted((replace(row, position=row.position - float(a), contact_wire=row.contact_wire if twin else None)
+                      for row in mine.values()), key=lambda row: row.position)
+        spans.append(replace(span, dropper_list=tuple(own), positions=None, second_positions=None, heights=None))
+    return replace(s.section, spans=tuple(spans), span=type(s.section.span)())
+
+
+def _rows(text: str, where: str) -> dict[int, Dropper]:
+    """Number of the line in the text -> dropper."""
+    lines = text.removeprefix("\ufeff").splitlines()
+    head = lines[0] if lines else ""
+    delimiter = next((d for d in (";", "\t") if d in head), ",")
+    records = list(csv.reader(lines, delimiter=delimiter))
+    names = {column: key for key, column in column_names().items()}
+    header = [" ".join(cell.split()) for cell in (records[0] if records else ())]
+    for column in header:
+        if column not in names:
+            raise BadInput(f"{where}, line 1", f"column {column!r}", "a column of droppers with its unit", nearest(column, names))
+    if "position [m]" not in header:
+        raise BadInput(f"{where}, line 1", ", ".join(header) or "nothing", "a header with a column position [m]")
+    if len(set(header)) < len(header):
+        raise BadInput(f"{where}, line 1", ", ".join(header), "each column once")
+    rows: dict[int, Dropper] = {}
+    for place, cells in enumerate(records[1:], 2):
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(header):
+            raise BadInput(f"{where}, line {place}", f"{len(cells)} cells", f"{len(header)}, one for each column",
+                           "Decimal commas need semicolons between the cells." if len(cells) > len(header) else "")
+        given = {names[c]: cell.strip() for c, cell in zip(header, cells, strict=True) if cell.strip()}
+        rows[place] = _dropper(given, delimiter != ",", f"{where}, line {place}")
+    if not rows:
+        raise BadInput(where, "no row", "a header, then a row for each dropper")
+    return rows
+
+
+def _dropper(given: dict[str, str], commas: bool, where: str) -> Dropper:
+    values: dict[str, Any] = {}
+    for f in fields(Dropper):
+        if f.name not in given:
+            continue
+        cell = given[f.name]
+        if f.metadata["kind"] == "words":
+            values[f.name] = cell
+            continue
+        try:
+            value = float(cell.replace(",", ".") if commas else cell)
+        except ValueError:
+            raise BadInput(f"{where}, {f.name.replace('_', ' ')}", repr(cell), f"a number in {f.metadata['unit']}") from None
+        values[f.name] = checked_number(f.metadata, value, f"{where}, {f.name.replace('_', ' ')}")
+    if "position" not in values:
+        raise BadInput(where, "no position", "that of the dropper along the line, m")
+    return Dropper(**values)
+
