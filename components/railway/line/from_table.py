@@ -12,7 +12,19 @@ import numpy as np
 
 from ...core.errors import BadInput
 from .layout import GRAVITY, SECOND, Droppers, Holds, Layout, Stretch, Wire, parabola
-from .table import MOST_SPANS, Dropper, DropperData, Line, Section, Span, Stitch, Support, WireData, over
+from .table import (
+    MOST_DROPPERS,
+    MOST_SPANS,
+    Dropper,
+    DropperData,
+    Line,
+    Section,
+    Span,
+    Stitch,
+    Support,
+    WireData,
+    over,
+)
 
 FIRST, GAP = 5.0, 6.5  # m, from the EN 50318:2002 reference model
 NOT_AT_ANCHORS = ("stiffness", "damping", "held", "contact_stiffness", "arm", "stitch")
@@ -318,7 +330,10 @@ def _positions(given: tuple[float, ...] | None, span: Span, d: DropperData, wher
         room = span.length - 2.0 * d.first
         if room < 0.0:
             raise BadInput(where, f"a length of {span.length:g} m", f"more than twice the {d.first:g} m of the first dropper")
-        return d.first + np.linspace(0.0, room, math.ceil(room / d.gap - 1e-9) + 1)
+        count = math.ceil(room / d.gap - 1e-9) + 1
+        if count > MOST_DROPPERS:
+            raise BadInput(where, f"{count} droppers {d.gap:g} m apart", f"at most {MOST_DROPPERS} in a span", "Enlarge gap.")
+        return d.first + np.linspace(0.0, room, count)
     at = np.array(given)
     if at.size and not (np.all(np.diff(at) > 1e-3) and at[0] > 1e-3 and at[-1] < span.length - 1e-3):
         raise BadInput(f"{where}.positions", f"{list(given)}", f"increasing positions inside the span of {span.length:g} m")

@@ -16,7 +16,8 @@ from typing import Any
 
 from ...core.errors import BadInput, nearest
 
-MOST_SPANS = 20_000
+MOST_SPANS = 2000  # 130 km of 65 m
+MOST_DROPPERS = 200  # of one span
 Number = Any  # a float, or None where the table leaves it out
 
 
@@ -128,7 +129,7 @@ class Support:
 class Span:
     """One span, or several alike."""
 
-    length: Number = number("m", "length", 1.0)
+    length: Number = number("m", "length", 1.0, 1000.0)
     repeat: Number = number("1", "number of spans like this", 1.0, MOST_SPANS)
     positions: tuple[float, ...] | None = numbers("m", "positions of the droppers from the left support; [] for none")
     heights: tuple[float, ...] | None = numbers("m", "heights of the contact wire at the droppers; left out, straight less sag")
