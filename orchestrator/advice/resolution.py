@@ -92,8 +92,9 @@ class Sums(NamedTuple):
     @classmethod
     def zeros(cls, n: int) -> Sums:
         """Of n signals and no step."""
-        return cls(np.zeros((TAIL, n)), *np.zeros((8, n)), np.zeros((PARTS, n)), np.zeros(TAIL, dtype=np.int64),
-                   np.zeros(2 + PARTS, dtype=np.int64))
+        numbers = {name: np.zeros(n) for name in cls._fields}
+        return cls(**numbers | {"rows": np.zeros((TAIL, n)), "seconds": np.zeros((PARTS, n)),
+                                "ticks": np.zeros(TAIL, dtype=np.int64), "counts": np.zeros(2 + PARTS, dtype=np.int64)})
 
 
 class StepResolution(BatchObserver):
