@@ -3,44 +3,78 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from .description import Scalar, has_companions
-from .values import blocks
+from .entries import Callback
+from .values import Block, blocks
 
 HELD, COMPANIONS, DERIVATIVES, MEAN = range(4)  # ways to give an FMU inputs that change over a step, see `inputs`
 IN_MEMORY = 4  # a component's inputs are written where they lie
 FUNCTIONS = {"get": "GetReal", "set": "SetReal", "set_derivatives": "SetRealInputDerivatives", "do_step": "DoStep"}
 # what `CallTable.calls` has: of an FMU addresses of functions, the instance, the references of inputs and outputs, and the orders
-# 1 ... 1, 2 ... 2 of inputs; of a component functions with their arguments, and the distance of two rows of inputs, bytes
-OF_FMU = (*FUNCTIONS, "instance", "input_references", "output_references", "orders")
+# 1 ... 1, 2 ... 2 of inputs; the function that hands over inputs which are held, and where these lie; the number of parts that
+# outputs of several types are, and where they lie; of a component functions with their arguments, and the distance of two rows of
+# inputs, bytes
+OF_FMU = (*FUNCTIONS, "instance", "input_references", "output_references", "orders", "hold", "held_values", "parts", "part_cells")
 OF_COMPONENT = ("outputs", "outputs_argument", "step", "step_argument", "row")
 
 
 @dataclass(frozen=True)
 class CallTable:
-    """Addresses by name, and where the driven inputs and the read outputs of a component lie."""
+    """Addresses by name; where the driven inputs and the read outputs of a component lie; which inputs of an FMU are held."""
 
     calls: Mapping[str, int]
     way: int
     alive: tuple[Any, ...]  # the memory that addresses point to
     inputs_at: tuple[int, ...]
     outputs_at: tuple[int, ...]
+    apart: tuple[bool, ...]
+
+
+class Held(NamedTuple):
+    """Driven inputs of an FMU that change at instants only."""
+
+    places: Sequence[int]  # among all driven inputs
+    values: np.ndarray  # that the FMU has
+    hand_over: Callback  # to be called where these have changed
 
 
 def call_table(library: Any, instance: int, inputs: Sequence[str], outputs: Sequence[str], interpolates: bool,
-               scalars: Mapping[str, Scalar]) -> CallTable | None:
-    """The call table of an FMU with these driven inputs and read outputs; None where they are not all reals of their own."""
-    companions = has_companions(scalars, inputs)
-    names = [*inputs, *(f"der({n})" for n in inputs), *(f"der({n},2)" for n in inputs)] if companions else inputs
-    parts = [blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs)]
-    if any(len(part) > 1 or (part and not (part[0].type.suffix == "Real" and part[0].straight)) for part in parts):
+               scalars: Mapping[str, Scalar], held: Held) -> CallTable | None:
+    """The call table of an FMU with these driven inputs and read outputs; None where two moving inputs are one variable."""
+    def address(name: str) -> int:
+        return ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0
+
+    moving = [name for k, name in enumerate(inputs) if k not in held.places]
+    companions = has_companions(scalars, moving)
+    names = [*moving, *(f"der({n})" for n in moving), *(f"der({n},2)" for n in moving)] if companions else moving
+    into, out_of = (blocks([scalars[n] for n in part], fmi3=False) for part in (names, outputs))
+    if into and not into[0].straight:
         return None
-    orders = (ctypes.c_int * (2 * len(inputs)))(*[1] * len(inputs), *[2] * len(inputs))
-    references = [ctypes.addressof(part[0].references) if part else 0 for part in parts]
-    calls = [ctypes.cast(library["fmi2" + name], ctypes.c_void_p).value or 0 for name in FUNCTIONS.values()]
+    plain = not out_of or (len(out_of) == 1 and out_of[0].type.suffix == "Real" and out_of[0].straight)
+    parts = np.array([] if plain else output_parts(out_of, address), dtype=np.int64)
+    orders = (ctypes.c_int * (2 * len(moving)))(*[1] * len(moving), *[2] * len(moving))
+    references = [ctypes.addressof(part[0].references) if part else 0 for part in (into, out_of)]
+    calls = (*map(address, FUNCTIONS.values()), instance, *references, ctypes.addressof(orders), held.hand_over.function,
+             held.values.ctypes.data, 0 if plain else len(out_of), parts.ctypes.data)
     way = COMPANIONS if companions else DERIVATIVES if interpolates else MEAN
-    addresses = dict(zip(OF_FMU, (*calls, instance, *references, ctypes.addressof(orders)), strict=True))
-    return CallTable(addresses, way if inputs else HELD, (parts, orders), (0,) * len(inputs), (0,) * len(outputs))
+    return CallTable(dict(zip(OF_FMU, calls, strict=True)), way if moving else HELD, (into, out_of, orders, parts, held),
+                     (0,) * len(inputs), (0,) * len(outputs), tuple(k in held.places for k in range(len(inputs))))
+
+
+def output_parts(by_type: Sequence[Block], address: Callable[[str], int]) -> list[int]:
+    """Of each block: function, references, their number, buffer, whether it has whole numbers, and the number n of outputs;
+    then n times the place among the outputs and the address of the value."""
+    cells: list[int] = []
+    for block in by_type:
+        references, size, buffer = block.arguments
+        width = ctypes.sizeof(block.type.c)
+        cells += [address("Get" + block.type.suffix), references, size, buffer, block.type.suffix != "Real", len(block.rows)]
+        for row, at in zip(block.rows, block.at, strict=True):
+            cells += [row, buffer + width * at]
+    return cells

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -11,14 +10,11 @@ import numpy as np
 from ...components.catalogue import component_class
 from ...components.core.component import Component
 from ...components.core.errors import StepFailed
-from ...components.core.kernels import DONE
 from ..settings import UnitSettings
 from .call_table import IN_MEMORY, OF_COMPONENT, CallTable
-from .entries import RAISED, Entry
+from .entries import RAISED, Callback, Entry
 from .hook_calls import KernelCall, PythonInHook, output_calls, step_calls
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
-
-HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 
 
 def make(name: str, settings: UnitSettings) -> Component:
@@ -71,28 +67,6 @@ def _write_array(row: np.ndarray, at: Any, values: np.ndarray) -> None:
     row[at] = values
 
 
-class _Callback:
-    """A hook with Python in it, for compiled code: function and argument as in `entries.Entry`. Keeps what it has raised."""
-
-    argument = 0
-    error: BaseException | None = None
-
-    def __init__(self, hook: Callable[[float, float], None], reason: str):
-        """`reason`: what of it is not a call of a kernel."""
-        self.reason = reason
-
-        def call(t: float, h: float, _: int | None) -> int:
-            try:
-                hook(t, h)
-            except BaseException as error:  # none may pass through compiled code
-                self.error = error
-                return RAISED
-            return DONE
-
-        self._call = HOOK(call)
-        self.function = ctypes.cast(self._call, ctypes.c_void_p).value or 0
-
-
 class ComponentUnit:
     """A component as a unit; inputs and outputs are views of the component's own arrays."""
 
@@ -135,19 +109,20 @@ class ComponentUnit:
         step = self._hook(lambda: step_calls(c, h), c.step)
         self._hooks = outputs, step
         calls = (outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0])
-        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at)
+        none_held = (False,) * len(self._at[0])
+        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at, none_held)
 
-    def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | _Callback:
+    def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | Callback:
         try:
             return Entry(calls())
         except PythonInHook as what:
-            return _Callback(python, str(what))
+            return Callback(python, str(what))
 
     def python_hooks(self, h: float) -> dict[str, str]:
         """What of the hooks is Python in steps of length h, s, of the initialized component: hook -> statement."""
         self.call_table(h)
         hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
-        return {name: hook.reason for name, hook in hooks if isinstance(hook, _Callback)}
+        return {name: hook.reason for name, hook in hooks if isinstance(hook, Callback)}
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
@@ -156,7 +131,7 @@ class ComponentUnit:
     def stopped(self, status: int, t: float) -> None:
         """A hook has ended the step from t, s, with this status; raises the reason."""
         for hook in self._hooks:
-            if isinstance(hook, _Callback) and hook.error is not None:
+            if isinstance(hook, Callback) and hook.error is not None:
                 error, hook.error = hook.error, None
                 raise error
         if status == RAISED:

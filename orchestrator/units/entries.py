@@ -7,15 +7,18 @@ make; nothing is compiled again, and so nothing of them is kept on disk.
 
 from __future__ import annotations
 
+import ctypes
 import inspect
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
+from ...components.core.kernels import DONE
 from .hook_calls import KernelCall, PythonInHook, Symbol
 
+HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 RAISED = 99  # status of an error inside a kernel that is no status
 _engines: list[Any] = []  # what owns the machine code
 
@@ -43,6 +46,28 @@ class Entry:
                 self.cells[k] = value
         self._calls = tuple(calls)  # keeps their arrays and machine code alive
         self.function, self.argument = _function(tuple(shapes)), self.cells.ctypes.data
+
+
+class Callback:
+    """A hook with Python in it, for compiled code: function and argument as in `entries.Entry`. Keeps what it has raised."""
+
+    argument = 0
+    error: BaseException | None = None
+
+    def __init__(self, hook: Callable[[float, float], None], reason: str):
+        """`reason`: what of it is not a call of a kernel."""
+        self.reason = reason
+
+        def call(t: float, h: float, _: int | None) -> int:
+            try:
+                hook(t, h)
+            except BaseException as error:  # none may pass through compiled code
+                self.error = error
+                return RAISED
+            return DONE
+
+        self._call = HOOK(call)
+        self.function = ctypes.cast(self._call, ctypes.c_void_p).value or 0
 
 
 def _folded(call: KernelCall) -> tuple[Any, ...]:

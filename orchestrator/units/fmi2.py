@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+from math import nan
 from time import sleep
 from typing import Any
 from weakref import WeakValueDictionary
 
+import numpy as np
 from fmpy import calloc, free
 from fmpy.fmi2 import (
     FMU2Slave,
@@ -17,7 +19,8 @@ from fmpy.fmi2 import (
 )
 from fmpy.logging import addLoggerProxy
 
-from .call_table import CallTable, call_table
+from .call_table import CallTable, Held, call_table
+from .entries import Callback
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
 from .interface import SimulationEnded
@@ -85,8 +88,21 @@ class Fmi2CoSimulation(Fmi2Unit):
         interface = self._interface()
         if interface.canRunAsynchronuously:
             return None
+        places = self._rows[2]
+        self._held_values = np.zeros(len(places))
+        self._hand_over_held = Callback(self._hand_over_values, "inputs that change at instants only")
         return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
-                          interface.canInterpolateInputs, self._scalars)
+                          interface.canInterpolateInputs, self._scalars, Held(places, self._held_values, self._hand_over_held))
+
+    def _hand_over_values(self, t: float, _: float) -> None:
+        """Compiled code has changed `_held_values`; the last step was from t."""
+        self._time = t
+        self._hold(self._held_values.tolist())
+
+    def last_start(self) -> float:
+        """Compiled code is to go on: the time, s, from which the last step was; it finds the inputs that the FMU has."""
+        self._held_values[:] = nan if self._last_held is None else self._last_held
+        return self._time
 
     @property
     def ended(self) -> bool:
@@ -104,6 +120,9 @@ class Fmi2CoSimulation(Fmi2Unit):
 
     def stopped(self, status: int, t: float, h: float) -> None:
         """A call from compiled code had this status in the step from t to t + h; raises `StepFailed` unless it is done."""
+        if (error := self._hand_over_held.error) is not None:
+            self._hand_over_held.error = None
+            raise error
         self._not_done(status, t, t + h)
 
     def step(self, t: float, h: float) -> None:

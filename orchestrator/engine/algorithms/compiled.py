@@ -26,16 +26,17 @@ part = partial(kernel, inner=True)
 POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
 INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "degree",
-            "smoothing", "samples", "interpolates", "no_return", "taken")
+            "smoothing", "samples", "interpolates", "no_return", "taken", "held")
 # Units in the order of stepping. Addresses as in `CallTable`; first_link, links, late: the unit's links, of which the first
 # `late` are extrapolated; led: all of them are interpolated to values that are known; first_signal, signals: in the table of
-# signals; degree, samples, h1, h2: of the history; interpolates: what the last step did; taken: steps; time: s, reached.
+# signals; degree, samples, h1, h2: of the history; interpolates: what the last step did; taken: steps; held: links that are
+# `apart`; time: s, reached, of an FMU the start of its last step.
 UNIT = np.dtype([(name, np.int64) for name in INTEGERS] + [(name, np.float64) for name in ("h1", "h2", "time")])
-# Links sorted by unit. at: address of a component's input; source: in the table of signals; direct: an output follows it within
-# an instant; held: it jumps between steps; fault: whether it is altered, by `alteration`; change: relative, that is none;
-# present, before, earlier: samples; known: what it is led to; value, slope, half of the second derivative, degree: given in the
-# last step; reached: its end.
-LINK = np.dtype([(name, np.int64) for name in ("at", "source", "converted", "direct", "held", "fault")] + [
+# Links sorted by unit. at: address of a component's input; apart: whether an FMU is handed it only when it changes; source: in
+# the table of signals; direct: an output follows it within an instant; held: it jumps between steps; fault: whether it is
+# altered, by `alteration`; change: relative, that is none; present, before, earlier: samples; known: what it is led to; value,
+# slope, half of the second derivative, degree: given in the last step; reached: its end.
+LINK = np.dtype([(name, np.int64) for name in ("at", "apart", "source", "converted", "direct", "held", "fault")] + [
     (name, np.float64) for name in ("factor", "offset", "alteration", "change", "present", "before", "earlier", "known", "value",
                                     "slope", "half", "degree", "reached")])
 
@@ -83,13 +84,17 @@ def call_hook(typing, address, t, h, argument):
     return types.int32(types.int64, types.float64, types.float64, types.int64), generate
 
 
-@intrinsic
-def load(typing, address):
-    """The number at an address."""
-    def generate(context, builder, signature, arguments):
-        return builder.load(builder.inttoptr(arguments[0], DOUBLE.as_pointer()))
+def _loader(kind, result):
+    def load(typing, address):
+        def generate(context, builder, signature, arguments):
+            return builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
 
-    return types.float64(types.int64), generate
+        return result(types.int64), generate
+
+    return intrinsic(load)
+
+
+load, load_int32, load_int64 = _loader(DOUBLE, types.float64), _loader(INT, types.int32), _loader(SIZE, types.int64)
 
 
 @intrinsic
@@ -175,20 +180,40 @@ def _drive(unit, links, signals, buffer, h):
     unit.interpolates = unit.led
     if unit.smoothing == JUMPED:
         unit.smoothing = SMOOTH
-    return 0 if unit.way == IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h)
+    return 0 if unit.way == IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
 
 
 @part
-def _drive_fmu(unit, links, buffer, degree, h):
-    """Hand an FMU the polynomials of its links; returns its status."""
-    first, n, way = unit.first_link, unit.links, unit.way
-    values = buffer.ctypes.data + 24 * first
-    for k in range(n):
-        link = links[first + k]
-        v, s, c = link.value, link.slope, link.half
+def _hold(unit, links, known):
+    """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
+    changed, at = False, unit.held_values
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        if link.apart != 0:
+            v = link.known if known else link.value
+            changed = changed or load(at) != v
+            store(at, v)
+            at += 8
+    return call_hook(unit.hold, unit.time, 0.0, 0) if changed else 0
+
+
+@part
+def _drive_fmu(unit, links, buffer, degree, h, known):
+    """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
+    first, n, way = 3 * unit.first_link, unit.links - unit.held, unit.way
+    status = _hold(unit, links, known) if unit.held > 0 else 0
+    if status > WARNING or n == 0:
+        return status
+    values, k = buffer.ctypes.data + 8 * first, first
+    for i in range(unit.first_link, unit.first_link + unit.links):
+        link = links[i]
+        if link.apart != 0:
+            continue
+        v, s, c = link.known if known else link.value, link.slope, link.half
         if way == MEAN and degree > 0:
             v = v + h * (s / 2.0 + h * c / 3.0)
-        buffer[3 * first + k], buffer[3 * first + n + k], buffer[3 * first + 2 * n + k] = v, s, 2.0 * c
+        buffer[k], buffer[k + n], buffer[k + 2 * n] = v, s, 2.0 * c
+        k += 1
     if way == COMPANIONS:
         return call_values(unit.set, unit.instance, unit.input_references, n * (degree + 1), values)
     status = call_values(unit.set, unit.instance, unit.input_references, n, values)
@@ -205,6 +230,7 @@ def _step(unit, t, h):
     """Step one unit; returns its status."""
     unit.taken += 1
     if unit.way != IN_MEMORY:
+        unit.time = t
         return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
     status = FAILED * call_hook(unit.step, t, h, unit.step_argument)
     if status == 0:
@@ -220,7 +246,20 @@ def _read(unit, outputs_at, signals):
         for k in range(first, first + n):
             signals[k] = load(outputs_at[k])
         return 0
-    return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
+    if unit.parts == 0:
+        return call_values(unit.get, unit.instance, unit.output_references, n, signals.ctypes.data + 8 * first) if n > 0 else 0
+    cell = unit.part_cells
+    for _ in range(unit.parts):  # as `call_table.output_parts` writes them
+        whole, n = load_int64(cell + 32), load_int64(cell + 40)
+        status = call_values(load_int64(cell), unit.instance, load_int64(cell + 8), load_int64(cell + 16), load_int64(cell + 24))
+        if status > WARNING:
+            return status
+        cell += 48
+        for _ in range(n):
+            row, at = first + load_int64(cell), load_int64(cell + 8)
+            signals[row] = load_int32(at) if whole != 0 else load(at)
+            cell += 16
+    return 0
 
 
 @part
@@ -244,9 +283,7 @@ def _update(unit, links, outputs_at, signals, buffer):
             store(links[i].at, links[i].known)
         status = FAILED * call_hook(unit.outputs, unit.time, 0.0, unit.outputs_argument)
     else:
-        for k in range(n):
-            buffer[3 * first + k] = links[first + k].known
-        status = call_values(unit.set, unit.instance, unit.input_references, n, buffer.ctypes.data + 24 * first)
+        status = _drive_fmu(unit, links, buffer, 0, 0.0, True)
     return _read(unit, outputs_at, signals) if status <= WARNING else status
 
 

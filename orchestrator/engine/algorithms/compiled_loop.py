@@ -153,6 +153,7 @@ class CompiledLoop:
             for name, address in table.calls.items():
                 row[name] = address
             self._links["at"][at], self._outputs_at[node.place] = table.inputs_at, table.outputs_at
+            self._links["apart"][at], row["held"] = table.apart, sum(table.apart)
 
     def _beyond(self, t: float) -> StepFailed | None:
         """What is wrong with the master's signals at t, s; None where nothing is."""
@@ -191,7 +192,7 @@ class CompiledLoop:
             if isinstance(unit, ComponentUnit):
                 row["time"] = unit.component.t
             else:
-                row["no_return"] = not unit.keeps_states()
+                row["no_return"], row["time"] = not unit.keeps_states(), unit.last_start()
             for place, (replaced, number) in (_changes(node) or {}).items():
                 links["fault"][at.start + place] = OVERRIDDEN if replaced else SHIFTED
                 links["alteration"][at.start + place] = number

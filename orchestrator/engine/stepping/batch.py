@@ -129,5 +129,3 @@ def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[
             yield f"units.{unit.name}, a {unit.kind}" + (" that a fault can take away" if hasattr(unit, "lost") else "")
         if isinstance(node.history, Mixed):
             yield f"units.{unit.name}, an input of which comes from a unit with `every`"
-        elif node.held and not isinstance(unit, ComponentUnit):
-            yield f"units.{unit.name}, a {unit.kind} of which an input is discrete"

@@ -8,8 +8,9 @@ from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
 from cosimo.orchestrator.engine.stepping.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.orchestrator.units.component import _Callback
+from cosimo.orchestrator.units.entries import Callback
 from cosimo.tests.support import two_masses
+from cosimo.tests.units.native import native_fmu
 
 ALGORITHMS = ("jacobi", "gauss-seidel")
 
@@ -112,7 +113,7 @@ def test_kernels_called_by_address_give_the_same_bits(algorithm, degree, monkeyp
     scene = scene.with_changes({"stop_time": 150.5 * scene.master.step, "master.algorithm": algorithm,
                                 "master.extrapolation": degree})
     python = []
-    monkeypatch.setattr(_Callback, "__init__", lambda *_: python.append(1))
+    monkeypatch.setattr(Callback, "__init__", lambda *_: python.append(1))
     together, apart, alone = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
     assert_alike(together, apart)
     assert together.info["energy"]
@@ -170,6 +171,39 @@ def test_fmus_of_another_maker_give_the_same_bits(algorithm, degree, flags, fore
     together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
     assert_alike(together, apart)
     assert np.ptp(together["f.x"]) > 0.15  # it swings about 0.1 with an amplitude of 0.1
+
+
+def whole_numbers(algorithm: str, degree: int, **counter) -> dict:
+    """Discrete reals, whole numbers, members of an enumeration and truth values beside moving ones, in a chain of FMUs."""
+    kinds = ("Float64_continuous", "Float64_discrete")
+    passed_on = [f"a.{kind}_output -> b.{kind}_input" for kind in kinds] + [
+        f"a.{kind}_out -> b.{kind}_in" for kind in ("Boolean", "Int32", "Enumeration")]
+    start = {"Boolean_in": True, "Enumeration_in": "far", "Float64_fixed_parameter": 0.5}
+    counter = {"source": "stair.counter", "target": "a.Int32_in", **counter}
+    units = {"b": {"fmu": native_fmu("feedthrough", 2)}, "a": {"fmu": native_fmu("feedthrough", 2), "parameters": start},
+             "integral": {"fmu": native_fmu("integrator", 2)}, "stair": {"fmu": native_fmu("stair", 2)}}
+    return {"stop_time": 4.0, "units": units, "master": {"algorithm": algorithm, "step": 0.01, "extrapolation": degree},
+            "connections": [*passed_on, "integral.x -> a.Float64_continuous_input", "integral.z -> a.Float64_discrete_input",
+                            "b.Float64_continuous_output -> integral.u", counter]}
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_inputs_of_fmus_that_change_at_instants_give_the_same_bits(algorithm, degree, monkeypatch):
+    together, apart, alone = both_ways(whole_numbers(algorithm, degree), monkeypatch, CompiledLoop)
+    assert_alike(together, apart)
+    assert alone == 0
+    assert set(together["b.Int32_out"]) >= {1.0, 2.0, 3.0, 4.0}
+    assert (together["b.Boolean_out"][-1], together["b.Enumeration_out"][-1]) == (1.0, 7.0)
+    assert together["b.Float64_discrete_output"][-1] == together["integral.z"][-1] != 0.0
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_a_number_that_an_input_cannot_hold_ends_both_at_the_same_step(algorithm, monkeypatch):
+    together, apart, _ = both_ways(whole_numbers(algorithm, 1, factor=1e9), monkeypatch, CompiledLoop)
+    assert_alike(together, apart)
+    assert "a failed at t = 1.99 s" in together.message
+    assert "input Int32_in cannot be 3e+09" in together.message
 
 
 @pytest.mark.parametrize("interval", [0.01, 0.03, 0.035])
