@@ -15,7 +15,9 @@ from hypothesis import HealthCheck, settings
 settings.register_profile("busy machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("busy machine")
 
-LONG = ("test_plain_python.py", "test_readme.py")  # a worker has each as a whole: started last, they would be waited for
+# A worker has each file as a whole: started last, these would be waited for. The dearest first, see docs/development/tests.md.
+LONG = ("test_plain_python.py", "test_readme.py", "test_native_run.py", "test_native_bits.py", "test_processes.py", "test_site.py",
+        "test_instability_monitor.py", "test_independent_accuracy.py")
 
 
 def pytest_configure(config):
@@ -31,7 +33,7 @@ def pytest_collection_modifyitems(config, items):
     Of all tests, those marked `interpreted` are left to the process of `test_plain_python.py`, but for the `full` ones, which
     the complete run compiles. Those marked `first(n)`, n = 1 if not given, keep n of their parameters in the short run.
     """
-    items.sort(key=lambda item: item.path.name not in LONG)
+    items.sort(key=lambda item: LONG.index(item.path.name) if item.path.name in LONG else len(LONG))
     kept = Counter()
     for item in items:
         if (first := item.get_closest_marker("first")) and not item.get_closest_marker("full"):

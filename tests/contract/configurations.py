@@ -68,8 +68,7 @@ def in_plain_python(cases: Iterable[Any]) -> list[Any]:
 
 
 CONFIGURATIONS = list(_configurations())
-# compiled: everything on
-COMPILED_TOO = [Configuration(name, on, small(name, on)) for name in CATALOGUE for on in [compatible(component_class(name))]]
+EVERYTHING_ON = [Configuration(name, on, small(name, on)) for name in CATALOGUE for on in [compatible(component_class(name))]]
 
 
 def excite(component: Component, share: float = 0.3) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
@@ -28,12 +30,18 @@ def disturbed(component: str, effects, parameters) -> np.ndarray:
     return np.array(rows)
 
 
+@functools.cache
+def without(component: str, effects: tuple[str, ...]) -> np.ndarray:
+    """The same for all strengths of an effect."""
+    return disturbed(component, effects, {})
+
+
 @pytest.mark.parametrize(("component", "strength"), in_plain_python(CASES))
 def test_a_vanishing_effect_tends_to_no_effect(component, strength):
     parameters, small = FACTS[component].strengths[strength]
     effect = strength.partition(".")[0]
     on = with_required(component_class(component), effect)
-    off = disturbed(component, [e for e in on if e != effect], {})
+    off = without(component, tuple(e for e in on if e != effect))
 
     def difference(value: float) -> float:
         return float(np.abs(disturbed(component, on, parameters | {strength: value}) - off).max())

@@ -11,13 +11,16 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.core.high_order import STAGES
 from cosimo.components.core.integrators import OdeComponent
 from cosimo.components.core.kernels import COMPILED
-from cosimo.tests.contract.configurations import COMPILED_TOO, CONFIGURATIONS, bits, excite, slope_inputs, span
+from cosimo.tests.contract.configurations import CONFIGURATIONS, EVERYTHING_ON, bits, excite, slope_inputs, span
+from cosimo.tests.short_run import ONE_A_SYSTEM
 
-# Machine code of all components takes the compiler minutes; plain Python with nothing and with everything on is in every run.
+# Machine code of all components takes the compiler minutes: here one a system, all of them against plain Python in
+# test_processes.py. Plain Python with nothing and with everything on is in every run.
 pytestmark = [pytest.mark.full] if COMPILED else []
 EPSILON = np.finfo(float).eps
-configurations = pytest.mark.parametrize("configuration", COMPILED_TOO if COMPILED else [
-    pytest.param(c, id=c.label, marks=() if c.effects == () or c in COMPILED_TOO else pytest.mark.full) for c in CONFIGURATIONS],
+MACHINE_CODE = [c for c in EVERYTHING_ON if c.component in ONE_A_SYSTEM]
+configurations = pytest.mark.parametrize("configuration", MACHINE_CODE if COMPILED else [
+    pytest.param(c, id=c.label, marks=() if c.effects == () or c in EVERYTHING_ON else pytest.mark.full) for c in CONFIGURATIONS],
     ids=lambda c: c.label)
 
 

@@ -1,4 +1,4 @@
-"""Scenes whose components run as native FMUs give every bit of the run in process."""
+"""Scenes whose components run as native FMUs give every bit of the run in process; each component alone: test_native_bits.py."""
 
 import zipfile
 
@@ -8,11 +8,11 @@ from cosimo.components.core.errors import BadInput
 from cosimo.fmus.native.build import own_target
 from cosimo.orchestrator.native import native_fmus, with_native_fmus
 from cosimo.orchestrator.run import run
-from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.fmus.native.test_native_refusals import Limited, Printing
 from cosimo.tests.scene_runs import finished
+from cosimo.tests.short_run import covering_scenes
 
 pytestmark = pytest.mark.skipif(not own_target(), reason="no target of native FMUs")
 STEPS = 500  # macro steps: what takes the time is to build the FMUs
@@ -31,8 +31,8 @@ def assert_same_bits(scene):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("name", scene_files())
-def test_every_scene(name):
+@pytest.mark.parametrize("name", covering_scenes())
+def test_scenes_with_every_component(name):
     scene = load_scene(name)
     latest = max((fault.begin for fault in scene.faults), default=0.0)
     assert_same_bits(scene.with_changes({"stop_time": min(scene.stop_time, latest + STEPS * scene.master.step)}))

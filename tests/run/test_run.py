@@ -17,6 +17,7 @@ from cosimo.orchestrator.systems import load_scene, read_scene, write_report
 from cosimo.orchestrator.units.channel import STOPPING
 from cosimo.tests.contract.configurations import in_plain_python
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits
+from cosimo.tests.short_run import covering_scenes
 from cosimo.tests.support import Linear, OfTime, Probe, two_masses
 from numba.core import event
 
@@ -208,9 +209,10 @@ def test_missing_column_names_the_near_ones():
 
 
 @pytest.mark.parametrize(("name", "least"), in_plain_python([
-    *((name, 0.0) for name in SCENES.values()), *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in scene_files())]))
+    *((name, 0.0) for name in SCENES.values()),
+    *(pytest.param(name, 0.05, marks=pytest.mark.full) for name in covering_scenes())]))
 def test_shipped_scenes_run_alike_as_fmus_and_in_process(name, least):
-    """Over 20 macro steps, and all of them over 50 ms."""
+    """One a system over 20 macro steps, and scenes that have all components over 50 ms."""
     scene = load_scene(name)
     stop = max(least, 20 * scene.master.step)
     short = {"stop_time": stop, "record.interval": None, "faults": []}

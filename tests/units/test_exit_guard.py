@@ -25,7 +25,7 @@ step = 0.1
 def ended(tmp_path: Path, fmi: int, at: float) -> tuple[subprocess.CompletedProcess, Path]:
     (tmp_path / "scene.toml").write_text(SCENE.format(fmu=native_fmu("moody", fmi), at=at))
     done = subprocess.run([sys.executable, "-m", "cosimo.orchestrator.cli", "run", str(tmp_path / "scene.toml"), "-o",
-                           str(tmp_path / "out")], capture_output=True, text=True, cwd=ROOT, timeout=120)
+                           str(tmp_path / "out")], capture_output=True, text=True, cwd=ROOT, timeout=600)
     return done, tmp_path / "out"
 
 
@@ -53,7 +53,7 @@ def test_a_guard_that_was_left_does_nothing():
     """The registration is taken out again: neither many guards nor the end of the process call anything."""
     code = ("from cosimo.orchestrator.units.exit_guard import ExitGuard\n"
             "for _ in range(100):\n    with ExitGuard(['u'], print): pass\n")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, timeout=60)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, timeout=600)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     with ExitGuard([]):
         pass

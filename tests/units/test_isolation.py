@@ -19,10 +19,11 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units import open_unit
 from cosimo.orchestrator.units.process import WorkerUnit
+from cosimo.tests.rest import at_rest
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.exchange_fmu import exchange_fmu
 from cosimo.tests.units.native import native_fmu
-from cosimo.tests.units.troubled import LONG
+from cosimo.tests.units.troubled import LONG, PATIENCE
 
 TROUBLED = "cosimo.tests.units.troubled:Troubled"
 PRINTS, CLOSES, MOVES, RECURSES, WRITES, ABORTS = 1, 2, 3, 5, 6, 7  # of moody.h
@@ -50,8 +51,8 @@ def alive(process: float) -> bool:
 
 
 def gone(processes) -> bool:
-    """Whether all of the processes end within some seconds."""
-    end = time.monotonic() + 10.0
+    """Whether all of the processes end, on a busy machine after a while."""
+    end = time.monotonic() + PATIENCE
     while any(map(alive, processes)) and time.monotonic() < end:
         time.sleep(0.01)
     return not any(map(alive, processes))
@@ -206,8 +207,8 @@ def test_a_crash_in_the_initialization_is_a_failed_run():
 
 
 def test_a_unit_that_hangs_is_given_up_after_its_time_limit():
-    result = run(read_scene(troubled("hang", time_limit=1.0)))
-    assert result.message == "a failed at t = 0.2 s: no answer within 1 s; its worker process was ended"
+    result = run(read_scene(troubled("hang", time_limit=3.0)))
+    assert result.message == "a failed at t = 0.2 s: no answer within 3 s; its worker process was ended"
     assert len(result.time) == 3
     assert gone([result["a.process"][0]])
     assert result.info["timing"]["run"] < LONG / 3
@@ -322,7 +323,7 @@ def started(scene: dict, folder: Path) -> tuple[subprocess.Popen, list[int]]:
     process = subprocess.Popen([sys.executable, "-c", RUN.format(scene=scene)], stdout=subprocess.PIPE, text=True, cwd=ROOT,
                                start_new_session=True, env={**os.environ, "TMPDIR": str(folder)})
     process.stdout.readline()
-    end, workers = time.monotonic() + 20.0, []
+    end, workers = time.monotonic() + PATIENCE, []
     while len(workers) < 2 and time.monotonic() < end:
         time.sleep(0.05)
         workers = [int(w) for w in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
@@ -352,7 +353,7 @@ def test_no_worker_outlives_the_run_even_if_its_unit_hangs(way, tmp_path):
             os.killpg(process.pid, signal.SIGINT)
             time.sleep(0.2)
         assert process.stdout.read() == "stopped stopped by SIGINT at t = 0.2 s 3\n"
-    process.wait(20.0)
+    process.wait(PATIENCE)
     process.stdout.close()
     assert gone(workers)
 
@@ -394,10 +395,9 @@ def test_repeated_runs_leave_no_files_threads_or_processes_behind(tmp_path, monk
 
     scene = read_scene(isolated({**two_masses(), "stop_time": 0.05}))
     run(scene)
-    before, others, left = held(), children(), set()
+    before, others = at_rest(held), at_rest(children)
     for _ in range(5):
         assert run(scene).outcome != "failed"
-        left |= children() - others
-    assert held() == before
-    assert not left
+    assert at_rest(held, before) == before
+    assert at_rest(lambda: children() - others, set()) == set()
     assert np.isfinite(run(scene)["a.x_out"]).all()

@@ -21,6 +21,7 @@ from cosimo.components.core.variables import choice, input_, output, parameter
 from cosimo.orchestrator.units.channel import FAILED, HEAD, MARK
 
 LONG = 30.0  # s: a test that waits for it has failed
+PATIENCE = 60.0  # s, for what takes a moment where the machine is not busy
 
 
 def _crash() -> None:
@@ -96,7 +97,7 @@ class Meeting(Component):
     def _step(self, t: float, h: float) -> int:
         folder, me = Path(os.environ["COSIMO_TEST_MEETING"]), self.parameters["me"]
         (folder / f"{me:g} {t:g}").touch()
-        other, end = folder / f"{3.0 - me:g} {t:g}", time.monotonic() + 5.0
+        other, end = folder / f"{3.0 - me:g} {t:g}", time.monotonic() + PATIENCE
         while not other.exists():
             if time.monotonic() > end:
                 return NOT_FINITE
