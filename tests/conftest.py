@@ -16,8 +16,8 @@ settings.register_profile("busy machine", deadline=None, suppress_health_check=[
 settings.load_profile("busy machine")
 
 # A worker has each file as a whole: started last, these would be waited for. The dearest first, see docs/development/tests.md.
-LONG = ("test_plain_python.py", "test_readme.py", "test_native_run.py", "test_native_bits.py", "test_processes.py", "test_site.py",
-        "test_instability_monitor.py", "test_independent_accuracy.py")
+LONG = ("test_plain_python.py", "test_readme.py", "test_native_run.py", "test_native_bits.py", "test_processes.py",
+        "test_site.py", "test_instability_monitor.py", "test_independent_accuracy.py")
 
 
 def pytest_configure(config):
