@@ -29,7 +29,7 @@ from ..settings.plan import SAMPLED, PlanSettings
 from .many import store
 from .many.execute import compute_here, compute_with
 from .many.live import Live
-from .many.measures import Task, check_analysis, prepared
+from .many.measures import OUTCOMES, Task, check_analysis, prepared
 from .many.plan import Points, plan_of, plan_settings, read_plan, unit_of
 from .many.workers import Cluster, Pool, Workers, cores
 
@@ -182,8 +182,8 @@ def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, dige
                       "provenance": _json(about)}
         data = store.write_data_set(folder, varied, units, collected, located, attributes, plan.settings.keep.interval)
         files += [data] if data is not None else []
-    outcomes = tuple(o if o in ("done", NOT_RUN) else collected.reasons[r]
-                     for o, r in zip(collected.outcomes.tolist(), collected.reason, strict=True))
+    outcomes = tuple(OUTCOMES[o] if OUTCOMES[o] in ("done", NOT_RUN) else collected.reasons[r]
+                     for o, r in zip(collected.outcomes, collected.reason, strict=True))
     return Sweep(scene, varied, dict(collected.numbers), outcomes, collected.section, units, stopped, plan.settings,
                  tuple(files), tuple(plan.remarks), computed, efficiency,
                  located if kept else None)

@@ -60,9 +60,12 @@ class Schedule:
 
     def __post_init__(self) -> None:
         groups = self.plan.kernels[self.missing]
-        order = np.argsort(groups, kind="stable")
-        cuts = np.flatnonzero(np.diff(groups[order])) + 1
-        for members in np.split(self.missing[order], cuts):
+        if np.ptp(groups) > 0:
+            order = np.argsort(groups, kind="stable")
+            split = np.split(self.missing[order], np.flatnonzero(np.diff(groups[order])) + 1)
+        else:
+            split = [self.missing]
+        for members in split:
             if members.size and self.compiled:
                 self._ready.append(members)
             elif members.size:

@@ -74,7 +74,7 @@ class Points:
         """(n,) whole numbers: points of one number use the same machine code."""
         structural = [c.numbers for n, c in self.columns.items() if c.choices is not None and _structural(n)]
         if not structural:
-            return np.zeros(self.size, dtype=np.int64)
+            return np.zeros(self.size, dtype=np.int32)
         return np.unique(np.stack(structural, axis=1), axis=0, return_inverse=True)[1].ravel()
 
     def digests(self, base: str) -> np.ndarray:

@@ -26,7 +26,7 @@ def unit_points(method: str, n: int, d: int, seed: int) -> np.ndarray:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # n is no power of two: see `Points.remarks`
             u = qmc.Sobol(d, seed=seed).random(n)
-    return np.clip(u, SMALLEST, 1.0 - SMALLEST)
+    return np.clip(u, SMALLEST, 1.0 - SMALLEST, out=u)
 
 
 def other_starts(starts: int, d: int, seed: int) -> list[np.ndarray]:

@@ -30,12 +30,13 @@ from ...output import not_written, write_json, write_table
 from ...scene.scene import Scene
 from ..code_digests import components_digest
 from .batches import SECTION, SIGNAL, TIME
-from .measures import Row, Task
+from .measures import OUTCOMES, Row, Task
 from .plan import Points
 
 POINTS = "points"
 DATA_SET = "sweep.zarr"
 CHUNK = 4096  # points of the data set's and the table's pieces
+PIECE = 16 * CHUNK  # points that are in memory at a time while the data set is written
 LARGEST_PIECE = 8_000_000  # numbers of signals that are in memory at a time
 NUMBER = "number "
 
@@ -59,7 +60,10 @@ class Located:
 
 @dataclass(frozen=True)
 class Collected:
-    """The columns of the numbers in the plan's order: (n,) each, in a file that the system reads as it is needed."""
+    """The columns of the numbers in the plan's order: (n,) each, in a file that the system reads as it is needed.
+
+    outcomes, reason: (n,) places in `OUTCOMES` and in `reasons`.
+    """
 
     numbers: Mapping[str, np.ndarray]
     outcomes: np.ndarray
@@ -110,29 +114,31 @@ def points_folder(directory: Path, base: str) -> Path:
 
 
 def locate_points(folder: Path, digests: np.ndarray, retry: bool = False) -> Located:
-    """Where the points of a plan lie; `retry`: only those that are done count."""
+    """Where the points of a plan lie; `retry`: only those that are done count. Besides the digests, 41 bytes a point."""
     import pyarrow.parquet as parquet
 
     files = tuple(sorted(folder.glob("*.parquet")))
-    known, part, row = [], [], []
+    order = np.argsort(digests, kind="stable")
+    ordered = digests[order]
+    part, row = (np.full(digests.size, -1, dtype=np.int32) for _ in range(2))
+    done = np.zeros(digests.size, dtype=bool)
     for k, path in enumerate(files):
         try:
             table = parquet.read_table(path, columns=["digest", "outcome"], partitioning=None)
         except Exception:  # damaged: as if it were not there
             continue
         mine = table.column("digest").to_numpy()
-        good = np.array(table.column("outcome").to_pylist(), dtype=object) == "done" if retry else np.ones(mine.size, dtype=bool)
-        known.append(mine[good])
-        part.append(np.full(int(good.sum()), k, dtype=np.int32))
-        row.append(np.flatnonzero(good).astype(np.int32))
-    if not known:
-        none = np.full(digests.size, -1, dtype=np.int32)
-        return Located(folder, files, digests, none, none)
-    every, parts, rows = (np.concatenate(x) for x in (known, part, row))
-    order = np.argsort(every, kind="stable")
-    at = np.minimum(np.searchsorted(every[order], digests), every.size - 1)
-    there = every[order][at] == digests
-    return Located(folder, files, digests, np.where(there, parts[order][at], -1), np.where(there, rows[order][at], -1))
+        good = np.array([o == "done" for o in table.column("outcome").to_pylist()], dtype=bool)
+        first, last = (np.searchsorted(ordered, mine, side) for side in ("left", "right"))
+        count = last - first  # points of the plan with the same values
+        rows = np.repeat(np.arange(mine.size), count)
+        places = order[np.repeat(last - np.cumsum(count), count) + np.arange(rows.size)]
+        better = (part[places] < 0) | (good[rows] & ~done[places])  # a point that was run again after it had failed
+        if retry:
+            better &= good[rows]
+        places, rows = places[better], rows[better]
+        part[places], row[places], done[places] = k, rows, good[rows]
+    return Located(folder, files, digests, part, row)
 
 
 def digests_in(path: Path) -> list[int]:
@@ -183,16 +189,16 @@ def collect(located: Located, directory: Path) -> Collected:
                     signals[name] = None
                 units[name] = (item.metadata or {}).get(b"unit", b"").decode()
     numbers = _mapped(directory, len(names), n)
-    outcomes = np.full(n, "not run", dtype="U8")
+    outcomes = np.full(n, OUTCOMES.index("not run"), dtype=np.int8)
     reasons, reason = {"": 0}, np.zeros(n, dtype=np.int32)
-    sections: list[np.ndarray] = [np.zeros(0)] * n if n <= CHUNK * 16 else []
+    sections: list[np.ndarray] = [np.zeros(0)] * n if n <= PIECE else []
     by_part = np.argsort(located.part, kind="stable")
     starts = np.searchsorted(located.part[by_part], np.arange(len(located.files) + 1))
     for k in used:
         mine = by_part[starts[k] : starts[k + 1]]
         rows = located.row[mine]
         table = parquet.read_table(located.files[k], partitioning=None)
-        outcomes[mine] = np.array(table.column("outcome").to_pylist())[rows]
+        outcomes[mine] = np.array([OUTCOMES.index(o) for o in table.column("outcome").to_pylist()], dtype=np.int8)[rows]
         texts = table.column("reason").to_pylist()
         reason[mine] = [reasons.setdefault(texts[r], len(reasons)) for r in rows]
         for name in table.column_names:
@@ -227,13 +233,13 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
     columns = {**varied, **collected.numbers}
     names = [f"{n}, {units[n]}" if units.get(n) else n for n in columns]
     n = collected.outcomes.size
-    texts = np.array(collected.reasons, dtype=object)
+    names_of, texts = np.array(OUTCOMES, dtype=object), np.array(collected.reasons, dtype=object)
 
     def rows() -> Iterator[tuple[Any, ...]]:
         for first in range(0, n, CHUNK):
             some = slice(first, first + CHUNK)
             outcome = [o if o in ("done", "not run") else f"{o}: {texts[r]}"
-                       for o, r in zip(collected.outcomes[some], collected.reason[some], strict=True)]
+                       for o, r in zip(names_of[collected.outcomes[some]], collected.reason[some], strict=True)]
             yield from zip(*(c[some].tolist() for c in columns.values()), outcome, strict=True)
 
     path = write_table(directory, "sweep.csv", [*names, "outcome"], rows())
@@ -245,7 +251,7 @@ def write_tables(directory: Path, varied: Mapping[str, np.ndarray], units: Mappi
         for first in range(0, n, CHUNK):
             some = slice(first, first + CHUNK)
             data = [np.asarray(c[some]) if c.dtype.kind == "f" else c[some].tolist() for c in columns.values()]
-            data += [collected.outcomes[some].tolist(), texts[collected.reason[some]].tolist()]
+            data += [names_of[collected.outcomes[some]].tolist(), texts[collected.reason[some]].tolist()]
             arrays = [pyarrow.array(x, type=f.type) for x, f in zip(data, schema, strict=True)]
             writer.write_table(pyarrow.table(arrays, schema=schema))
     os.replace(part, directory / "sweep.parquet")
@@ -261,18 +267,23 @@ def write_data_set(directory: Path, varied: Mapping[str, np.ndarray], units: Map
 
     target, part = directory / DATA_SET, directory / f".{DATA_SET}.{os.getpid()}"
     shutil.rmtree(part, ignore_errors=True)
-    texts = np.array(collected.reasons)
+    names, texts = np.array(OUTCOMES), np.array(collected.reasons)
 
     def described(name: str) -> dict[str, str]:
         return {"long_name": name, "units": units.get(name) or "1"}
 
     n = collected.outcomes.size
-    variables: dict[str, Any] = {name: ("point", np.asarray(c), described(name)) for name, c in collected.numbers.items()}
-    variables |= {"outcome": ("point", collected.outcomes), "reason": ("point", texts[collected.reason])}
-    coordinates = {name: ("point", c, described(name)) for name, c in varied.items()}
-    data = xarray.Dataset(variables, coordinates | {"point": np.arange(n)}, dict(attributes))
-    encoding = {name: {"chunks": (CHUNK,)} for name in data.variables if name != "point"} if n > CHUNK else {}
-    _quietly(data, part, encoding=encoding, mode="w", zarr_format=3, consolidated=False)
+    for first in range(0, n, PIECE):
+        some = slice(first, min(first + PIECE, n))
+        variables: dict[str, Any] = {m: ("point", np.asarray(c[some]), described(m)) for m, c in collected.numbers.items()}
+        variables |= {"outcome": ("point", names[collected.outcomes[some]]), "reason": ("point", texts[collected.reason[some]])}
+        coordinates = {name: ("point", c[some], described(name)) for name, c in varied.items()}
+        data = xarray.Dataset(variables, coordinates | {"point": np.arange(some.start, some.stop)}, dict(attributes))
+        if first:
+            _quietly(data, part, append_dim="point", consolidated=False)
+        else:
+            encoding = {name: {"chunks": (CHUNK,)} for name in data.variables if name != "point"} if n > CHUNK else {}
+            _quietly(data, part, encoding=encoding, mode="w", zarr_format=3, consolidated=False)
     if collected.signals:
         _write_signals(part, collected, located, described, attributes, interval)
     shutil.rmtree(target, ignore_errors=True)
