@@ -26,6 +26,7 @@ CREW = DROPPER_COLUMNS[:7]  # what the terminal shows
 SUPPORT_COLUMNS = ("position [m]", "reaction [N]", "rest height of the spring [m]")
 WIDTH, HEIGHT = 110, 14  # characters of the drawing
 PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a metre up, pixels a metre to the side
+MARGIN = 40.0  # pixels at the left and at the right
 
 
 def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None) -> tuple[Form, str]:
@@ -135,51 +136,76 @@ def text_drawing(form: Form, width: int = WIDTH) -> str:
     return "\n".join(["".join(row).rstrip() for row in rows] + ["".join(marks).rstrip(), ends, legend])
 
 
-def svg(form: Form, title: str) -> str:
-    """Side view and, where there is stagger, plan: lengths to scale, heights and sides enlarged by a stated factor."""
+def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: float | None = None) -> str:
+    """Side view and, where there is stagger, plan: lengths to scale, heights and sides enlarged by a stated factor.
+
+    part: the positions that are drawn, m, all if left out; width: px, left out so many that a metre has `PER_METRE`.
+    """
     shapes = [list(_shape(form, wire)) for wire in form.layout.wires]
     every = np.array([p for shape in shapes for p in shape])
-    (left, low), (right, high) = every.min(axis=0), every.max(axis=0)
+    left, right = part or (float(every[:, 0].min()), float(every[:, 0].max()))
+    shapes = [_clipped(shape, left, right) for shape in shapes]
+    heights = np.array([z for shape in shapes for _, z in shape])
+    low, high = float(heights.min()), float(heights.max())
     lateral = form.layout.lateral
     staggered = bool(lateral.size and np.any(lateral[:, 2]))
-    width, side = (right - left) * PER_METRE + 80.0, (high - low) * TALL + 110.0
+    width = (right - left) * PER_METRE + 2.0 * MARGIN if width is None else width
+    per_metre = (width - 2.0 * MARGIN) / (right - left)
+    side = (high - low) * TALL + 110.0
     total = side + (180.0 if staggered else 0.0)
 
-    def at(x: float, z: float) -> str:
-        return f"{40.0 + (x - left) * PER_METRE:.1f},{60.0 + (high - z) * TALL:.1f}"
+    def along(x: float) -> float:
+        return MARGIN + (x - left) * per_metre
 
     def path(points: list[tuple[float, float]], **style: str) -> str:
         styled = " ".join(f'{k.replace("_", "-")}="{v}"' for k, v in style.items())
-        return f'<polyline points="{" ".join(at(*p) for p in points)}" fill="none" {styled}/>'
+        at = " ".join(f"{along(x):.1f},{60.0 + (high - z) * TALL:.1f}" for x, z in points)
+        return f'<polyline points="{at}" fill="none" {styled}/>'
 
     def text(x: float, y: float, words: str, anchor: str = "middle") -> str:
         return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(words)}</text>'
 
-    scale = f"heights {TALL / PER_METRE:g} times as large as lengths"
-    parts = [text(40.0, 24.0, title, "start"), text(40.0, 42.0, scale, "start")]
+    parts = [text(MARGIN, 24.0, title, "start"),
+             text(MARGIN, 42.0, f"at rest; heights {TALL / per_metre:.3g} times as large as lengths", "start")]
     for i, x in enumerate(form.layout.supports):
-        parts.append(path([(x, low - 0.2), (x, high + 0.1)], stroke="#888", stroke_dasharray="4 4"))
-        parts.append(text(40.0 + (x - left) * PER_METRE, side - 12.0, f"S{i} {x:g} m"))
+        if left <= x <= right:
+            parts.append(path([(x, low - 0.2), (x, high + 0.1)], stroke="#888", stroke_dasharray="4 4"))
+            parts.append(text(along(x), side - 12.0, f"S{i} {x:g} m"))
     d = form.layout.droppers
     for x, z, length in zip(d.position, d.height, form.length, strict=True):
-        parts.append(path([(x, z), (x, z + length)], stroke="#444", stroke_width="1"))
+        if left <= x <= right:
+            parts.append(path([(x, z), (x, z + length)], stroke="#444", stroke_width="1"))
     for shape, wire in zip(shapes, form.layout.wires, strict=True):
         contact = wire.lane in form.layout.contact_lanes
         colour = "#0072B2" if wire.lane == 0 else "#CC3311" if contact else "#E69F00" if wire.clamped_to is not None else "#222"
-        parts.append(path(shape, stroke=colour, stroke_width="2.5" if contact else "1.5"))
+        if shape:
+            parts.append(path(shape, stroke=colour, stroke_width="2.5" if contact else "1.5"))
     if staggered:
         middle = side + 80.0
-        scale = f"plan, sides {BESIDE / PER_METRE:g} times as large as lengths, and forces on the arms"
-        parts.append(text(40.0, side + 16.0, scale, "start"))
-        parts.append(f'<line x1="40" x2="{width - 40.0:.1f}" y1="{middle}" y2="{middle}" stroke="#888" stroke-dasharray="8 4"/>')
+        scale = f"plan, sides {BESIDE / per_metre:.3g} times as large as lengths, and forces on the arms"
+        parts.append(text(MARGIN, side + 16.0, scale, "start"))
+        parts.append(f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="#888" '
+                     'stroke-dasharray="8 4"/>')
         for wire in np.unique(lateral[:, 0]):
             rows = lateral[lateral[:, 0] == wire]
-            places = [(40.0 + (x - left) * PER_METRE, middle - b * BESIDE, force) for _, x, b, force in rows]
-            points = " ".join(f"{x:.1f},{y:.1f}" for x, y, _ in places)
+            at = [(along(x), middle - b * BESIDE) for x, b in _clipped([(x, b) for _, x, b, _ in rows], left, right)]
+            points = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
             colour = "#0072B2" if wire == 0 else "#CC3311"
             parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="2"/>')
-            parts += [text(x, y + (16.0 if y > middle else -8.0), f"{force:+.0f} N") for x, y, force in places if force]
+            parts += [text(along(x), middle - b * BESIDE + (16.0 if b < 0.0 else -8.0), f"{force:+.0f} N")
+                      for _, x, b, force in rows if force and left <= x <= right]
     body = "\n".join(parts)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
             f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'
             f'<rect width="100%" height="100%" fill="white"/>\n{body}\n</svg>\n')
+
+
+def _clipped(points: list[tuple[float, float]], left: float, right: float) -> list[tuple[float, float]]:
+    """The part of a line between two positions, with its ends there; empty where there is none."""
+    x, z = np.array(points).T
+    a, b = max(left, float(x[0])), min(right, float(x[-1]))
+    if a >= b:
+        return []
+    inside = (x > a) & (x < b)
+    return [(a, float(np.interp(a, x, z))), *zip(x[inside].tolist(), z[inside].tolist(), strict=True),
+            (b, float(np.interp(b, x, z)))]

@@ -87,6 +87,12 @@ def _track(values: Mapping[str, Any]) -> Track:
     return Track(float(values.get("span_length", 0.0)), tuple(float(values[f"dropper_position[{i + 1}]"]) for i in range(count)))
 
 
+def component_of(result: Result, unit: str) -> Any:
+    """A unit of a run as a component of its own with the scene's effects and parameters, not initialized."""
+    given = result.scene.units[unit]
+    return component_class(given.component)(given.effects, given.parameters, preset=given.preset)
+
+
 def analysis_window(result: Result) -> tuple[float, float]:
     """The window of analysis, m along the track: the scene's spans of the catenary of the run, or what it gives in m."""
     keys, scene = result.scene.analysis_as(RailwayKeys), result.scene

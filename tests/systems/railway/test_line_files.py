@@ -7,11 +7,15 @@ from xml.etree import ElementTree as ET
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.line.from_table import dropper_positions, resolved_sections
+from cosimo.components.railway.line.table import read_line
 from cosimo.orchestrator.cli import app
 from cosimo.orchestrator.scene.files import SHIPPED
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway import line
+from cosimo.orchestrator.systems.railway.figures import line_sketches
 from cosimo.orchestrator.systems.railway.records import _track
+from cosimo.tests.systems.railway.made_up import made_up_run
 from typer.testing import CliRunner
 
 LINES = sorted((SHIPPED / "railway" / "lines").glob("*.toml"))
@@ -138,6 +142,42 @@ def test_the_command_takes_droppers_and_refuses_what_they_leave_no_use_for(tmp_p
         line.read(file, {"dropper_stiffness": 3e5})
     with pytest.raises(BadInput, match="span_length"):
         line.read(file, {"span_length": 50.0})
+
+
+STAGGERED = """[[sections]]
+contact_wire.tension = 22e3
+support.arm = { length = 1.2, angle = 10.0, mass = 0.9 }
+spans = [{ length = 60, repeat = 10 }]
+supports = """ + str([{"stagger": 0.2 * (-1) ** k} for k in range(11)]).replace("'stagger':", "stagger =") + "\n"
+
+
+def test_the_line_of_a_report_is_drawn_to_scale_about_the_window():
+    """Spans 5 and 6: supports, droppers and stagger where the table has them, 880 px for 120 m."""
+    run = made_up_run()
+    values = {"line_table.table": STAGGERED, "method": "implicit"}
+    run.scene = run.scene.with_changes({"units.catenary.effects": ["line_table"], "units.catenary.parameters": values})
+    (sketch,) = line_sketches(run)
+    drawing = ET.fromstring(sketch.svg)
+    lines = [[tuple(map(float, at.split(","))) for at in e.get("points").split()] for e in drawing.findall("{*}polyline")]
+    at = lambda x: pytest.approx(40.0 + (x - 240.0) * 880.0 / 120.0, abs=0.06)  # noqa: E731
+    supports, droppers = lines[:3], lines[3:21]
+    assert [points[0][0] for points in supports] == [at(x) for x in (240.0, 300.0, 360.0)]
+    section = resolved_sections(read_line(STAGGERED))
+    inside = [x for x in dropper_positions(section) if 240.0 < x < 360.0]
+    assert [points[0][0] for points in droppers] == [at(x) for x in inside]
+    form = Catenary(["line_table"], values).form()
+    lengths = form.length[(form.layout.droppers.position > 240.0) & (form.layout.droppers.position < 360.0)]
+    assert [abs(a - b) for (_, a), (_, b) in droppers] == pytest.approx(80.0 * lengths, abs=0.11)  # 80 px a metre up
+    contact, messenger, plan = lines[21:]
+    assert [(x, round(y, 1)) for x, y in plan] == [(at(x), plan[0][1] - 120.0 * b) for x, b in
+                                                   ((240.0, 0.0), (300.0, -0.4), (360.0, 0.0))]
+    assert [points[0][0] for points in (contact, messenger)] == [at(240.0)] * 2
+    assert [points[-1][0] for points in (contact, messenger)] == [at(360.0)] * 2
+    assert sum(e.text == "+293 N" for e in drawing.findall("{*}text")) == 2  # 4 b T / L
+
+
+def test_a_uniform_line_has_no_drawing_of_its_own():
+    assert line_sketches(made_up_run()) == []
 
 
 def test_commands_show_a_line_and_its_schema(tmp_path):

@@ -10,10 +10,11 @@ import numpy as np
 
 from .....components.core.errors import BadInput
 from ....harness.analysis.signals import Filter
-from ....harness.charts.blocks import Block, Cells, Figure, Text
+from ....harness.charts.blocks import Block, Cells, Figure, Sketch, Text
 from ....harness.charts.style import number
 from ....harness.report.windows import fault_windows, shaded
-from ..records import Passage, measured, passages, statistics
+from ..line import svg
+from ..records import Passage, analysis_window, component_of, measured, passages, statistics
 from ..summary import TEXTS
 from .force import force_figure, spectrum_figure
 from .passage import passage_figure
@@ -24,15 +25,35 @@ if TYPE_CHECKING:
     from ....results import Result
 
 
+SKETCH_WIDTH, MOST_DRAWN = 960.0, 500.0  # px, m
+
+
 def blocks(result: Result, rows: Sequence[Row] = ()) -> list[Block]:
     """The figures and, where no reference table takes its place, a table of the statistics."""
-    content: list[Block] = list(figures(result, rows))
+    content: list[Block] = [*line_sketches(result), *figures(result, rows)]
     if content and not rows:
         try:
             content.append(statistics_table(result))
         except BadInput as error:
             content.append(Text([f"No statistics; the figures show the run as far as it goes: {error}"], "warning"))
     return content
+
+
+def line_sketches(result: Result) -> list[Sketch]:
+    """The lines from tables of a run, each about the window of analysis or, without one, where the pantograph was."""
+    sketches = []
+    for name, passage in {p.catenary: p for p in passages(result)}.items():
+        unit = result.scene.units.get(name)
+        if unit is None or not unit.component or "line_table" not in unit.effects:
+            continue
+        try:
+            low, high = analysis_window(result)
+        except BadInput:
+            low, high = float(passage.record.position.min()), float(passage.record.position.max())
+        high = min(high, low + MOST_DRAWN)
+        form = component_of(result, name).form()
+        sketches.append(Sketch("The line", svg(form, f"{name} from {low:g} to {high:g} m", (low, high), SKETCH_WIDTH)))
+    return sketches
 
 
 def statistics_table(result: Result) -> Cells:

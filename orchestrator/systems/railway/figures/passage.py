@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .....components.catalogue import component_class
 from .....components.railway.line.form import Form
 from ....harness.analysis.signals import Filter, uniform
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import BLUE, INK, MUTED, RAW, RULE, VERMILION, axis, layout, line, tint
-from ..records import Passage, analysis_window, track_of
+from ..records import Passage, analysis_window, component_of, track_of
 from .track import track_marks
 
 if TYPE_CHECKING:
@@ -39,8 +38,7 @@ def passage_figure(result: Result, passage: Passage, low_pass: Filter) -> Figure
     if during.size < 2:
         return None
     chosen = during[np.linspace(0, during.size - 1, min(FRAMES, during.size)).round().astype(int)]
-    given = result.scene.units[passage.catenary]
-    catenary: Any = component_class(given.component)(given.effects, given.parameters, preset=given.preset)
+    catenary = component_of(result, passage.catenary)
     form: Form = catenary.form()
     offset = 0.0 if "line_table" in catenary.on else SYSTEM_HEIGHT
     offsets = np.arange(contact.shape[1]) - contact.shape[1] // 2
