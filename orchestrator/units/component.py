@@ -11,7 +11,8 @@ from ...components.catalogue import component_class
 from ...components.core.component import Component
 from ...components.core.errors import StepFailed
 from ..settings import UnitSettings
-from .call_table import IN_MEMORY, OF_COMPONENT, CallTable
+from .call_names import IN_MEMORY, OF_COMPONENT
+from .call_table import CallTable
 from .entries import RAISED, Callback, Entry
 from .hook_calls import KernelCall, PythonInHook, output_calls, step_calls
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from cosimo.components.core.closure import closure
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("components", "fmus", "orchestrator")
@@ -128,3 +129,15 @@ def test_no_modules_import_each_other_in_a_circle():
         for name in free:
             del graph[name]
     assert {n: w & graph.keys() for n, w in graph.items()} == {}
+
+
+def test_machine_code_of_the_orchestrator_depends_on_few_files():
+    """Each start reads the files that a kernel's file imports, and an edit in any of them compiles it anew."""
+    with_kernels = [path for path in modules("orchestrator") if any(
+        isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list)
+        for node in ast.parse(path.read_text(encoding="utf-8")).body)]
+    assert "orchestrator.engine.algorithms.compiled" in map(dotted, with_kernels)
+    for path in with_kernels:
+        read = {dotted(file) for file in closure(path)}
+        others = {name for name in read if not name.startswith("components.core.")}
+        assert others <= {dotted(path), "orchestrator.units.call_names"}, dotted(path)

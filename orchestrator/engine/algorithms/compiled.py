@@ -16,7 +16,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from ....components.core.kernels import kernel
-from ...units.call_table import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN, OF_COMPONENT, OF_FMU
+from ...units.call_names import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN, OF_COMPONENT, OF_FMU
 
 WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU

@@ -15,15 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ....components.core.kernels import kernel
 from ...units import Unit
 from ...units.interface import PortValues
 from ..coupling import Coupling
+from .energy_steps import POINTS, WEIGHTS, enter_steps
 from .master import Master, Saved
 
-# points and weights of Gauss's rule on [0, 1], exact for the product of an input of degree 2 and an output of degree 3
-POINTS = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
-WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 TOO_MUCH = 0.1  # of the energy exchanged: beyond it, amplitudes are off by several per cent
 
 
@@ -195,42 +192,6 @@ class EnergyAccount:
         """Energies by bond, J: what went through it in either direction, and what the coupling made of nothing on the way."""
         return {bond.text: {"exchanged": exchanged, "created": created} for bond, exchanged, created
                 in zip(self.bonds, self.exchanged.tolist(), self.created.tolist(), strict=True)}
-
-
-@kernel
-def enter_steps(h, basis, outputs, given, degrees, factors, watts, work, integrals, alone, course):
-    """Equal steps of an account, for I inputs and I / 2 bonds, of which the k-th has the inputs 2 k and 2 k + 1.
-
-    basis: (3, k), of the last k outputs, the newest first, at `POINTS`; outputs: (k - 1 + n, I), the oldest first; given: (n, I,
-    4), as of `Meter`; work: (2, I, 3), what the inputs stand for and what they were given, at `POINTS`; integrals: (I,), added
-    to; alone: (2, I / 2), J, created and exchanged in the last step; course: (n + 1, 1 + I), the sums behind each step, of which
-    the first are given.
-    """
-    kept, bonds = basis.shape[1], watts.size
-    for i in range(len(given)):
-        for k in range(degrees.size):
-            value, slope, half = given[i, k, 0], given[i, k, 1], given[i, k, 2]
-            if given[i, k, 3] > degrees[k]:  # the unit holds the mean
-                value, slope, half = value + h * (slope / 2.0 + h * half / 3.0), 0.0, 0.0
-            missed = 0.0
-            for p in range(3):
-                at, true = h * POINTS[p], 0.0
-                for j in range(kept):
-                    true += basis[p, j] * outputs[kept - 1 - j + i, k]
-                work[0, k, p], work[1, k, p] = true, (value + at * (slope + at * half)) / factors[k]
-                missed += WEIGHTS[p] * (work[1, k, p] - true)
-            integrals[k] += h * missed
-        course[i + 1, 0] = course[i, 0] + h
-        for b in range(bonds):
-            created = exchanged = 0.0
-            for p in range(3):
-                into = watts[b] * work[0, 2 * b, p] * work[1, 2 * b + 1, p]
-                out_of = watts[b] * work[1, 2 * b, p] * work[0, 2 * b + 1, p]
-                created += WEIGHTS[p] * (into - out_of)
-                exchanged += WEIGHTS[p] * abs(into + out_of)
-            alone[0, b], alone[1, b] = h * created, h * exchanged / 2.0
-            course[i + 1, 1 + b] = course[i, 1 + b] + alone[0, b]
-            course[i + 1, 1 + bonds + b] = course[i, 1 + bonds + b] + alone[1, b]
 
 
 @lru_cache(maxsize=64)

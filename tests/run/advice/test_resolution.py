@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.advice.resolution import StepResolution, Sums, add_steps
+from cosimo.orchestrator.advice.resolution import StepResolution
+from cosimo.orchestrator.advice.step_sums import Sums, add_steps
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.short_run import full_but
