@@ -60,7 +60,7 @@ def model_description(name: str, component: Any, guid: str, derivatives: bool = 
     variables = ET.SubElement(root, "ModelVariables")
     for reference, scalar in listed:
         add_variable(variables, reference, scalar)
-    add_structure(root, scalars)
+    add_structure(root, component, scalars)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
@@ -157,18 +157,39 @@ def xml_value(value: Any) -> str:
     return ("INF" if value > 0 else "-INF") if isinstance(value, float) and math.isinf(value) else str(value)
 
 
-def add_structure(root: ET.Element, scalars: tuple[Scalar, ...]) -> None:
-    """Outputs with the inputs they depend on within an instant; at the start they may depend on everything."""
+def fed_by(names: Iterable[str], scalar: Scalar) -> bool:
+    """Whether an input, or the array of which it is an element, is among declared names."""
+    return scalar.name in names or scalar.name.partition("[")[0] in names
+
+
+def add_structure(root: ET.Element, component: Any, scalars: tuple[Scalar, ...]) -> None:
+    """Outputs with the inputs they depend on within an instant.
+
+    At the start they also depend on the inputs from which the initial state follows, and on parameters; on which of these is not
+    declared, so that all are listed. Where the inputs are not declared, the list is left out, which means all variables.
+    """
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [(i, s) for i, s in enumerate(scalars, 1) if s.causality == "output"]
     if not outputs:
         return
-    inputs = {s.name: i for i, s in enumerate(scalars, 1) if s.causality == "input"}
+    inputs = {i: s for i, s in enumerate(scalars, 1) if s.causality == "input"}
+    start = component.start_inputs
+    always = {*(i for i, s in enumerate(scalars, 1) if s.causality == "parameter"),
+              *(i for i, s in inputs.items() if fed_by(start or (), s))}
     unknowns, initial = ET.SubElement(structure, "Outputs"), ET.SubElement(structure, "InitialUnknowns")
     for index, scalar in outputs:
-        known = [i for n, i in inputs.items() if n in scalar.feedthrough or n.partition("[")[0] in scalar.feedthrough]
-        ET.SubElement(unknowns, "Unknown", {"index": str(index), "dependencies": " ".join(map(str, known))})
-        ET.SubElement(initial, "Unknown", {"index": str(index)})
+        known = [i for i, s in inputs.items() if fed_by(scalar.feedthrough, s)]
+        ET.SubElement(unknowns, "Unknown", {"index": str(index), "dependencies": _listed(known)})
+        ET.SubElement(initial, "Unknown", {"index": str(index)} | initial_dependencies(component, always, known))
+
+
+def initial_dependencies(component: Any, always: set[int], known: Iterable[int]) -> dict[str, str]:
+    """The attribute of an initial unknown, from what all outputs and what this one depends on."""
+    return {} if component.start_inputs is None else {"dependencies": _listed(sorted({*always, *known}))}
+
+
+def _listed(numbers: Iterable[int]) -> str:
+    return " ".join(map(str, numbers))
 
 
 HOST = """The host needs Python 3.11 or newer with NumPy{scipy}; Numba makes the FMU fast.</p>

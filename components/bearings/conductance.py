@@ -104,6 +104,7 @@ class AngularContactConductance(Component):
 
     title = "Heat conductance of an angular contact ball bearing"
     system = "bearings"
+    start_inputs = ()
     needs_scipy = True
     counters = ("steps", "equilibria")
 

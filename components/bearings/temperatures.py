@@ -65,6 +65,7 @@ class BearingTemperatures(OdeComponent):
 
     title = "Temperatures of a bearing, its shaft and its housing"
     system = "bearings"
+    start_inputs = ()
     default_step = 1.0
     default_stop = 3600.0
 

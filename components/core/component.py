@@ -23,6 +23,8 @@ from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .variables import Causality, Kind, Variable
 
+INITIALIZATION = ("initialize", "_initialize", "_start", "initial_state", "kernel_arguments")  # hooks
+
 
 def _inherited(cls: type, kind: type) -> dict[str, Any]:
     """Attributes that are instances of `kind`, or subclasses of it, by name: those of base classes and mix-ins first.
@@ -99,6 +101,8 @@ class Component:
     counters: ClassVar[tuple[str, ...]] = ("steps", "derivative_calls")
     default_step: ClassVar[float] = 1e-3  # s, macro step of the FMU's default experiment
     default_stop: ClassVar[float] = 1.0  # s
+    # inputs, of effects too, from which what initialization leaves behind follows, whatever is on; None where it is not declared
+    start_inputs: ClassVar[tuple[str, ...] | None] = None
 
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}
@@ -107,6 +111,8 @@ class Component:
     Present: ClassVar[Any]  # NamedTuple of the effects, for kernels: the effect's `Values`, or None where it is off
 
     def __init_subclass__(cls) -> None:
+        if "start_inputs" not in vars(cls) and any(hook in vars(cls) for hook in INITIALIZATION):
+            cls.start_inputs = None  # that of the base class is about the hook which is overridden
         cls.own_variables = _declared(cls)
         cls.effects = _inherited(cls, Effect)
         cls.presets = {n: p for base in reversed(cls.__mro__) for n, p in vars(base).get("presets", {}).items()}

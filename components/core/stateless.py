@@ -12,6 +12,7 @@ class StatelessComponent(Component):
     """Outputs are functions of inputs and time; a subclass gives `_outputs`, and `_initialize` if parameters need preparation."""
 
     counters: ClassVar[tuple[str, ...]] = ("steps",)
+    start_inputs = ()
 
     def _initialize(self, t: float) -> int:
         self.arguments = self._declared_arguments()

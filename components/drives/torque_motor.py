@@ -39,6 +39,7 @@ class TorqueMotor(OdeComponent):
 
     title = "Torque motor"
     system = "drives"
+    start_inputs = ()
 
     inductance = Inductance
     saturation = Saturation

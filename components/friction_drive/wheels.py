@@ -80,6 +80,7 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
 
     title = "Friction wheels and sleeve"
     system = "friction_drive"
+    start_inputs = ()
     guards_count = GUARDS
 
     first_rate = input_(0.0, "rad/s", "rate of the first wheel", nominal=10.0)

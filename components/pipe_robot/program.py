@@ -20,6 +20,7 @@ class ExciterProgram(StatelessComponent):
 
     title = "Program of frequency, amplitude and voltage over time"
     system = "pipe_robot"
+    start_inputs = ()
     default_stop = 60.0
 
     start_frequency = parameter(30.0, "rad/s", "angular frequency before the change", low=0.0)

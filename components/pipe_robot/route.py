@@ -25,6 +25,7 @@ class PipeRoute(StatelessComponent):
 
     title = "Pipe along its way"
     system = "pipe_robot"
+    start_inputs = ()
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
     slope_table = parameter(0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708,

@@ -59,6 +59,9 @@ class Pantograph(OdeComponent):
 
     title = "Lumped pantograph with contact spring"
     system = "railway"
+    start_inputs = (
+        "wire_height", "wire_compliance", "two_strips.wire_height", "two_strips.wire_compliance", "second_wire.wire_height",
+        "second_wire.wire_compliance", "actuator.command", "base_excitation.height")
     default_stop = 2.0
 
     contact_loss = ContactLoss

@@ -52,6 +52,7 @@ class WaterCurrent(StatelessComponent):
 
     title = "Current of the water"
     system = "rov"
+    start_inputs = ()
     default_step = 0.02
     default_stop = 60.0
 

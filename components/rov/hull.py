@@ -189,6 +189,7 @@ class RovHull(OdeComponent):
 
     title = "Hull of an underwater vehicle with six thrusters"
     system = "rov"
+    start_inputs = ()
     default_step = 0.02
     default_stop = 10.0
 

@@ -57,6 +57,7 @@ class Tether(OdeComponent):
 
     title = "Tether of lumped masses"
     system = "rov"
+    start_inputs = ("position_north", "position_east", "position_down")
     default_step = 0.01
     default_stop = 10.0
 

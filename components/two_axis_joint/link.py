@@ -43,6 +43,7 @@ class PlanarLink(OdeComponent):
 
     title = "Planar link"
     system = "two_axis_joint"
+    start_inputs = ()
     default_stop = 10.0
 
     pinned = Pinned

@@ -33,6 +33,7 @@ class CentrifugalPump(Component):
 
     title = "Centrifugal pump"
     system = "wind_pump"
+    start_inputs = ()
     counters = ("steps",)
     default_step = 1e-2
     default_stop = 20.0

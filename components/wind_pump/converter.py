@@ -102,6 +102,7 @@ class InertialConverter(Transmission):
     """
 
     title = "Inertial converter with a floating lever and one-way clutches"
+    start_inputs = ("turbine_speed",)
     default_stop = 10.0
     guards_count = 2
 

@@ -64,6 +64,7 @@ class WaterPipe(EventComponent):
 
     title = "Delivery pipe and tank"
     system = "wind_pump"
+    start_inputs = ()
     default_step = 1e-2
     default_stop = 60.0
 

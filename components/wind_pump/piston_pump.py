@@ -50,6 +50,7 @@ class PistonPump(OdeComponent):
 
     title = "Piston pump"
     system = "wind_pump"
+    start_inputs = ()
     default_step = 1e-2
     default_stop = 20.0
 

@@ -73,6 +73,7 @@ class Wind(Component):
 
     title = "Wind with ramp, gusts, turbulence and the course of a day"
     system = "wind_pump"
+    start_inputs = ()
     counters = ("steps",)
     default_step = 0.1
     default_stop = 60.0

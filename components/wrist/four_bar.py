@@ -61,6 +61,7 @@ class FourBar(StatelessComponent):
 
     title = "Planar four-bar linkage"
     system = "wrist"
+    start_inputs = ()
 
     pin_damping = PinDamping
     rocker_spring = RockerSpring

@@ -96,6 +96,7 @@ class Wrist(OdeComponent):
 
     title = "Wrist of two rows"
     system = "wrist"
+    start_inputs = ()
     default_stop = 2.0
 
     morphology = Morphology

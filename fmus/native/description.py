@@ -10,7 +10,16 @@ from collections.abc import Iterable
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from ..description import add_head, add_structure, add_variable, identity, real_attributes, xml_value
+from ..description import (
+    add_head,
+    add_structure,
+    add_variable,
+    fed_by,
+    identity,
+    initial_dependencies,
+    real_attributes,
+    xml_value,
+)
 from .variables import NativeVariable
 
 ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}
@@ -42,7 +51,7 @@ def description2(name: str, component: Any, variables: tuple[NativeVariable, ...
     parent = ET.SubElement(root, "ModelVariables")
     for reference, scalar in present:
         add_variable(parent, reference, scalar)
-    add_structure(root, tuple(s for _, s in present))
+    add_structure(root, component, tuple(s for _, s in present))
     return _finished(root)
 
 
@@ -63,13 +72,19 @@ def description3(name: str, component: Any, variables: tuple[NativeVariable, ...
         _add_variable3(parent, reference, variable, variables[reference : reference + variable.size])
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [(k, v) for k, v in present if v.role == "OUTPUT"]
-    inputs = [(k, {e.scalar.name for e in variables[k : k + v.size]}) for k, v in present if v.role == "INPUT"]
-    for reference, variable in outputs:
-        fed = {n for e in variables[reference : reference + variable.size] for n in e.scalar.feedthrough}
-        known = [k for k, names in inputs if names & fed or {n.partition("[")[0] for n in names} & fed]
-        ET.SubElement(structure, "Output", {"valueReference": str(reference), "dependencies": " ".join(map(str, known))})
-    for reference, _ in outputs:
-        ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
+    inputs = {k: variables[k : k + v.size] for k, v in present if v.role == "INPUT"}
+
+    def fed(names: Iterable[str]) -> list[int]:
+        return [k for k, elements in inputs.items() if any(fed_by(names, e.scalar) for e in elements)]
+
+    known = {k: fed([n for e in variables[k : k + v.size] for n in e.scalar.feedthrough]) for k, v in outputs}
+    for reference, dependencies in known.items():
+        ET.SubElement(structure, "Output", {"valueReference": str(reference), "dependencies": " ".join(map(str, dependencies))})
+    # the time is a variable, and a start may follow from it
+    always = {len(variables), *(k for k, v in present if v.role == "PARAMETER"), *fed(component.start_inputs or ())}
+    for reference, dependencies in known.items():
+        ET.SubElement(structure, "InitialUnknown", {
+            "valueReference": str(reference), **initial_dependencies(component, always, dependencies)})
     return _finished(root)
 
 

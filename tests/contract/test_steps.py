@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from cosimo.components.catalogue import component_class
 from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.high_order import STAGES
@@ -19,9 +20,16 @@ from cosimo.tests.short_run import ONE_A_SYSTEM
 pytestmark = [pytest.mark.full] if COMPILED else []
 EPSILON = np.finfo(float).eps
 MACHINE_CODE = [c for c in EVERYTHING_ON if c.component in ONE_A_SYSTEM]
-configurations = pytest.mark.parametrize("configuration", MACHINE_CODE if COMPILED else [
-    pytest.param(c, id=c.label, marks=() if c.effects == () or c in EVERYTHING_ON else pytest.mark.full) for c in CONFIGURATIONS],
-    ids=lambda c: c.label)
+
+
+def over(cases):
+    """In every run nothing and everything on, in the complete one all; compiled: everything on, one a system."""
+    return pytest.mark.parametrize("configuration", [
+        pytest.param(c, id=c.label, marks=() if COMPILED or c.effects == () or c in EVERYTHING_ON else pytest.mark.full)
+        for c in cases if c in MACHINE_CODE or not COMPILED])
+
+
+configurations = over(CONFIGURATIONS)
 
 
 def started(configuration, steps=3):
@@ -127,6 +135,25 @@ def test_outputs_follow_their_declared_inputs_only(configuration):
         changed = [n for n, a, b in zip(component.outputs, component.y, before, strict=True) if a != b]
         assert [n for n in changed if name not in component.variables[n].feedthrough] == [], name
         component.restore(state)
+
+
+@over([c for c in CONFIGURATIONS if component_class(c.component).start_inputs is not None])
+def test_the_start_follows_from_its_declared_inputs_only(configuration):
+    """Initialized with another value of an input that is not declared, and given the usual one afterwards, nothing differs."""
+    usual = configuration.make()
+    excite(usual)
+    usual.initialize(0.0)
+    for name in usual.inputs:
+        if not {name, name.partition("[")[0]} & set(usual.start_inputs):
+            for share in (0.1, -0.7):
+                other = configuration.make()
+                excite(other)
+                value = other[name]
+                other.set(name, value + share * other.variables[name].nominal)
+                other.initialize(0.0)
+                other.set(name, value)
+                other.refresh()
+                assert bits(other) == bits(usual), name
 
 
 @configurations

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 import zipfile
 
 import pytest
-from cosimo.components.catalogue import CATALOGUE
+from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import build, built, sources
 from cosimo.fmus.check import check
@@ -115,6 +115,37 @@ def test_outputs_name_the_inputs_they_depend_on(tmp_path):
     own = {name: inputs for name, inputs in depends.items() if "." not in name}  # those of no effect
     assert "wire_height" in own.pop("contact_force")
     assert own == {n: [] for n in ("contact_position", "head_height", "head_velocity", "frame_height")}
+
+
+def test_outputs_at_the_start_name_what_they_depend_on(tmp_path):
+    """Equilibrium on the wire: its height counts for all outputs, the velocity of the base for none; parameters always may."""
+    root = description(build("Pantograph", tmp_path))
+    scalars = list(root.find("ModelVariables"))
+    parameters = {v.get("name") for v in scalars if v.get("causality") == "parameter"}
+    for unknown in root.find("ModelStructure/InitialUnknowns"):
+        indices = [int(i) for i in unknown.get("dependencies").split()]
+        names = {scalars[i - 1].get("name") for i in indices}
+        assert indices == sorted(indices)
+        assert parameters | {"wire_height", "wire_compliance", "actuator.command", "base_excitation.height"} <= names
+        assert "base_excitation.velocity" not in names
+    assert validate_fmu(str(tmp_path / "Pantograph.fmu")) == []
+
+
+def test_dependencies_at_the_start_that_are_not_declared_are_left_out(tmp_path):
+    unknowns = list(description(build("LumpedCatenary", tmp_path)).find("ModelStructure/InitialUnknowns"))
+    assert unknowns
+    assert all(u.get("dependencies") is None for u in unknowns)
+
+
+def test_who_computes_another_start_declares_its_inputs_anew():
+    class Link(component_class("PlanarLink")):
+        pass
+
+    class Loaded(Link):
+        def initial_state(self):
+            return super().initial_state() + self.u[0, 0]
+
+    assert (Link.start_inputs, Loaded.start_inputs) == ((), None)
 
 
 def test_kinds_of_variables_and_effects(probe):

@@ -96,6 +96,20 @@ def test_arrays_are_arrays_in_fmi_3(tmp_path):
     assert tension.find("Dimension").get("start") == str(len(scalars)) != "1"
 
 
+def test_outputs_at_the_start_depend_on_their_inputs_parameters_and_the_time(tmp_path):
+    with zipfile.ZipFile(pack(compiled("CompliantJoint"), tmp_path, 3)) as file:
+        root = ET.fromstring(file.read("modelDescription.xml"))
+    variables = {v.get("valueReference"): v for v in root.find("ModelVariables")}
+    force = next(r for r, v in variables.items() if v.get("name") == "first_force_x")
+    unknown = next(u for u in root.iter("InitialUnknown") if u.get("valueReference") == force)
+    found = [variables[r] for r in unknown.get("dependencies").split()]
+    parameters = [v for v in variables.values() if v.get("causality") == "parameter"]
+    assert parameters
+    assert all(v in found for v in parameters)
+    assert sorted(v.get("name") for v in found if v not in parameters) == [
+        "first_velocity_x", "first_x", "first_y", "second_velocity_x", "second_x", "second_y", "time"]  # not velocities along y
+
+
 def test_library_needs_only_libc_and_libm_and_exports_the_whole_standard(tmp_path):
     path = tmp_path / "unit.so"
     path.write_bytes(compiled(NAME).binaries["linux64"])
