@@ -127,6 +127,7 @@ class Visit:
     ("generated/reference/command-line.html", "pre", 10),
     ("generated/reference/python.html", "dl.py", 30),
     ("tutorials/pantograph.html", ".plot .main-svg", 1),
+    ("tutorials/bearing.html", ".plot .main-svg", 1),
     ("tutorials/accuracy.html", ".plot .main-svg", 1),
     ("tutorials/component.html", "math", 1),
     ("tutorials/sweep.html", ".plot .main-svg", 1),
