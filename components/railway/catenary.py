@@ -16,9 +16,10 @@ from .contact import at_contact, contact_compliance, heights_around, hung_around
 from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
 from .line.dropper_table import line_of
-from .line.form import Form, form_of, formed_layout
+from .line.form import Form, form_of
 from .line.from_table import unused_by
 from .line.layout import Layout, uniform
+from .line.temperature import formed_layout
 from .mesh import NO_WIRE, add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
 from .statics import loaded_equilibrium
 
@@ -148,6 +149,19 @@ class LineTable(Effect):
     droppers = text("", "droppers in the place of those of the table, as CSV text; a scene may name its file")
 
 
+class Temperature(Effect):
+    """Another temperature than that of the table: tensions and heights of wires that are anchored at both ends (`fixed = true`).
+
+    The equation of state of every such wire, with the shape of the whole line on droppers of unchanged length; wires with
+    automatic tensioning keep their tension. What is neglected stands in docs/own-line.md.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
+
+
 class SecondWire(Effect):
     """Contacts with a second contact wire: of a twin, or where sections overlap.
 
@@ -233,6 +247,7 @@ class Catenary(Component):
     further_pantographs = FurtherPantographs
     moving_window = MovingWindow
     line_table = LineTable
+    temperature = Temperature
     second_wire = SecondWire
     stagger = Stagger
     wire_profile = WireProfile
@@ -390,7 +405,7 @@ class Catenary(Component):
 
     def _layout_for(self, p, e) -> Layout:
         if e.line_table is not None:
-            return formed_layout(line_of(self.parameters, self.name), p, e.bending_stiffness)
+            return formed_layout(line_of(self.parameters, self.name), p, e.bending_stiffness, e.temperature)
         return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
 
     def _mesh_for(self, p, e):

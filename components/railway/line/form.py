@@ -63,16 +63,6 @@ def find_form(line: Line, p: Any) -> Form:
     return form
 
 
-def formed_layout(line: Line, p: Any, bending: Any) -> Layout:
-    """Layout of a line with the masses and stiffnesses that follow from the lengths of its droppers.
-
-    p: parameters of `Catenary`; bending: its effect or None.
-    """
-    form = find_form(line, p)
-    layout = lay_out(line, p, bending, form.length)
-    return replace(layout, droppers=replace(layout.droppers, height=form.layout.droppers.height))
-
-
 def form_of(layout: Layout) -> Form:
     """Form of a layout: the contact wires hang as their clamps are placed, the others as these load them."""
     x = layout.places

@@ -58,6 +58,9 @@ class WireData:
     tension: Number = number("N", "tension", 1.0)
     mass: Number = number("kg/m", "mass per length, unworn", 1e-6)
     bending: Number = number("N.m2", "bending stiffness EI, unworn; takes part with the effect bending_stiffness", 0.0)
+    fixed: bool | None = truth("anchored at both ends; left out, automatic tensioning keeps the tension at any temperature")
+    axial_stiffness: Number = number("N", "EA of a fixed wire; takes part with the effect temperature", 1.0)
+    expansion: Number = number("1/K", "coefficient of thermal expansion; left out, 1.7e-5 of copper", 0.0, 1e-3)
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ FACTS = {
             "further_pantographs.contact_force[1]": ({"further_pantographs.contact_position[1]": 70.0}, 1.0),
         },
         structural=frozenset({"dropper_slackening", "gravity_sag", "level_support", "moving_window", "wire_profile",
-                              "line_profile", "line_table", "second_wire", "stagger"}),
+                              "line_profile", "line_table", "second_wire", "stagger", "temperature"}),
         # a kink under a force is rounded over sqrt(EI / T)
         roots=frozenset({"bending_stiffness.contact_wire", "bending_stiffness.messenger"}),
         form=frozenset({"steady_arm.mass", "second_pantograph.contact_position", "further_pantographs.count",
