@@ -1,15 +1,22 @@
-"""A native FMU gives the bits of the component in process, at any step length, also from a restored state."""
+"""A native FMU gives the bits of the component in process, at any step length, also from a restored state.
+
+Here a component of each system, and those that no shipped scene has. The others are compared in their scenes, test_native_run.py.
+"""
 
 import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE
+from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.fmus.native.support import compiled, in_process, maker, native
+from cosimo.tests.short_run import ONE_A_SYSTEM
 
-MOVING = {"WaterCurrent": ("tide",), "Wind": ("daily",), "PipeRobot": ("harmonic_force",)}  # what makes them move
 OTHERS = [("Catenary", ("dropper_slackening", "gravity_sag"), (("method", "implicit"), ("spans", 3))),
           ("DeepGrooveBearing", ("outer_defect", "ball_defect", "inner_waviness"), ())]
 QUICK = ("PlanarLink",)
-ALL = [pytest.param(n, MOVING.get(n, ()), (), marks=() if n in QUICK else pytest.mark.full) for n in CATALOGUE]
+IN_SCENES = {unit.component for name in scene_files() for unit in load_scene(name).units.values()}
+ALONE = [n for n in CATALOGUE if n in {*QUICK, *ONE_A_SYSTEM} or n not in IN_SCENES]
+ALL = [pytest.param(n, (), (), marks=() if n in QUICK else pytest.mark.full) for n in ALONE]
 ALL += [pytest.param(*other, marks=pytest.mark.full) for other in OTHERS]
 
 
