@@ -2,15 +2,20 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
+import cosimo
 import numpy as np
 import pytest
+import tomli_w
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.many.execute import KILLED
+from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.systems import read_scene
 from cosimo.orchestrator.systems.many import sweep
 from cosimo.tests.harness.many.points import scene
@@ -20,6 +25,8 @@ SAMPLES = {"method": "sobol", "points": 16, "seed": 3, "keep": {"signals": ["m.x
     "m.k": {"distribution": "uniform", "low": 100.0, "high": 900.0},
     "m.m": {"distribution": "triangular", "low": 1.0, "mode": 2.0, "high": 4.0}}}
 VALUES = {"vary": {"d.value": list(map(float, range(12)))}}
+LINE = {"vary": {"d.value": {"low": 0.0, "high": 10.0, "start": 1.0}}, "starts": 3,
+        "targets": [{"quantity": "d.twice, end", "value": 6.0, "deviation": 0.1}]}
 HERE = "cosimo.tests.harness.many.points"
 
 
@@ -197,6 +204,7 @@ def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         address = cluster.scheduler_address
         there = sweep(read_scene(MASS), SAMPLES, tmp_path / "there", scheduler=address)
+        fits = [fit(read_scene(scene()), LINE, tmp_path / f"fit{len(by)}", scheduler=by) for by in ("", address)]
         four = {"vary": {"d.value": [1.0, 2.0, 3.0, 4.0]}}
         deadly = sweep(read_scene(scene(fatal=3.0)), four, tmp_path / "d", scheduler=address)
     assert there.computed == 16
@@ -204,5 +212,38 @@ def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
     assert contents(tmp_path / "here") == contents(tmp_path / "there")
     assert [o == "done" for o in deadly.outcomes] == [True, True, False, True]
     assert deadly.outcomes[2] == KILLED
+    assert fits[0].fit.values.tobytes() == fits[1].fit.values.tobytes()
+    assert contents(tmp_path / "fit0") == contents(tmp_path / f"fit{len(address)}")
     with pytest.raises(BadInput, match="address of a running scheduler"):
         sweep(read_scene(MASS), SAMPLES, tmp_path / "none", scheduler="tcp://127.0.0.1:1")
+
+
+@pytest.mark.full
+def test_the_job_script_of_the_documentation_gives_the_same(tmp_path):
+    """With a stand-in for srun that starts the tasks here."""
+    pytest.importorskip("distributed")
+    page = (Path(cosimo.__file__).parent / "docs" / "many-runs.md").read_text()
+    (script,) = re.findall(r"^```sh\n(#!/bin/bash\n.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (tmp_path / "job.sh").write_text(script)
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    for name, text in {"srun": 'shift\nfor k in $(seq $SLURM_NTASKS); do "$@" & done\nwait',
+                       "cosimo": f'{sys.executable} -m cosimo.orchestrator.cli "$@"'}.items():
+        (folder / name).write_text(f"#!/bin/bash\n{text}\n")
+        (folder / name).chmod(0o755)
+    (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene()))
+    (tmp_path / "plan.toml").write_text("[vary]\n\"d.value\" = [1.0, 2.0, 3.0]\n")
+    path = os.pathsep.join([str(folder), str(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = {**os.environ, "SLURM_NTASKS": "2", "SLURM_JOB_ID": "1", "PATH": path, "TMPDIR": str(tmp_path)}
+    process = subprocess.Popen(["bash", "job.sh"], cwd=tmp_path, env=environment, start_new_session=True, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        output, _ = process.communicate(timeout=300)
+    finally:
+        for left in session_of(process.pid):
+            os.kill(left, signal.SIGKILL)
+    assert process.returncode == 0, output
+    here = sweep(read_scene(scene(), "scene"), tmp_path / "plan.toml", tmp_path / "here")
+    assert here.measures["d.twice, mean"].tolist() == [2.0, 4.0, 6.0]
+    assert (tmp_path / "out" / "sweep.csv").read_bytes() == (tmp_path / "here" / "sweep.csv").read_bytes()
+    assert not list((tmp_path / "out").glob("*.part"))
