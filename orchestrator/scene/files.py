@@ -64,7 +64,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     text = read_text(path)
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # of syntax, or of an integer of thousands of digits
         line = re.search(r"line (\d+)", str(error))
         raise BadInput(f"{path}:{line[1]}" if line else str(path), f"a syntax error: {error}", "TOML") from None
     check_values(data, str(path))

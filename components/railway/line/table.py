@@ -185,7 +185,7 @@ def read_line(text: str, where: str = "line") -> Line:
     """The line of a TOML text; anything that it cannot be is one `BadInput` with its place."""
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # of syntax, or of an integer of thousands of digits
         raise BadInput(where, f"a syntax error: {error}", "a line's table as TOML") from None
     line = _read(Line, data, where)
     if not line.sections:
