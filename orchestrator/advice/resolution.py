@@ -96,7 +96,9 @@ class StepResolution(BatchObserver):
     def _add(self) -> None:
         """Add what was buffered to the sums."""
         if self._rows:
-            add_steps(np.concatenate(self._rows), np.concatenate(self._ticks), self._degree, self._part, self._sums)
+            ticks = np.concatenate([_wrapped(some) for some in self._ticks])
+            with np.errstate(over="ignore"):  # differences of ticks, without Numba
+                add_steps(np.concatenate(self._rows), ticks, self._degree, self._part, self._sums)
         self._rows, self._ticks, self._buffered = [], [], 0
 
     def state(self) -> dict[str, Any]:
@@ -128,6 +130,14 @@ class StepResolution(BatchObserver):
                                  float(growth[k]), float(sums.peak[k]), float(spread[k]))
                 for k, (end, signal) in enumerate(self._signals)
                 if self._judged[k] and not is_discrete(signal) and spread[k] > NEGLIGIBLE * max(sums.peak[k], signal.nominal)]
+
+
+def _wrapped(ticks: Sequence[int]) -> np.ndarray:
+    """Ticks modulo 2^64, (k,) int64: their differences are exact however fine the clock is."""
+    try:
+        return np.asarray(ticks, dtype=np.int64)
+    except OverflowError:
+        return np.array([tick % 2**64 for tick in ticks], dtype=np.uint64).view(np.int64)
 
 
 def extrapolated(master: Master) -> set[Endpoint]:

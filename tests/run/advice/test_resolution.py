@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.advice.resolution import StepResolution
+from cosimo.orchestrator.advice.resolution import StepResolution, _wrapped
 from cosimo.orchestrator.advice.step_sums import Sums, add_steps
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -91,6 +91,15 @@ def test_differences_are_taken_among_equal_steps_only(degree):
     np.testing.assert_allclose(sums.before, before, rtol=1e-13)
     np.testing.assert_allclose(sums.total / 10, signals.mean(axis=1) - signals[:, 0], rtol=1e-12)
     np.testing.assert_array_equal(sums.peak, np.abs(signals).max(axis=1))
+
+
+def test_ticks_of_a_clock_finer_than_64_bits_count_as_others_do():
+    """Macro steps whose smallest common part with the recording is tiny have such clocks."""
+    signals, even = np.random.default_rng(2).normal(size=(2, 12)), [0, 1, 2, 3, 5, 7, 9, 10, 11, 12, 13, 14]
+    fine = np.concatenate([_wrapped([k * (2**62 + 1) for k in some]) for some in (even[:2], even[2:])])
+    for one, other in zip(sums_of(signals, fine, 1), sums_of(signals, np.array(even), 1), strict=True):
+        if one.dtype != np.int64 or one.shape != (3,):  # the ticks themselves
+            np.testing.assert_array_equal(one, other)
 
 
 def test_a_resumed_run_judges_all_steps(tmp_path, monkeypatch):
