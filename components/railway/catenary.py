@@ -131,6 +131,7 @@ class MovingWindow(Effect):
 
 SIX_SPANS = """title = "Six unequal spans, all else as the parameters say"
 [[sections]]
+messenger = { fixed = true, axial_stiffness = 1.36e7 }  # with `temperature`; inferred: 120 mm2 of bronze, 113 GPa
 spans = [50.0, 65.0, 55.0, 45.0, 60.0, 50.0]
 """
 
