@@ -18,7 +18,7 @@ from ....components.core.errors import BadInput
 from .batches import BatchReport, Point, run_batch
 from .measures import Task
 
-CONNECT = 15.0  # s to wait for a scheduler
+CONNECT = 15.0  # s to wait for a scheduler, and for its first worker: a nanny needs some to start a killed one again
 _stop: Event | None = None  # in a worker: set where the sweep is being stopped
 _orphaned = threading.Event()  # in a worker: its parent is gone
 _busy = threading.Lock()
@@ -92,9 +92,12 @@ class Cluster:
         except (OSError, ValueError, TimeoutError) as error:
             raise BadInput("--scheduler", repr(address), "the address of a running scheduler, tcp://host:port",
                            f"{type(error).__name__}: {error}".rstrip(": ")) from None
+        with suppress(TimeoutError):  # said below
+            self._client.wait_for_workers(1, timeout=CONNECT)
         threads = [w["nthreads"] for w in self._client.scheduler_info(n_workers=-1)["workers"].values()]
         if not threads or max(threads) > 1:
-            actual = f"a worker of {max(threads)} threads" if threads else "a scheduler without workers"
+            actual = (f"a worker of {max(threads)} threads" if threads else
+                      f"a scheduler without workers for {CONNECT:g} s")
             self._client.close()
             raise BadInput("--scheduler", actual, "workers of one thread each", "dask worker ADDRESS --nthreads 1 --nworkers N")
         self.count = len(threads)

@@ -194,7 +194,8 @@ def _command(pid):
 
 @pytest.mark.full
 def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
-    """A scheduler and two workers as processes; one worker is killed by a point, which alone has no numbers."""
+    """A scheduler and two workers as processes; one worker is killed by a point, which alone has no numbers; where both have just
+    been killed, a fit waits for those that their nannies start."""
     distributed = pytest.importorskip("distributed")
     here = sweep(read_scene(MASS), SAMPLES, tmp_path / "here")
     monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
@@ -207,12 +208,19 @@ def test_a_dask_cluster_gives_the_same(tmp_path, monkeypatch):
         fits = [fit(read_scene(scene()), LINE, tmp_path / f"fit{len(by)}", scheduler=by) for by in ("", address)]
         four = {"vary": {"d.value": [1.0, 2.0, 3.0, 4.0]}}
         deadly = sweep(read_scene(scene(fatal=3.0)), four, tmp_path / "d", scheduler=address)
+        for k in range(2):
+            with distributed.Client(address, set_as_default=False) as client:
+                client.wait_for_workers(2)
+                for pid in client.run(os.getpid).values():
+                    os.kill(pid, signal.SIGKILL)
+            fits.append(fit(read_scene(scene()), LINE, tmp_path / f"killed{k}", scheduler=address))
     assert there.computed == 16
     assert here.measures["m.x_out, maximum"].tobytes() == there.measures["m.x_out, maximum"].tobytes()
     assert contents(tmp_path / "here") == contents(tmp_path / "there")
     assert [o == "done" for o in deadly.outcomes] == [True, True, False, True]
     assert deadly.outcomes[2] == KILLED
-    assert fits[0].fit.values.tobytes() == fits[1].fit.values.tobytes()
+    assert len({f.fit.values.tobytes() for f in fits}) == 1
+    assert contents(tmp_path / "killed0") == contents(tmp_path / "fit0") == contents(tmp_path / "killed1")
     assert contents(tmp_path / "fit0") == contents(tmp_path / f"fit{len(address)}")
     with pytest.raises(BadInput, match="address of a running scheduler"):
         sweep(read_scene(MASS), SAMPLES, tmp_path / "none", scheduler="tcp://127.0.0.1:1")
