@@ -23,13 +23,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Passage:
-    """One pantograph of a run. supports: position in m of each uplift in `record.uplifts`."""
+    """One pantograph of a run. supports: position in m of each uplift in `record.uplifts`.
+
+    part: only one of its strips, or only what it does on one of two wires; where it leaves this wire, the other carries the current.
+    """
 
     pantograph: str
     catenary: str
     speed: float  # m/s
     record: ContactRecord
     supports: tuple[float, ...]
+    part: bool = False
 
 
 def parameters(scene: Scene, unit: str) -> dict[str, Any]:
@@ -135,14 +139,18 @@ def passages(result: Result) -> list[Passage]:
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
         all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     named = {p.pantograph: p for p in all_passages}
+    parts = set()
     for name, rear in named.items():
         if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):
             height = np.minimum(first.record.height, rear.record.height)
             whole = replace(first.record, force=first.record.force + rear.record.force, height=height)
             all_passages.insert(0, replace(first, pantograph=f"{first.pantograph}.both_wires", record=whole))
+            parts |= {name, first.pantograph}
         if name.endswith(STRIPS) and (front := named.get(name.removesuffix(STRIPS))):
             whole = replace(front.record, force=front.record.force + rear.record.force)
             all_passages.insert(0, replace(front, pantograph=f"{front.pantograph}.both_strips", record=whole))
+            parts |= {name, front.pantograph}
+    all_passages = [replace(p, part=p.pantograph in parts) for p in all_passages]
     return sorted(all_passages, key=lambda p: -p.record.position[0])
 
 

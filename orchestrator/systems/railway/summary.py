@@ -27,6 +27,7 @@ TEXTS = {
     "height_range_mm": ("mm", "range of the contact point's height"),
     "uplift_mm": ("mm", "maximum uplift at a support"),
 }
+OF_THE_WHOLE = ("arcs", "arcing", "longest_arc_ms")  # no arc burns at a strip or a wire while the other keeps contact
 
 
 def summary(result: Result) -> Summary:
@@ -34,6 +35,7 @@ def summary(result: Result) -> Summary:
     numbers: list[SummaryRow] = []
     for i, passage in enumerate(passages(result)):
         values = measured(statistics(result, pantograph=i))
-        shown = {name: values[name] for name in TEXTS if name != "uplift_mm" or passage.supports}
+        left_out = () if passage.supports else ("uplift_mm",)
+        shown = {name: values[name] for name in TEXTS if name not in left_out + (OF_THE_WHOLE if passage.part else ())}
         numbers += rows(passage.pantograph, shown, TEXTS)
     return tuple(numbers)
