@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Passage:
     """One pantograph of a run. supports: position in m of each uplift in `record.uplifts`.
 
-    part: only one of its strips, or only what it does on one of two wires; where it leaves this wire, the other carries the current.
+    part: one strip of two, or one wire of two; where it loses contact, the other may carry the current.
     """
 
     pantograph: str

@@ -9,6 +9,8 @@ from .records import measured, passages, statistics
 
 if TYPE_CHECKING:
     from ...results import Result
+    from .contact import ContactStatistics
+    from .records import Passage
 
 TEXTS = {
     "mean": ("N", "mean force"),
@@ -34,8 +36,12 @@ def summary(result: Result) -> Summary:
     """In the window of analysis, of the force filtered as the settings of the statistics say."""
     numbers: list[SummaryRow] = []
     for i, passage in enumerate(passages(result)):
-        values = measured(statistics(result, pantograph=i))
-        left_out = () if passage.supports else ("uplift_mm",)
-        shown = {name: values[name] for name in TEXTS if name not in left_out + (OF_THE_WHOLE if passage.part else ())}
-        numbers += rows(passage.pantograph, shown, TEXTS)
+        numbers += rows(passage.pantograph, shown(passage, statistics(result, pantograph=i)), TEXTS)
     return tuple(numbers)
+
+
+def shown(passage: Passage, of_it: ContactStatistics) -> dict[str, float]:
+    """The statistics that say something of this passage, in the order of `TEXTS`."""
+    values = measured(of_it)
+    left_out = (() if passage.supports else ("uplift_mm",)) + (OF_THE_WHOLE if passage.part else ())
+    return {name: values[name] for name in TEXTS if name not in left_out}

@@ -137,7 +137,8 @@ def test_two_strips_are_judged_together_and_one_by_one():
     assert [p.pantograph for p in passages(result)] == ["pantograph.both_strips", "pantograph", "pantograph.two_strips"]
     assert [p.part for p in passages(result)] == [False, True, True]
     names = [row.name for row in result.summary]
-    assert "pantograph.both_strips.arcs" in names and "pantograph.arcs" not in names  # the other strip carries the current
+    assert "pantograph.both_strips.arcs" in names
+    assert "pantograph.arcs" not in names  # the other strip carries the current
     both, front, rear = (statistics(result, pantograph=k) for k in range(3))
     assert both.mean == pytest.approx(front.mean + rear.mean, rel=2e-3)  # their windows are 0.58 m apart
     assert both.std < 0.9 * (front.std + rear.std)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -14,8 +15,8 @@ from ....harness.charts.blocks import Block, Cells, Figure, Sketch, Text
 from ....harness.charts.style import number
 from ....harness.report.windows import fault_windows, shaded
 from ..line import svg
-from ..records import Passage, analysis_window, component_of, measured, passages, statistics
-from ..summary import TEXTS
+from ..records import Passage, analysis_window, component_of, passages, statistics
+from ..summary import TEXTS, shown
 from .force import force_figure, spectrum_figure
 from .passage import passage_figure
 from .wire import uplift_figure, waves_figure, wire_figure
@@ -58,10 +59,11 @@ def line_sketches(result: Result) -> list[Sketch]:
 
 def statistics_table(result: Result) -> Cells:
     """Statistics of every pantograph of a run, with their settings."""
-    names = [p.pantograph for p in passages(result)]
+    all_passages = passages(result)
+    names = [p.pantograph for p in all_passages]
     columns = [statistics(result, pantograph=i) for i in range(len(names))]
-    values = [measured(s) for s in columns]
-    rows = [(text, unit, *(number(v[name]) for v in values)) for name, (unit, text) in TEXTS.items()]
+    values = [shown(p, s) for p, s in zip(all_passages, columns, strict=True)]
+    rows = [(text, unit, *(number(v.get(name, math.nan)) for v in values)) for name, (unit, text) in TEXTS.items()]
     right = frozenset(range(2, 2 + len(names)))
     return Cells("Statistics in the analysis window", ("quantity", "unit", *names), rows, columns[0].settings + ".", right)
 

@@ -207,7 +207,7 @@ def spectrum_figure(result: Result, passages: list[Passage], low_pass: Filter) -
             shapes=shapes,
             annotations=notes,
             showlegend=len(passages) > 1,
-            legend={"orientation": "h", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "top"},
+            legend={"orientation": "v", "x": 1, "xanchor": "right", "y": 1.0, "yanchor": "top"},
             xaxis=axis("frequency, Hz", range=[0, HIGHEST]),
             yaxis=axis("amplitude, N", grid=True, rangemode="tozero"),
         ),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .....components.railway.mesh import NO_WIRE
 from ....harness.charts.blocks import Figure
 from ....harness.charts.style import (
     BLUE,
@@ -79,19 +80,25 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
 
 
 def _profile(result: Result, passage: Passage, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Times (k,) s, contact positions (k,) m, offsets (m,) m from the contact point, heights (k, m) mm."""
+    """Times (k,) s, contact positions (k,) m, offsets (m,) m from the contact point, heights (k, m) mm, NaN where no wire is."""
     snapshot = result.snapshots[name]
-    offsets = np.arange(snapshot.values.shape[1]) - 0.5 * (
-        snapshot.values.shape[1] - 1
-    )  # 1 m apart, the contact point in the middle
-    return snapshot.time, np.interp(snapshot.time, passage.record.time, passage.record.position), offsets, 1e3 * snapshot.values
+    points = snapshot.values.shape[1]
+    offsets = np.arange(points) - 0.5 * (points - 1)  # 1 m apart, the contact point in the middle
+    wire = snapshot.values < 0.99 * NO_WIRE
+    wire[:, 1:-1] &= wire[:, :-2] & wire[:, 2:]  # beside its end a point is drawn towards where there is none
+    heights = np.where(wire, 1e3 * snapshot.values, np.nan)
+    return snapshot.time, np.interp(snapshot.time, passage.record.time, passage.record.position), offsets, heights
+
+
+def _ends(heights: np.ndarray) -> str:
+    return " The first of two wires; nothing is drawn where it has ended." if np.isnan(heights).any() else ""
 
 
 def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
     """Shape of the contact wire around the pantograph at chosen times, with a slider; None where none falls into the window."""
     start, end = analysis_window(result)
     times, at, offsets, heights = _profile(result, passage, name)
-    during = np.flatnonzero((at >= start) & (at <= end))
+    during = np.flatnonzero((at >= start) & (at <= end) & np.isfinite(heights).any(axis=1))
     if not during.size:
         return None
     chosen = during[np.linspace(0, during.size - 1, min(SHAPES, during.size)).round().astype(int)]
@@ -128,7 +135,8 @@ def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
     ]
     low, high = start + offsets[0], end + offsets[-1]
     shapes, notes = track_marks(track_of(result), low, high)
-    pad = 0.06 * float(np.ptp(heights[chosen]))
+    lowest, highest = float(np.nanmin(heights[chosen])), float(np.nanmax(heights[chosen]))
+    pad = 0.06 * (highest - lowest)
     figure = {
         "data": traces(chosen[chosen.size // 2]),
         "frames": frames,
@@ -140,15 +148,14 @@ def wire_figure(result: Result, passage: Passage, name: str) -> Figure | None:
             showlegend=True,
             margin={"l": 66, "r": 20, "t": 34, "b": 130},
             xaxis=axis("position along the track, m", range=[low, high]),
-            yaxis=axis(
-                "height of the contact wire, mm", grid=True, range=[heights[chosen].min() - pad, heights[chosen].max() + pad]
-            ),
+            yaxis=axis("height of the contact wire, mm", grid=True, range=[lowest - pad, highest + pad]),
         ),
     }
     return Figure(
         "Shape of the contact wire while the pantograph crosses the window",
         figure,
-        f"{chosen.size} of {times.size} recorded shapes; move the slider. Height 0: the unloaded wire at a dropper.",
+        f"{chosen.size} of {times.size} recorded shapes; move the slider. Height 0: the unloaded wire at a dropper."
+        + _ends(heights),
     )
 
 
@@ -156,7 +163,7 @@ def waves_figure(result: Result, passage: Passage, name: str) -> Figure:
     """Height of the wire over time and distance from the pantograph: waves that run ahead and behind show as slanting stripes."""
     times, _, offsets, heights = _profile(result, passage, name)
     every = max(1, times.size // STRIPES)
-    limit = float(np.abs(heights).max())
+    limit = float(np.nanmax(np.abs(heights)))
     picture = {
         "type": "heatmap",
         "x": drawn(offsets),
@@ -181,5 +188,6 @@ def waves_figure(result: Result, passage: Passage, name: str) -> Figure:
     return Figure(
         "Height of the contact wire around the pantograph over time",
         figure,
-        "Supports pass as slanting bands at the train's speed; waves and their reflections cross them at the wave speed.",
+        "Supports pass as slanting bands at the train's speed; waves and their reflections cross them at the wave speed."
+        + _ends(heights),
     )
