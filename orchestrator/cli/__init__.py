@@ -1,4 +1,5 @@
-"""The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help is quick.
+"""The command `cosimo`: a module here for each kind of command. Heavy imports stand inside the commands, so that --help is quick;
+here all do, so that a shell gets its completions at once.
 
 Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulation failed (its partial result is kept), 130 and
 143 it was stopped by Ctrl-C or SIGTERM, 129 by SIGHUP (likewise).
@@ -6,34 +7,26 @@ Exit codes: 0 done, 1 a check or a validation failed, 2 bad input, 3 the simulat
 
 from __future__ import annotations
 
-import logging
 import sys
-from collections.abc import Sequence
 
-from ...components.core.errors import BadInput
-from ..cache import tidy_daily
-from . import (  # noqa: F401 - each adds its commands
-    accuracy,
-    answers,
-    cache,
-    catalogue,
-    dataset,
-    effects,
-    many,
-    new,
-    packing,
-    railway,
-    run,
-    schema,
-    show,
-    stability,
-    validate,
-)
-from .common import BAD_INPUT, FAILED_RUN, app
+from .completion import answered
+
+TYPE_CHECKING = False  # without the import of typing
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
+    if arguments is None and answered():
+        return
+    import logging
+
+    from ...components.core.errors import BadInput
+    from ..cache import tidy_daily
+    from .application import app
+    from .common import BAD_INPUT, FAILED_RUN
+
     logging.getLogger("cosimo").addHandler(logging.NullHandler())  # our FMUs log there; a failed step carries the same text
     tidy_daily()
     try:

@@ -1,69 +1,178 @@
-"""What a shell completes: names of components, scenes, units and parameters, from a file in the cache that is made once.
+"""What a shell completes: commands, options, and names of components, scenes, units and parameters.
 
-Typer runs the command again at each press of Tab: nothing of components is imported here while that file is there.
+A shell runs the command again at each press of Tab. The answer comes from a file in the cache, without Typer, whose import takes
+longer than one waits for a list. That file names every source that it was made from, with its time and size; it is made again
+where one of them differs. Imports are few and stand where they are needed.
 """
 
 from __future__ import annotations
 
 import json
-import tomllib
-from collections.abc import Iterable, Iterator
+import os
+import sys
 from contextlib import suppress
-from hashlib import sha256
-from pathlib import Path
-from typing import Any
+from functools import cache
 
-import typer
+TYPE_CHECKING = False  # without the import of typing
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from typing import Any
 
-from ...fmus.files import replaced
-
-ROOT = Path(__file__).parents[2]
+VARIABLE = "_COSIMO_COMPLETE"  # what the scripts of Typer, `cosimo --install-completion`, set to "complete_" and the shell
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+SOURCES = ("components", os.path.join("orchestrator", "cli"), os.path.join("orchestrator", "systems"))
 SCENE_FILES = (".toml", ".ssd", ".ssp")
 
 
-def catalogue() -> dict[str, Any]:
-    """components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems. Kept in the cache."""
+def answered() -> bool:
+    """Print what the shell asks for; whether this was such a question. Formats: those of Typer 0.12 to 0.29."""
+    shell = os.environ.get(VARIABLE, "").removeprefix("complete_")
+    if shell not in ("bash", "zsh", "fish", "powershell", "pwsh"):
+        return False
+    if shell == "bash":
+        words, place = _words(os.environ["COMP_WORDS"]), int(os.environ["COMP_CWORD"])
+        before, incomplete = words[1:place], (words[place:] or [""])[0]
+    else:
+        line = os.environ.get("_TYPER_COMPLETE_ARGS", "")
+        before, incomplete = _words(line)[1:], os.environ.get("_TYPER_COMPLETE_WORD_TO_COMPLETE", "")
+        if incomplete or (before and shell in ("zsh", "fish") and not line.endswith(" ")):
+            incomplete = before.pop()
+    items = offers(before, incomplete)
+    if shell == "bash":
+        print("\n".join(items))
+    elif shell == "zsh":
+        print("_arguments '*: :((" + "\n".join(_zsh(*item) for item in items.items()) + "))'" if items else "_files")
+    elif shell != "fish":
+        print("\n".join(f"{name}:::{text or ' '}" for name, text in items.items()))
+    elif os.environ.get("_TYPER_COMPLETE_FISH_ACTION") == "is-args":  # whether there is anything but files
+        raise SystemExit(not items)
+    else:
+        print("\n".join(f"{name}\t{text}" if text else name for name, text in items.items()))
+    return True
+
+
+def _zsh(name: str, text: str) -> str:
+    name, text = (t.replace('"', '""').replace("'", "''").replace("$", r"\$").replace("`", r"\`").replace(":", r"\\:")
+                  for t in (name, text))
+    return f'"{name}":"{text}"' if text else f'"{name}"'
+
+
+def _words(line: str) -> list[str]:
+    """Words of a line in which a quotation may still be open."""
+    from shlex import shlex
+
+    lexer = shlex(line, posix=True)
+    lexer.whitespace_split, lexer.commenters = True, ""
+    words: list[str] = []
+    try:
+        words += lexer
+    except ValueError:
+        words.append(lexer.token)
+    return words
+
+
+def offers(before: list[str], incomplete: str) -> dict[str, str]:
+    """What may stand for an incomplete word -> its help, "" for names. before: the complete words behind `cosimo`."""
+    node, words = kept()["commands"], list(before)
+    while words and words[0] in node["commands"]:
+        node = node["commands"][words.pop(0)]
+    options = {name: option for option in node["options"] for name in option["names"]}
+    given, used, wants, ended = [], [], None, False
+    for word in words:  # arguments, options, the option whose value comes next
+        name, equals, _ = word.partition("=")
+        if wants is not None and word == "=":  # bash makes words of its own of "--set", "=" and what follows
+            continue
+        if wants is not None:
+            wants = None
+        elif word == "--":
+            ended = True
+        elif name in options and not ended:
+            used.append(options[name])
+            wants = options[name] if options[name]["value"] and not equals else None
+        elif ended or not word.startswith("-"):
+            given.append(word)
+    name, equals, value = incomplete.partition("=")
+    if wants is None and not ended and equals and name in options:
+        wants, incomplete = options[name], value
+    elif wants is not None and incomplete == "=":
+        incomplete = ""
+    if wants is not None:
+        return dict.fromkeys(_values(wants["completes"], given, incomplete), "")
+    if incomplete.startswith("-") and not ended:
+        return {n: o["help"] for n, o in options.items() if n.startswith(incomplete) and (o["multiple"] or o not in used)}
+    arguments = node["arguments"][len(given):] or [a for a in node["arguments"][-1:] if a["several"]]
+    if arguments:
+        return dict.fromkeys(_values(arguments[0]["completes"], given, incomplete), "")
+    return {n: c["help"] for n, c in node["commands"].items() if n.startswith(incomplete)}
+
+
+def _values(function: str, given: list[str], incomplete: str) -> list[str]:
+    """Values of an option or argument, from the function here of that name."""
+    if not function:
+        return []
+    complete = globals()[function]
+    return complete(given, incomplete) if complete in (parameters, effects, presets) else complete(incomplete)
+
+
+@cache
+def kept() -> dict[str, Any]:
+    """names: `catalogue`; commands: the tree of commands. Kept in the cache."""
     from ...components.core.folders import cache_root
 
-    path = Path(cache_root()) / "completion" / f"{_state()}.json"
-    with suppress(OSError, ValueError):
-        return json.loads(path.read_text(encoding="utf-8"))
-    names = _names()
+    folder = os.path.join(cache_root(), "completion")
+    path, state = os.path.join(folder, f"{_place():08x}.json"), _state()
+    with suppress(OSError, ValueError), open(path, encoding="utf-8") as file:
+        found = json.load(file)
+        if isinstance(found, dict) and found.get("state") == state:
+            return found
+    from ...fmus.files import replaced
+    from .completion_sources import commands, names
+
+    made = {"state": state, "names": names(), "commands": commands()}
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        for old in path.parent.glob("*.json"):
-            old.unlink(missing_ok=True)
-        with replaced(path) as file:
-            json.dump(names, file)
-    return names
+        os.makedirs(folder, exist_ok=True)
+        with replaced(path) as out:
+            json.dump(made, out)
+    return made
 
 
-def _state() -> str:
-    """Changes with every file that the names come from."""
-    files = [*ROOT.glob("components/**/*.py"), *ROOT.glob("orchestrator/systems/*/*/*.toml")]
-    states = sorted(f"{f.relative_to(ROOT)} {(s := f.stat()).st_mtime_ns} {s.st_size}" for f in files)
-    return sha256("\n".join(states).encode()).hexdigest()[:16]
+def _place() -> int:
+    """A number of this installation: several may share a cache."""
+    from zlib import crc32
+
+    return crc32(ROOT.encode())
 
 
-def _names() -> dict[str, Any]:
-    from ...components.catalogue import CATALOGUE, component_class
-    from ...components.core.variables import Causality
-    from ..scene.scene import scene_files
-    from ..systems import NAMES, cases
+def _state() -> list[str]:
+    """Changes with every file that the names come from: ROOT, Python, then path, time of change and size of each file.
 
-    classes = {name: component_class(name) for name in CATALOGUE}
-    return {
-        "components": {name: {
-            "effects": list(cls.effects), "presets": list(cls.presets),
-            "parameters": [n for n, v in cls.variables.items() if v.causality is not Causality.OUTPUT]}
-            for name, cls in classes.items()},
-        "scenes": {name: _units(path) for name, path in scene_files().items()}, "cases": list(cases()), "systems": list(NAMES)}
+    The time is that of the file's entry, too (POSIX), which no copy and no `touch` sets back.
+    """
+    found = [ROOT, sys.version]
+    folders = [os.path.join(ROOT, source) for source in SOURCES]
+    while folders:
+        with os.scandir(folders.pop()) as entries:
+            for entry in entries:
+                if entry.name.endswith((".py", ".toml")):
+                    s = entry.stat()
+                    found.append(f"{entry.path[len(ROOT):]} {s.st_mtime_ns} {s.st_ctime_ns} {s.st_size}")
+                elif "." not in entry.name and entry.name != "__pycache__" and entry.is_dir():
+                    folders.append(entry.path)
+    return sorted(found)
 
 
-def _units(path: Path) -> dict[str, str]:
+def catalogue() -> dict[str, Any]:
+    """components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems."""
+    return kept()["names"]
+
+
+def units_in(path: str) -> dict[str, str]:
     """Units of a scene file that are components."""
+    from tomllib import loads
+
     try:
-        units = tomllib.loads(path.read_text(encoding="utf-8-sig")).get("units", {})
+        with open(path, encoding="utf-8-sig") as file:
+            units = loads(file.read()).get("units", {})
         return {name: str(unit["component"]) for name, unit in units.items() if "component" in unit}
     except (OSError, ValueError, AttributeError, TypeError):
         return {}
@@ -74,12 +183,14 @@ def _starting(names: Iterable[str], incomplete: str) -> list[str]:
 
 
 def _files(incomplete: str) -> Iterator[str]:
-    folder = Path(incomplete).parent if not incomplete.endswith("/") else Path(incomplete)
-    with suppress(OSError):
-        for entry in folder.iterdir():
-            if entry.is_dir() or entry.suffix in SCENE_FILES:
-                name = str(entry) if str(folder) != "." or incomplete.startswith("./") else entry.name
-                yield name + ("/" if entry.is_dir() else "")
+    """Folders and scene files in the folder of what is typed, which stands before them as it is."""
+    folder = incomplete[: incomplete.rfind("/") + 1]
+    with suppress(OSError), os.scandir(folder or ".") as entries:
+        for entry in entries:
+            if entry.is_dir():
+                yield f"{folder}{entry.name}/"
+            elif entry.name.endswith(SCENE_FILES):
+                yield folder + entry.name
 
 
 def kinds_and_systems(incomplete: str) -> list[str]:
@@ -108,37 +219,35 @@ def anything(incomplete: str) -> list[str]:
     return _starting([*names["components"], *names["scenes"], *names["cases"], *_files(incomplete)], incomplete)
 
 
-def _in_question(context: typer.Context) -> dict[str, str]:
-    """Unit -> component, of the scene that the command line names; of a component alone "" -> its name."""
-    given = context.params.get("scene") or context.params.get("name") or ""
-    if not given:  # behind an option without its value, arguments are not assigned yet
-        given = next((text for text in context.args if not text.startswith("-")), "")
-    name = str(given)
+def _in_question(args: list[str]) -> dict[str, str]:
+    """Unit -> component, of the scene that is the first argument; of a component alone "" -> its name."""
+    if not args:
+        return {}
     names = catalogue()
-    if name in names["components"]:
-        return {"": name}
-    return names["scenes"].get(name) or _units(Path(name))
+    if args[0] in names["components"]:
+        return {"": args[0]}
+    return names["scenes"].get(args[0]) or units_in(args[0])
 
 
-def _of_units(context: typer.Context, key: str) -> Iterator[str]:
+def _of_units(args: list[str], key: str) -> Iterator[str]:
     known = catalogue()["components"]
-    for unit, component in _in_question(context).items():
+    for unit, component in _in_question(args).items():
         for item in known.get(component, {}).get(key, ()):
             yield f"{unit}.{item}" if unit else item
 
 
-def parameters(context: typer.Context, incomplete: str) -> list[str]:
-    """unit.parameter= of --set."""
-    return _starting((f"{name}=" for name in _of_units(context, "parameters")), incomplete)
+def parameters(args: list[str], incomplete: str) -> list[str]:
+    """unit.parameter= of --set. args: the arguments of the command line, here and below."""
+    return _starting((f"{name}=" for name in _of_units(args, "parameters")), incomplete)
 
 
-def effects(context: typer.Context, incomplete: str) -> list[str]:
+def effects(args: list[str], incomplete: str) -> list[str]:
     """unit.effect of --effects."""
-    return _starting(_of_units(context, "effects"), incomplete)
+    return _starting(_of_units(args, "effects"), incomplete)
 
 
-def presets(context: typer.Context, incomplete: str) -> list[str]:
+def presets(args: list[str], incomplete: str) -> list[str]:
     """unit=preset of --preset."""
     known = catalogue()["components"]
-    return _starting((f"{unit}={preset}" if unit else preset for unit, component in _in_question(context).items()
+    return _starting((f"{unit}={preset}" if unit else preset for unit, component in _in_question(args).items()
                       for preset in known.get(component, {}).get("presets", ())), incomplete)

@@ -9,7 +9,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.from_table import dropper_positions, resolved_sections
 from cosimo.components.railway.line.table import read_line
-from cosimo.orchestrator.cli import app
+from cosimo.orchestrator.cli.application import app
 from cosimo.orchestrator.scene.files import SHIPPED
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.systems.railway import line
