@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from .completion import answered
+from . import completion
 
 TYPE_CHECKING = False  # without the import of typing
 if TYPE_CHECKING:
@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends in SystemExit with the exit code."""
-    if arguments is None and answered():
-        return
+    if arguments is None and (shell := completion.asking_shell()):
+        if not completion.is_current():
+            from . import completion_sources
+
+            completion.keep(completion_sources.names(), completion_sources.commands())
+        return completion.answer(shell)
     import logging
 
     from ...components.core.errors import BadInput

@@ -11,7 +11,6 @@ import json
 import os
 import sys
 from contextlib import suppress
-from functools import cache
 
 TYPE_CHECKING = False  # without the import of typing
 if TYPE_CHECKING:
@@ -24,11 +23,17 @@ SOURCES = ("components", os.path.join("orchestrator", "cli"), os.path.join("orch
 SCENE_FILES = (".toml", ".ssd", ".ssp")
 
 
-def answered() -> bool:
-    """Print what the shell asks for; whether this was such a question. Formats: those of Typer 0.12 to 0.29."""
+_answers: dict[str, Any] = {}  # what they are made from, and the state of its sources
+
+
+def asking_shell() -> str:
+    """The shell that asks; "" where none does."""
     shell = os.environ.get(VARIABLE, "").removeprefix("complete_")
-    if shell not in ("bash", "zsh", "fish", "powershell", "pwsh"):
-        return False
+    return shell if shell in ("bash", "zsh", "fish", "powershell", "pwsh") else ""
+
+
+def answer(shell: str) -> None:
+    """Print what a shell asks for, in the format that the scripts of Typer 0.12 to 0.29 take apart."""
     if shell == "bash":
         words, place = _words(os.environ["COMP_WORDS"]), int(os.environ["COMP_CWORD"])
         before, incomplete = words[1:place], (words[place:] or [""])[0]
@@ -48,7 +53,6 @@ def answered() -> bool:
         raise SystemExit(not items)
     else:
         print("\n".join(f"{name}\t{text}" if text else name for name, text in items.items()))
-    return True
 
 
 def _zsh(name: str, text: str) -> str:
@@ -73,7 +77,7 @@ def _words(line: str) -> list[str]:
 
 def offers(before: list[str], incomplete: str) -> dict[str, str]:
     """What may stand for an incomplete word -> its help, "" for names. before: the complete words behind `cosimo`."""
-    node, words = kept()["commands"], list(before)
+    node, words = _answers["commands"], list(before)
     while words and words[0] in node["commands"]:
         node = node["commands"][words.pop(0)]
     options = {name: option for option in node["options"] for name in option["names"]}
@@ -114,33 +118,39 @@ def _values(function: str, given: list[str], incomplete: str) -> list[str]:
     return complete(given, incomplete) if complete in (parameters, effects, presets) else complete(incomplete)
 
 
-@cache
-def kept() -> dict[str, Any]:
-    """names: `catalogue`; commands: the tree of commands. Kept in the cache."""
-    from ...components.core.folders import cache_root
-
-    folder = os.path.join(cache_root(), "completion")
-    path, state = os.path.join(folder, f"{_place():08x}.json"), _state()
+def is_current() -> bool:
+    """Whether what is kept could be read, and is of today's sources."""
+    path, state = _file(), _state()
     with suppress(OSError, ValueError), open(path, encoding="utf-8") as file:
-        found = json.load(file)
-        if isinstance(found, dict) and found.get("state") == state:
-            return found
+        content = json.load(file)
+        if isinstance(content, dict) and content.get("state") == state:
+            _answers.update(content)
+            return True
+    return False
+
+
+def keep(names: dict[str, Any], commands: dict[str, Any]) -> None:
+    """Answer from these, now and until a source changes.
+
+    names: components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems.
+    commands: the tree of commands, each with help, options, arguments and commands of its own.
+    """
     from ...fmus.files import replaced
-    from .completion_sources import commands, names
 
-    made = {"state": state, "names": names(), "commands": commands()}
+    _answers.update(state=_state(), names=names, commands=commands)
     with suppress(OSError):
-        os.makedirs(folder, exist_ok=True)
-        with replaced(path) as out:
-            json.dump(made, out)
-    return made
+        os.makedirs(os.path.dirname(_file()), exist_ok=True)
+        with replaced(_file()) as file:
+            json.dump(_answers, file)
 
 
-def _place() -> int:
-    """A number of this installation: several may share a cache."""
+def _file() -> str:
+    """One of each installation: several may share a cache."""
     from zlib import crc32
 
-    return crc32(ROOT.encode())
+    from ...components.core.folders import cache_root
+
+    return os.path.join(cache_root(), "completion", f"{crc32(ROOT.encode()):08x}.json")
 
 
 def _state() -> list[str]:
@@ -148,22 +158,17 @@ def _state() -> list[str]:
 
     The time is that of the file's entry, too (POSIX), which no copy and no `touch` sets back.
     """
-    found = [ROOT, sys.version]
+    files = [ROOT, sys.version]
     folders = [os.path.join(ROOT, source) for source in SOURCES]
     while folders:
         with os.scandir(folders.pop()) as entries:
             for entry in entries:
                 if entry.name.endswith((".py", ".toml")):
                     s = entry.stat()
-                    found.append(f"{entry.path[len(ROOT):]} {s.st_mtime_ns} {s.st_ctime_ns} {s.st_size}")
+                    files.append(f"{entry.path[len(ROOT):]} {s.st_mtime_ns} {s.st_ctime_ns} {s.st_size}")
                 elif "." not in entry.name and entry.name != "__pycache__" and entry.is_dir():
                     folders.append(entry.path)
-    return sorted(found)
-
-
-def catalogue() -> dict[str, Any]:
-    """components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems."""
-    return kept()["names"]
+    return sorted(files)
 
 
 def units_in(path: str) -> dict[str, str]:
@@ -195,27 +200,27 @@ def _files(incomplete: str) -> Iterator[str]:
 
 def kinds_and_systems(incomplete: str) -> list[str]:
     """Of `cosimo list`."""
-    return _starting(["components", "fmus", "scenes", "cases", *catalogue()["systems"]], incomplete)
+    return _starting(["components", "fmus", "scenes", "cases", *_answers["names"]["systems"]], incomplete)
 
 
 def components(incomplete: str) -> list[str]:
     """Of the catalogue."""
-    return _starting(catalogue()["components"], incomplete)
+    return _starting(_answers["names"]["components"], incomplete)
 
 
 def scenes(incomplete: str) -> list[str]:
     """Shipped scenes and scene files."""
-    return _starting([*catalogue()["scenes"], *_files(incomplete)], incomplete)
+    return _starting([*_answers["names"]["scenes"], *_files(incomplete)], incomplete)
 
 
 def cases(incomplete: str) -> list[str]:
     """Validation cases."""
-    return _starting(["papers", *catalogue()["cases"]], incomplete)
+    return _starting(["papers", *_answers["names"]["cases"]], incomplete)
 
 
 def anything(incomplete: str) -> list[str]:
     """Components, scenes and cases."""
-    names = catalogue()
+    names = _answers["names"]
     return _starting([*names["components"], *names["scenes"], *names["cases"], *_files(incomplete)], incomplete)
 
 
@@ -223,14 +228,14 @@ def _in_question(args: list[str]) -> dict[str, str]:
     """Unit -> component, of the scene that is the first argument; of a component alone "" -> its name."""
     if not args:
         return {}
-    names = catalogue()
+    names = _answers["names"]
     if args[0] in names["components"]:
         return {"": args[0]}
     return names["scenes"].get(args[0]) or units_in(args[0])
 
 
 def _of_units(args: list[str], key: str) -> Iterator[str]:
-    known = catalogue()["components"]
+    known = _answers["names"]["components"]
     for unit, component in _in_question(args).items():
         for item in known.get(component, {}).get(key, ()):
             yield f"{unit}.{item}" if unit else item
@@ -248,6 +253,6 @@ def effects(args: list[str], incomplete: str) -> list[str]:
 
 def presets(args: list[str], incomplete: str) -> list[str]:
     """unit=preset of --preset."""
-    known = catalogue()["components"]
+    known = _answers["names"]["components"]
     return _starting((f"{unit}={preset}" if unit else preset for unit, component in _in_question(args).items()
                       for preset in known.get(component, {}).get("presets", ())), incomplete)

@@ -12,7 +12,7 @@ from .completion import units_in
 
 
 def names() -> dict[str, Any]:
-    """components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems."""
+    """Those that `completion.keep` takes."""
     from ...components.catalogue import CATALOGUE, component_class
     from ...components.core.variables import Causality
     from ..scene.scene import scene_files
@@ -29,7 +29,7 @@ def names() -> dict[str, Any]:
 
 
 def commands() -> dict[str, Any]:
-    """The tree of commands, each with help, options, arguments and commands of its own."""
+    """The tree that `completion.keep` takes."""
     from .application import app
 
     return _node(get_command(app))

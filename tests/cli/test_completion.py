@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -11,28 +10,23 @@ from itertools import pairwise
 
 import pytest
 from cosimo.components.catalogue import CATALOGUE
-from cosimo.orchestrator.cli import completion
+from cosimo.orchestrator.cli import completion, completion_sources, main
 from cosimo.orchestrator.cli.application import app
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.tests.architecture.test_light_imports import HEAVY
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("cache")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("COSIMO_CACHE", str(folder))
-        completion.kept.cache_clear()
-        completion.kept()
-        yield folder
+def made():
+    return completion_sources.names(), completion_sources.commands()
 
 
 @pytest.fixture
-def names(cache, monkeypatch):
-    monkeypatch.setenv("COSIMO_CACHE", str(cache))
-    completion.kept.cache_clear()
-    yield completion.catalogue()
-    completion.kept.cache_clear()
+def names(made, tmp_path, monkeypatch):
+    """Names of the catalogue, with all answers kept in a cache of its own."""
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "cache"))
+    completion.keep(*made)
+    return made[0]
 
 
 def question(shell, *words):
@@ -84,7 +78,7 @@ def test_the_quick_answer_is_that_of_typer(words, names, monkeypatch, capsys):
     """Typer answers from the commands themselves, which takes it half a second."""
     for key, value in question("bash", *words).items():
         monkeypatch.setenv(key, value)
-    assert completion.answered()
+    main()
     ours = capsys.readouterr().out
     with pytest.raises(SystemExit):
         app([], prog_name="cosimo")
@@ -102,7 +96,7 @@ def test_formats_of_other_shells(shell, words, answer, names, monkeypatch, capsy
     """Those that the scripts of Typer take apart."""
     for key, value in question(shell, *words).items():
         monkeypatch.setenv(key, value)
-    assert completion.answered()
+    main()
     assert capsys.readouterr().out.startswith(answer)
 
 
@@ -153,10 +147,23 @@ def test_answers_are_made_anew_after_a_change(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("damage", ["{", "[]", '{"state": ["of another version"], "names": {}, "commands": {}}'])
-def test_damage_and_other_versions_heal(damage, cache, names):
-    (kept,) = (cache / "completion").iterdir()
+def test_damage_and_other_versions_heal(damage, names, made, tmp_path, monkeypatch, capsys):
+    (kept,) = (tmp_path / "cache" / "completion").iterdir()
+    whole = kept.read_text()
     kept.write_text(damage)
-    completion.kept.cache_clear()
-    assert completion.catalogue() == names
-    assert [*(cache / "completion").iterdir()] == [kept]
-    assert json.loads(kept.read_text())["names"] == names
+    assert not completion.is_current()
+    monkeypatch.setattr(completion_sources, "names", lambda: made[0])
+    for key, value in question("bash", "list", "ro").items():
+        monkeypatch.setenv(key, value)
+    main()
+    assert capsys.readouterr().out.split() == ["rotor", "rov"]
+    assert [*(tmp_path / "cache" / "completion").iterdir()] == [kept]
+    assert kept.read_text() == whole
+
+
+def test_a_cache_that_cannot_be_written_costs_time_only(names, made, tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("COSIMO_CACHE", str(tmp_path / "file" / "below"))
+    assert not completion.is_current()
+    completion.keep(*made)
+    assert completion.kinds_and_systems("ro") == ["rotor", "rov"]
