@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from .common import FAILED_CHECK, STOPPED, Changes, Presets, app, print_table, scene_of, status_spinner, warn
-from .many import Jobs, SceneName, Scheduler, stopped_early
+from .many import Conditions, Jobs, Limits, SceneName, Scheduler, stopped_early
 
 Quantities = Annotated[list[str] | None, typer.Option("--quantity", help=(
     '"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].'))]
@@ -54,6 +54,7 @@ def uncertainty(
     effects: Annotated[bool, typer.Option("--effects", help=(
         "Which effects are needed so that the others change less than the parameters' uncertainty."))] = False,
     share: Annotated[float, typer.Option("--share", help="Of the standard deviation that the others may change.")] = 1.0,
+    limits: Limits = "", condition: Conditions = None,
     output: Directory = Path("uncertainty"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
@@ -65,11 +66,14 @@ def uncertainty(
     loaded = scene_of(scene, values, presets)
     with locked(output):
         answer = many.uncertainty(loaded, plan, output, quantities=quantity or [], effects=effects, share=share, jobs=jobs,
-                                  scheduler=scheduler, progress=True)
+                                  scheduler=scheduler, progress=True, limits=limits, conditions=condition or ())
         stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
         written = [*answer.save(output), answers.for_uncertainty(answer, output)]
     print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high"],
                 [(s.quantity, s.mean, s.deviation, *s.tolerance) for s in answer.spreads])
+    if answer.limits:
+        print_table("Probability of keeping the limits", ["limit", "low", "high", "standing", "samples", "probability", "95 %"],
+                    answers.limit_rows(answer.limits))
     if effects:
         print(f"effects that are needed: {', '.join(answer.needed) or 'none'}; the others change {answer.left_error:.3g} of a "
               "standard deviation at most")
@@ -102,18 +106,20 @@ def fit(
 
 @app.command()
 def design(
-    scene: SceneName, plan: Settings,
+    scene: SceneName, plan: Settings, limits: Limits = "", condition: Conditions = None,
     output: Directory = Path("design"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
-    """Parameters for a small or large quantity within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
+    """Parameters for small or large quantities within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
+    from ..harness.many.limits import recalled
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
 
     loaded = scene_of(scene, values, presets)
     with locked(output), _searched() as observe:
-        answer = many.design(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe)
+        answer = many.design(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe,
+                             limits=limits, conditions=condition or ())
         written = [answer.save(output), answers.for_design(answer, loaded, output)]
     print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
     if answer.best >= 0:
@@ -121,7 +127,7 @@ def design(
         print(f"{answer.quantity} = {answer.steps[answer.best].quantity:.6g}{active}")
     else:
         print("no run keeps all limits")
-    warn([answer.message] if answer.message else [])
+    warn([*([answer.message] if answer.message else []), *recalled(answer.constraints)])
     print(f"{_runs(len(answer.steps), answer.computed)}; wrote {', '.join(map(str, written))}")
     if answer.best < 0:
         raise SystemExit(FAILED_CHECK)

@@ -20,6 +20,9 @@ Plan_ = Annotated[Path | None, typer.Option("--plan", help=(
 Jobs = Annotated[int | None, typer.Option("--jobs", help=(
     "Processes; default: one for each core, where the points need longer than those to start."))]
 Scheduler = Annotated[str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="Workers of a Dask cluster instead.")]
+Limits = Annotated[str, typer.Option("--limits", metavar="TABLE", help=(
+    "A validation table whose rows are limits: en50367, en50318-2002, ..., or a TOML file with sources and rows."))]
+Conditions = Annotated[list[str] | None, typer.Option("--condition", help="Of the table's rows; may be repeated. Default: all.")]
 SceneName = Annotated[str, typer.Argument(autocompletion=scenes, help="name of a shipped scene, or a scene file")]
 
 
@@ -37,6 +40,7 @@ def sweep(
     scheduler: Scheduler = "",
     add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
     retry: Annotated[bool, typer.Option("--retry", help="Run points that have failed again.")] = False,
+    limits: Limits = "", condition: Conditions = None,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from ..harness import report
@@ -48,7 +52,8 @@ def sweep(
         raise BadInput("sweep", "--plan and --over", "one of them")
     loaded = scene_of(scene, values, presets, {"sweep": dict(map(range_of, over))} if over else {})
     with locked(output):  # now, not after a long sweep
-        results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True)
+        results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True,
+                             limits=limits, conditions=condition or ())
         written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
     warn(results.remarks)
     failed = [o for o in results.outcomes if o not in ("done", NOT_RUN)]

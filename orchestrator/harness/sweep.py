@@ -11,7 +11,7 @@ multiple of something: the raw material of a bifurcation diagram.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +28,7 @@ from ..scene.scene import Scene
 from ..settings.plan import SAMPLED, PlanSettings
 from .many import store
 from .many.execute import compute_here, compute_with
+from .many.limits import check_limits, with_rows
 from .many.live import Live
 from .many.measures import OUTCOMES, Task, check_analysis, prepared
 from .many.plan import Points, plan_of, plan_settings, read_plan, unit_of
@@ -98,18 +99,20 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
 def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
           directory: str | Path | None = None, *, jobs: int | None = 1, scheduler: str = "", add: int = 0, retry: bool = False,
           progress: bool = False, summarize: Callable[[Result], Summary] | None = None,
-          cube: np.ndarray | None = None) -> Sweep:
+          cube: np.ndarray | None = None, limits: str = "", conditions: Sequence[str] = ()) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `directory`: where the points, the table and the data set go; what is there of the same scene is not run again. `jobs`:
     processes of this machine, 1: this one, None: all cores where it pays; `scheduler`: address of a Dask cluster instead.
     `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
-    `cube`: points (n, d) of the unit cube in the place of the method's own. Neither the number of workers nor their order changes
+    `cube`: points (n, d) of the unit cube in the place of the method's own. `limits`, `conditions`: a validation table whose rows
+    are limits, and which of them. Neither the number of workers nor their order changes
     a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
     settings = (sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path)
                 else plan_settings(plan))
+    settings = with_rows(settings, table=limits, conditions=conditions)
     chosen = plan_of(scene, _with_more(settings, add), cube)
     check_analysis(scene)
     task = Task.of(scene, settings.keep, summarize)
@@ -126,8 +129,11 @@ def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | No
                 stopped = _compute(task, chosen, digests, missing, parts, live, jobs, scheduler)
             live.end("stopped" if stopped is not None else "done")
             efficiency = live.efficiency()
-        return collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
-                               computed=missing.size, efficiency=efficiency)
+        collected = collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
+                                    computed=missing.size, efficiency=efficiency)
+    if collected.measures and stopped is None:
+        check_limits(settings.limits, collected.units)
+    return collected
 
 
 def _with_more(settings: PlanSettings, add: int) -> PlanSettings:
@@ -173,6 +179,7 @@ def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, dige
     collected = store.collect(located, folder)
     varied = {name: column.labels for name, column in plan.columns.items()}
     units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)
+    units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
     files: list[Path] = []
     if kept:
         about = store.provenance(scene, plan, base, units)

@@ -15,7 +15,7 @@
     value = 0.31
     deviation = 0.005
 
-A design has `minimise = "column"` or `maximise`, and [constraints] with "column" = { low = ..., high = ... }.
+A design has `minimise = "column"` or `maximise`, [constraints] with "column" = { low = ..., high = ... }, and `rows` of a table.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from pydantic import Field, model_validator
 
 from ...components.core.errors import BadInput
 from .case import CurveSettings
+from .limits import LimitSettings, RowsSettings
 from .model import Model, Number, Positive
 from .plan import KeepSettings
 
@@ -86,21 +87,6 @@ class FitSettings(Model):
         return self
 
 
-class LimitSettings(Model):
-    """A column of a run that must stay between two numbers, one or both."""
-
-    low: Number | None = None
-    high: Number | None = None
-
-    @model_validator(mode="after")
-    def _limits(self) -> LimitSettings:
-        if self.low is None and self.high is None:
-            raise BadInput("", "neither low nor high", "one or both")
-        if self.low is not None and self.high is not None and not self.low < self.high:
-            raise BadInput("", f"low = {self.low:g}, high = {self.high:g}", "low < high")
-        return self
-
-
 class DesignSettings(Model):
     """What is chosen, what is made small or large by it, and what must hold."""
 
@@ -108,6 +94,7 @@ class DesignSettings(Model):
     minimise: str = ""
     maximise: str = ""
     constraints: dict[str, LimitSettings] = {}
+    rows: RowsSettings | None = Field(default=None, description="rows of a validation table that must hold as well")
     method: Literal["COBYQA", "SLSQP"] = Field(
         default="COBYQA", description="COBYQA needs no derivatives; SLSQP for smooth figures")
     evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=200, description="at most, each start")

@@ -26,6 +26,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, WithJsonSchema, field_validator, model_validator
 
 from ...components.core.errors import BadInput, nearest
+from .limits import LimitSettings, RowsSettings
 from .model import Model, Number, Seconds, Truth
 from .ranges import RANGE, ranged
 from .study import wanted
@@ -107,25 +108,14 @@ class PlanSettings(Model):
     correlation: tuple[tuple[str, str, Number], ...] = Field(
         default=(), description="[name, name, r]: r of the normal scores of two distributions (a normal copula)")
     keep: KeepSettings = KeepSettings()
-    limits: dict[str, tuple[Number | None, Number | None]] = Field(
+    limits: dict[str, LimitSettings] = Field(
         default={}, description="column = { low = ..., high = ... }, drawn in the figures")
+    rows: RowsSettings | None = Field(default=None, description="rows of a validation table that are limits as well")
 
     @field_validator("vary", mode="before")
     @classmethod
     def _axes(cls, table: Any) -> Any:
         return dict(_axes(table)) if isinstance(table, Mapping) else table
-
-    @field_validator("limits", mode="before")
-    @classmethod
-    def _two_ends(cls, table: Any) -> Any:
-        if not isinstance(table, Mapping):
-            return table
-        ends = {name: (v.get("low"), v.get("high")) if isinstance(v, Mapping) and v.keys() <= {"low", "high"} else v
-                for name, v in table.items()}
-        for name, pair in ends.items():
-            if not (isinstance(pair, list | tuple) and len(pair) == 2):
-                raise BadInput(name, repr(pair), "{ low = ..., high = ... }, one or both")
-        return ends
 
     @model_validator(mode="after")
     def _fits(self) -> PlanSettings:

@@ -17,6 +17,7 @@ from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import one_message
 from ..sweep import Sweep
 from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
+from .limits import check_limits, with_rows
 from .measures import Row
 from .plan import unit_of
 from .sampling import other_starts
@@ -76,22 +77,24 @@ def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> De
     if isinstance(data, DesignSettings):
         return data
     name, table = (Path(data).name, read_toml(Path(data))) if isinstance(data, str | Path) else ("design", dict(data))
+    folder = Path(data).parent if isinstance(data, str | Path) else Path()
     try:
-        return DesignSettings.model_validate(table)
+        return with_rows(DesignSettings.model_validate(table), folder)
     except ValidationError as error:
         raise one_message(error, DesignSettings, name) from None
 
 
 def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
-           jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None
-           ) -> Design:
+           jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None,
+           limits: str = "", conditions: Sequence[str] = ()) -> Design:
     """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts.
 
     `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
-    of differences, and of several starts, as in a sweep; they change no number. Raises `BadInput`, also where the start cannot be
+    of differences, and of several starts, as in a sweep; they change no number. `limits`, `conditions`: a
+    validation table whose rows are constraints as well, and which of them. Raises `BadInput`, also where the start cannot be
     run, and `Stopped` where a signal has ended it.
     """
-    wanted = design_settings(settings)
+    wanted = with_rows(design_settings(settings), table=limits, conditions=conditions)
     aim = wanted.minimise or wanted.maximise
     keep = keep_for([aim, *wanted.constraints], wanted.keep)
     with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
@@ -102,19 +105,20 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
                            "Give another start.")
         quantity = column_name(first.numbers, aim, "design")
         columns = [column_name(first.numbers, n, "design: constraints") for n in wanted.constraints]
-        limits = dict(zip(columns, wanted.constraints.values(), strict=True))
-        searching = _Searching(wanted, runs, quantity, limits, first.numbers[quantity])
+        limits_of = dict(zip(columns, wanted.constraints.values(), strict=True))
+        check_limits(limits_of, first.units)
+        searching = _Searching(wanted, runs, quantity, limits_of, first.numbers[quantity])
         starts = [(start - runs.low) / (runs.high - runs.low), *other_starts(wanted.starts, len(start), wanted.seed)]
         solutions = run_searches([searching.search(u) for u in starts], runs)
-        steps = tuple(_step(p, row, quantity, limits) for p, row in runs.history)
+        steps = tuple(_step(p, row, quantity, limits_of) for p, row in runs.history)
         good = [k for k, s in enumerate(steps) if s.feasible]
         best = min(good, key=lambda k: searching.sign * steps[k].quantity, default=-1)
         left = [s.message for s in solutions if not s.success]
         which = f"{len(left)} of {len(starts)} searches" if len(starts) > 1 else "the search"
         message = f"{which} ended before it had converged: {left[0]}" if left else ""
-        ends = zip(limits.items(), steps[best].constraints, strict=True) if good else ()
+        ends = zip(limits_of.items(), steps[best].constraints, strict=True) if good else ()
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
-        return Design(quantity, bool(wanted.maximise), tuple(runs.names), {n: unit_of(scene, n) for n in runs.names}, limits,
+        return Design(quantity, bool(wanted.maximise), tuple(runs.names), {n: unit_of(scene, n) for n in runs.names}, limits_of,
                       steps, best, active, message, len(starts), runs.computed, runs.sweep())
 
 
@@ -126,7 +130,7 @@ class _Searching:
         self.wanted, self.runs, self.quantity, self.limits = wanted, runs, quantity, limits
         self.sign = -1.0 if wanted.maximise else 1.0
         self.first, self.scale = self.sign * first, abs(first) or 1.0
-        self.sizes = [_size(limit) for limit in limits.values()]
+        self.sizes = [limit.size for limit in limits.values()]
 
     def search(self, start: np.ndarray) -> Callable[[Ask], Any]:
         """SciPy's solution from a start in the unit cube."""
@@ -176,10 +180,6 @@ class _Searching:
         return np.array([self.first / self.scale + BAD, *outside])
 
 
-def _size(limit: LimitSettings) -> float:
-    return max(abs(e) for e in (limit.low, limit.high) if e is not None) or 1.0
-
-
 def _outside(limit: LimitSettings, size: float) -> float:
     """What a failed run has in the place of a column: clearly out of its limits."""
     return limit.high / size + 1.0 if limit.high is not None else limit.low / size - 1.0  # type: ignore[operator]
@@ -188,15 +188,10 @@ def _outside(limit: LimitSettings, size: float) -> float:
 def _step(p: np.ndarray, row: Row, quantity: str, limits: Mapping[str, LimitSettings]) -> Step:
     values = tuple(row.numbers.get(c, float("nan")) for c in limits)
     value = row.numbers.get(quantity, float("nan"))
-    inside = all(_keeps(v, limit) for v, limit in zip(values, limits.values(), strict=True))
+    inside = all(limit.keeps(v, FEASIBLE * limit.size) for v, limit in zip(values, limits.values(), strict=True))
     good = row.outcome == "done" and bool(np.isfinite(value)) and inside
     return Step(tuple(p.tolist()), value, values, good, row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}")
 
 
-def _keeps(value: float, limit: LimitSettings) -> bool:
-    slack = FEASIBLE * _size(limit)
-    return (limit.low is None or value >= limit.low - slack) and (limit.high is None or value <= limit.high + slack)
-
-
 def _at_limit(value: float, limit: LimitSettings) -> bool:
-    return any(end is not None and abs(value - end) <= 1e-3 * _size(limit) for end in (limit.low, limit.high))
+    return any(end is not None and abs(value - end) <= 1e-3 * limit.size for end in (limit.low, limit.high))

@@ -44,6 +44,11 @@ def keep_for(names: Iterable[str], keep: KeepSettings) -> KeepSettings:
                         functions=keep.functions)
 
 
+def default_quantities(scene: Scene, keep: KeepSettings) -> tuple[str, ...]:
+    """What an answer is about where nothing is asked for: the numbers, not the time histories, of the plan and of [study]."""
+    return tuple(q for q in dict.fromkeys([*keep.quantities, *scene.study.quantities]) if _is_quantity(q))
+
+
 def _is_quantity(name: str) -> bool:
     if ", " in name:
         with suppress(BadInput):

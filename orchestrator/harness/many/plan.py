@@ -19,6 +19,7 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.scene import Scene, read_toml
 from ...settings.messages import one_message
 from ...settings.plan import MOST_RUNS, SAMPLED, Choices, Distribution, PlanSettings
+from .limits import with_rows
 from .sampling import correlated, matrix_of, quantile, unit_points
 
 MOST_CHECKED = 200  # values of one axis that are checked before the first run
@@ -96,7 +97,7 @@ class Points:
 def read_plan(path: str | Path) -> PlanSettings:
     """A plan from its TOML file; a `table` beside it is found from there."""
     path = Path(path)
-    settings = plan_settings(read_toml(path), path.name)
+    settings = with_rows(plan_settings(read_toml(path), path.name), path.parent)
     return settings.model_copy(update={"table": str(path.parent / settings.table)}) if settings.table else settings
 
 

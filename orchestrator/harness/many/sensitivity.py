@@ -22,7 +22,7 @@ from ...output import write_table
 from ...scene.scene import Scene
 from ...settings.plan import PlanSettings
 from ..sweep import Sweep, sweep
-from .evaluations import Summarize, column_name, keep_for
+from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .plan import plan_settings, read_plan
 from .sampling import SMALLEST
 
@@ -102,10 +102,10 @@ def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     if settings.table or len(settings.vary) < 2:
         raise BadInput("sensitivity", "a table of points" if settings.table else f"{len(settings.vary)} parameter",
                        "two or more in [vary]")
-    names = list(quantities) or [*settings.keep.quantities, *scene.study.quantities]
+    names = list(quantities) or list(default_quantities(scene, settings.keep))
     if not names:
         raise BadInput("sensitivity", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
-    keep = keep_for(names, settings.keep)
+    keep = keep_for([*names, *settings.limits], settings.keep)
     problem = {"num_vars": len(settings.vary), "names": list(settings.vary), "bounds": [[0.0, 1.0]] * len(settings.vary)}
     cube = sample(problem, method, samples, settings.seed)
     chosen = settings.model_copy(update={"keep": keep})

@@ -8,7 +8,7 @@ distribution. No shape of the distribution is assumed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,12 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ...output import write_table
 from ...scene.scene import Scene
+from ...settings.limits import LimitSettings
 from ...settings.plan import SAMPLED, PlanSettings
 from ..studies.full_model import Place, full_model
 from ..sweep import Sweep, sweep
-from .evaluations import Summarize, column_name, keep_for
+from .evaluations import Summarize, column_name, default_quantities, keep_for
+from .limits import recalled, with_rows
 from .measures import Row, Task, measure
 from .plan import plan_settings, read_plan
 
@@ -44,6 +46,24 @@ class Spread:
 
 
 @dataclass(frozen=True)
+class Inside:
+    """How often a column keeps its limit. count: samples with a number, `inside` of them in the range.  low, high: interval of
+    95 % of the probability, from independent samples (Clopper and Pearson, Biometrika 26 (1934) 404-413; recalled)."""
+
+    column: str
+    limit: LimitSettings | None  # None: all together
+    count: int
+    inside: int
+    low: float
+    high: float
+
+    @property
+    def probability(self) -> float:
+        """Share of the samples, NaN without any."""
+        return self.inside / self.count if self.count else float("nan")
+
+
+@dataclass(frozen=True)
 class EffectSize:
     """What a quantity loses without an effect, in its unit, and over its standard deviation by the parameters."""
 
@@ -61,23 +81,59 @@ class Uncertainty:
 
     sweep: Sweep
     spreads: tuple[Spread, ...]
+    limits: tuple[Inside, ...] = ()
     effects: tuple[EffectSize, ...] = ()
     needed: tuple[str, ...] = ()
     left_error: float = float("nan")
     messages: tuple[str, ...] = ()
 
     def save(self, directory: str | Path) -> list[Path]:
-        """Write uncertainty.csv, and effects.csv where effects were looked at."""
+        """Write uncertainty.csv; limits.csv where there are limits, effects.csv where effects were looked at."""
         header = ["quantity", "unit", "samples", "mean", "standard deviation", *(f"{p:g} %" for p in PERCENTILES),
                   "tolerance low", "tolerance high"]
         rows: list[tuple[float | int | str, ...]] = [
             (s.quantity, s.unit, s.count, s.mean, s.deviation, *s.percentiles, *s.tolerance) for s in self.spreads]
         files = [write_table(directory, "uncertainty.csv", header, rows)]
+        if self.limits:
+            header = ["column", "quantity", "unit", "low", "high", "standing", "source", "samples", "inside", "probability",
+                      "low (95 %)", "high (95 %)"]
+            files.append(write_table(directory, "limits.csv", header, [
+                (i.column, *_limit_cells(i.limit), i.count, i.inside, i.probability, i.low, i.high) for i in self.limits]))
         if self.effects:
             header = ["effect", "quantity", "change without it", "over the standard deviation", "needed"]
             files.append(write_table(directory, "effects.csv", header, [
                 (e.effect, e.quantity, e.change, e.share, "yes" if e.needed else "no") for e in self.effects]))
         return files
+
+
+def _limit_cells(limit: LimitSettings | None) -> tuple[float | str, ...]:
+    """Quantity, unit, ends, standing and source of a limit, as a row has them."""
+    if limit is None:
+        return ("all limits together", "", "", "", "", "")
+    ends = ("" if end is None else end for end in (limit.low, limit.high))
+    return (limit.quantity, limit.unit, *ends, limit.standing, limit.source)
+
+
+def probability(column: str, limit: LimitSettings | None, inside: np.ndarray) -> Inside:
+    """Of truth values (n,): samples in the range."""
+    from scipy.stats import beta
+
+    n, k, tail = inside.size, int(inside.sum()), 0.5 * (1.0 - CONFIDENCE)
+    low = float(beta.ppf(tail, k, n - k + 1)) if k > 0 else 0.0
+    high = float(beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
+    return Inside(column, limit, n, k, low, high)
+
+
+def _kept(runs: Sweep) -> tuple[Inside, ...]:
+    """How often each limit is kept, and all together; samples without a number do not count."""
+    done = runs.done
+    answers, together = [], np.ones(int(done.sum()), dtype=bool)
+    for name, limit in runs.plan.limits.items():
+        x = runs.measures[name][done]
+        inside = np.array([limit.keeps(v) for v in x], dtype=bool)
+        answers.append(probability(name, limit, inside[np.isfinite(x)]))
+        together &= inside
+    return (*answers, probability("", None, together)) if len(answers) > 1 else tuple(answers)
 
 
 def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDENCE) -> int:
@@ -91,8 +147,11 @@ def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDE
 
 def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
                 quantities: Sequence[str] = (), effects: bool = False, share: float = 1.0, jobs: int | None = 1,
-                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None) -> Uncertainty:
-    """Distributions of quantities over the samples of a plan.
+                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None, limits: str = "",
+                conditions: Sequence[str] = ()) -> Uncertainty:
+    """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
+
+    `limits`, `conditions`: a validation table whose rows are limits as well, and which of them.
 
     `effects`: look which effects of the full model are needed so that leaving out the others changes no quantity by more than
     `share` of its standard deviation over the samples: the scene with every effect that goes together is the reference, each is
@@ -101,10 +160,11 @@ def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     settings = read_plan(plan) if isinstance(plan, str | Path) else plan_settings(plan)
     if settings.method not in SAMPLED:
         raise BadInput("uncertainty", f"method {settings.method!r}", "one of " + ", ".join(SAMPLED))
-    names = list(quantities) or [*settings.keep.quantities, *scene.study.quantities]
+    settings = with_rows(settings, table=limits, conditions=conditions)
+    names = list(quantities) or list(dict.fromkeys([*default_quantities(scene, settings.keep), *settings.limits]))
     if not names:
         raise BadInput("uncertainty", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
-    keep = keep_for(names, settings.keep)
+    keep = keep_for([*names, *settings.limits], settings.keep)
     runs = sweep(scene, settings.model_copy(update={"keep": keep}), directory, jobs=jobs, scheduler=scheduler, progress=progress,
                  summarize=summarize)
     if runs.stopped is not None:
@@ -112,10 +172,8 @@ def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
     spreads = tuple(spread(name, runs.units.get(name, ""), runs.measures[name]) for name in names)
     messages = _messages(runs, spreads, settings.method)
-    if not effects:
-        return Uncertainty(runs, spreads, messages=tuple(messages))
-    task = Task.of(scene, keep, summarize)
-    return _with_effects(task, runs, spreads, share, messages)
+    answer = Uncertainty(runs, spreads, _kept(runs), messages=tuple(messages))
+    return _with_effects(Task.of(scene, keep, summarize), answer, share) if effects else answer
 
 
 def spread(name: str, unit: str, values: np.ndarray) -> Spread:
@@ -138,11 +196,12 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     elif method != "random":
         texts.append(f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
                      "even, so that it is not exact")
-    return texts
+    return texts + recalled(runs.plan.limits)
 
 
-def _with_effects(task: Task, runs: Sweep, spreads: tuple[Spread, ...], share: float, messages: list[str]) -> Uncertainty:
+def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:
     """Leave effects out, the least first, as long as no quantity changes by more than a share of its standard deviation."""
+    spreads, messages = answer.spreads, list(answer.messages)
     model = full_model(task.scene())
     reference = _row(model.scene, task)
     alone: dict[Place, dict[str, float]] = {}
@@ -168,7 +227,7 @@ def _with_effects(task: Task, runs: Sweep, spreads: tuple[Spread, ...], share: f
                   for w in alone for s in spreads)
     messages += [f"{'.'.join(w)} is not in the full model: {why}" for w, why in model.left.items()]
     messages.append("effects were left out at the scene's own values of the parameters")
-    return Uncertainty(runs, spreads, sizes, needed, largest, tuple(messages))
+    return replace(answer, effects=sizes, needed=needed, left_error=largest, messages=tuple(messages))
 
 
 def _row(scene: Scene, task: Task) -> Row:

@@ -12,6 +12,7 @@ from ..charts.blocks import Block, Cells, Facts, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import BLUE, ORANGE, axis, drawn, layout, number
+from ..many.limits import recalled
 from . import generic, many_runs
 from .page import Page, Section, write_page
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from ..many.design import Design
     from ..many.fitting import SceneFit
     from ..many.sensitivity import Sensitivity
-    from ..many.uncertainty import Uncertainty
+    from ..many.uncertainty import Inside, Uncertainty
 
 MOST_BINS = 60
 
@@ -74,7 +75,12 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         x = x[np.isfinite(x)]
         count, edges = np.histogram(x, bins=int(np.clip(np.sqrt(x.size), 6, MOST_BINS)))
         middle = np.repeat(edges, 2)[1:-1]
-        marks = tuple((v, t) for v, t in zip(s.tolerance, ("tolerance", "tolerance"), strict=True) if np.isfinite(v))
+        marks = tuple((v, "tolerance") for v in s.tolerance if np.isfinite(v))
+        limit = answer.sweep.plan.limits.get(s.quantity)
+        if limit is not None and x.size:  # those that are near enough to be seen beside the samples
+            near = np.ptp(x)
+            marks += tuple((end, f"{limit.standing} limit".lstrip()) for end in (limit.low, limit.high)
+                           if end is not None and x.min() - near <= end <= x.max() + near)
         label = f"{s.quantity}, {s.unit}" if s.unit not in ("", "1") else s.quantity
         panels.append(Panel("runs", (Series("samples", middle, np.repeat(count, 2)),), x_marks=marks, x_label=label))
     if panels:
@@ -84,6 +90,10 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
              number(s.tolerance[0]), number(s.tolerance[1])) for s in answer.spreads]
     blocks.append(Cells("Numbers", ("quantity", "unit", "mean", "standard deviation", "2.5 %", "97.5 %", "tolerance, low",
                                     "tolerance, high"), rows, right=frozenset(range(2, 8))))
+    if answer.limits:
+        blocks.append(Cells("Probability of keeping the limits", (
+            "limit", "low", "high", "standing", "samples", "probability", "95 %"), limit_rows(answer.limits),
+            "95 %: interval of the probability, from independent samples.", right=frozenset({1, 2, 4, 5, 6})))
     if answer.effects:
         blocks.append(Cells("Effects", ("effect", "quantity", "change without it", "over the standard deviation", "needed"), [
             (e.effect, e.quantity, number(e.change), number(e.share), "yes" if e.needed else "no") for e in answer.effects],
@@ -94,6 +104,20 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
              for s in answer.spreads]
     lead = f"{'; '.join(parts)} (mean and standard deviation of {len(answer.sweep.outcomes)} runs)."
     return _page(f"Uncertainty of {answer.sweep.scene.name}", lead, blocks, answer.messages, answer.sweep.scene, directory)
+
+
+def limit_rows(limits: Sequence[Inside]) -> list[tuple[str, ...]]:
+    """Cells of a table: limit, ends, standing, samples, probability, its interval."""
+    rows: list[tuple[str, ...]] = []
+    for i in limits:
+        limit = i.limit
+        shown = [number(i.probability), f"{number(i.low)} to {number(i.high)}"]
+        if limit is None:
+            rows.append(("all limits together", "", "", "", str(i.count), *shown))
+        else:
+            ends = ["" if end is None else number(end) for end in (limit.low, limit.high)]
+            rows.append((limit.quantity or i.column, *ends, limit.standing, str(i.count), *shown))
+    return rows
 
 
 def for_fit(answer: SceneFit, directory: str | Path) -> Path:
@@ -125,7 +149,8 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
     panels = [Panel(answer.quantity, tuple(s for s in series if len(s.x)))]
     for k, (name, limit) in enumerate(answer.constraints.items()):
         values = np.array([s.constraints[k] for s in answer.steps])
-        panels.append(Panel(name, (Series("runs", count, values, "points"),), (Band("limits", limit.low, limit.high),)))
+        band = Band("limits", limit.low, limit.high, limit.standing)
+        panels.append(Panel(name, (Series("runs", count, values, "points"),), (band,)))
     blocks: list[Block] = [draw_chart(Chart("The search", "run", tuple(panels), height=230))]
     if answer.best >= 0:
         best = answer.steps[answer.best]
@@ -137,7 +162,7 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         lead = f"{answer.quantity} = {number(best.quantity)}, the {'largest' if answer.maximise else 'least'} of {len(y)} runs."
     else:
         lead = f"None of {len(y)} runs keeps all limits."
-    notes = [answer.message] if answer.message else []
+    notes = [*([answer.message] if answer.message else []), *recalled(answer.constraints)]
     notes.append("A local search: another start may lead to a better place." if answer.starts == 1 else
                  f"{answer.starts} local searches from points spread over the bounds: there may be a better place still.")
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)

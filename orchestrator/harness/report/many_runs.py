@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,8 +13,10 @@ from ..charts.blocks import Block, Figure, Text
 from ..charts.chart import Band, Chart, Panel, Picture, Series
 from ..charts.charts import draw_chart
 from ..charts.style import INK, RISING, drawn, layout
+from ..many.limits import recalled
 
 if TYPE_CHECKING:
+    from ...settings.limits import LimitSettings
     from ..sweep import Sweep
 
 MOST_SHOWN = 6  # measures that have figures
@@ -31,8 +33,9 @@ class Table:
     varied: Mapping[str, np.ndarray]
     measured: Mapping[str, np.ndarray]
     units: Mapping[str, str]
-    limits: Mapping[str, tuple[float | None, float | None]]
+    limits: Mapping[str, LimitSettings]
     grid: bool
+    inside: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))  # (n,) whether a point keeps all limits
 
     def label(self, name: str) -> str:
         """With its unit of measure."""
@@ -41,15 +44,17 @@ class Table:
 
     def bands(self, name: str) -> tuple[Band, ...]:
         """The limits of a measure."""
-        low, high = self.limits.get(name, (None, None))
-        return (Band("limits", low, high),) if low is not None or high is not None else ()
+        limit = self.limits.get(name)
+        return (Band("limits", limit.low, limit.high, limit.standing),) if limit is not None else ()
 
 
 def table_of(sweep: Sweep) -> Table:
     """The points of a sweep that are done, with the measures that are worth a figure."""
     done = sweep.done
+    limits = {n: limit for n, limit in sweep.plan.limits.items() if n in sweep.measures}
+    inside = np.array([all(limit.keeps(sweep.measures[n][k]) for n, limit in limits.items()) for k in np.flatnonzero(done)])
     return Table({n: v[done] for n, v in sweep.varied.items()}, {n: sweep.measures[n][done] for n in shown(sweep)}, sweep.units,
-                 sweep.plan.limits, sweep.plan.method == "grid")
+                 limits, sweep.plan.method == "grid", inside.astype(bool))
 
 
 def shown(sweep: Sweep) -> list[str]:
@@ -63,7 +68,8 @@ def shown(sweep: Sweep) -> list[str]:
     for name in varying:  # what never differs from another one, such as the extremes of constants, is shown once
         if not any(np.array_equal(sweep.measures[name][done], sweep.measures[other][done]) for other in different):
             different.append(name)
-    return different[:MOST_SHOWN]
+    limited = sum(n in sweep.plan.limits for n in different)
+    return different[:max(MOST_SHOWN, limited)]
 
 
 def blocks(table: Table) -> list[Block]:
@@ -83,14 +89,10 @@ def blocks(table: Table) -> list[Block]:
 
 def outside_text(table: Table) -> Text | None:
     """How many points keep all limits."""
-    inside = np.ones(next(iter(table.varied.values())).size, dtype=bool)
-    for name, (low, high) in table.limits.items():
-        if name in table.measured:
-            x = table.measured[name]
-            inside &= (x >= (-np.inf if low is None else low)) & (x <= (np.inf if high is None else high))
-    if not any(name in table.measured for name in table.limits):
+    if not table.limits or not table.inside.size:
         return None
-    return Text([f"{int(inside.sum())} of {inside.size} points keep all limits."], "" if inside.all() else "note")
+    text = f"{int(table.inside.sum())} of {table.inside.size} points keep all limits."
+    return Text([text, *recalled(table.limits)], "" if table.inside.all() else "note")
 
 
 def map_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart | None:
@@ -109,7 +111,8 @@ def map_chart(table: Table, numeric: Mapping[str, np.ndarray]) -> Chart | None:
         values = np.full((levels[second].size, levels[first].size), np.nan)
         rows, columns = (np.searchsorted(levels[n], numeric[n][at]) for n in (second, first))
         values[rows, columns] = x[at]
-        limits = tuple(v for v in table.limits.get(name, ()) if v is not None)
+        limit = table.limits.get(name)
+        limits = tuple(v for v in (limit.low, limit.high) if v is not None) if limit is not None else ()
         unit = table.units.get(name, "")
         picture = Picture(levels[first], levels[second], values, "" if unit == "1" else unit, "range", limits)
         panels.append(Panel(table.label(second), (), title=name, picture=picture))

@@ -69,6 +69,7 @@ class Table:
     text: str
     rows: tuple[TableRow, ...]
     claims: tuple[Claim, ...] = ()  # of a paper
+    measures: str = ""  # "module:function" that gives the rows' measures of any run, where there is one
 
     def under(self, condition: str) -> tuple[TableRow, ...]:
         """The rows of one condition, such as "250 km/h"."""
@@ -94,7 +95,7 @@ def parse_table(name: str, text: str) -> Table:
                            nearest(row.claim, sorted(numbers)))
     if missing := [c.number for c in claims if c.kind == "finding" and c.number not in {r.claim for r in rows}]:
         raise BadInput(f"table {name}", f"no row for {', '.join(missing)}", "at least one measured row a finding")
-    return Table(name, data["title"], data["text"], rows, claims)
+    return Table(name, data["title"], data["text"], rows, claims, data.get("measures", ""))
 
 
 def table_rows(name: str, rows: Sequence[dict], sources: dict) -> tuple[TableRow, ...]:

@@ -118,7 +118,7 @@ def test_points_that_need_the_same_machine_code_are_known():
     ({"vary": {"units.m.presett": [""]}}, "'preset'"), ({"vary": {"m.effects.wear": [True]}}, "effect of m"),
     ({"vary": {"m.k": [1.0]}, "keep": {"interval": 0.1}}, "signals"),
     ({"vary": {"m.k": [1.0]}, "keep": {"functions": ["here"]}}, "module:function"),
-    ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, "low"),
+    ({"vary": {"m.k": [1.0]}, "limits": {"a": 3.0}}, r"limits\.a: 3\.0; expected a table"),
     ({"vary": {"m.k": [1.0]}, "sed": 3}, "'seed'"),
 ])
 def test_bad_plans_are_one_message(settings, named):

@@ -1,0 +1,104 @@
+"""Rows of validation tables as limits of columns, and whether runs keep them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from ....components.core.errors import BadInput, nearest
+from ...scene.files import read_toml
+from ...settings.answers import DesignSettings
+from ...settings.limits import LimitSettings, RowsSettings
+from ...settings.plan import PlanSettings
+from ...settings.study import wanted
+from ..validation.reference import TableRow, load_table, table_rows
+
+S = TypeVar("S", PlanSettings, DesignSettings)
+Limits = Mapping[str, LimitSettings]
+
+
+def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: Sequence[str] = ()) -> S:
+    """A plan or a design with the rows of its table among its limits, and what gives their measures among what is kept.
+
+    `folder`: of a table's file.  `table`, `conditions`: in the place of the settings' own.  Raises `BadInput`.
+    """
+    wanted_rows = RowsSettings(table=table, conditions=tuple(conditions)) if table else settings.rows
+    if conditions and not table:
+        raise BadInput("--condition", ", ".join(map(repr, conditions)), "a table, too", "Give --limits TABLE.")
+    if wanted_rows is None:
+        return settings
+    rows, function = _table(wanted_rows.table, Path() if table else folder)
+    chosen = _under(rows, wanted_rows)
+    field = "limits" if isinstance(settings, PlanSettings) else "constraints"
+    own: Limits = getattr(settings, field)
+    limits = {_column(r.measure): _limit(r) for r in chosen}
+    if twice := sorted(limits.keys() & own.keys()):
+        raise BadInput(field, f"{twice[0]!r}, which table {wanted_rows.table} has, too", "one range a column",
+                       f"Remove it from [{field}], or name other conditions of the table.")
+    quantities = [] if function else [c for c in limits if "," in c]
+    keep = settings.keep.model_copy(update={
+        "quantities": tuple(dict.fromkeys([*settings.keep.quantities, *quantities])),
+        "functions": tuple(dict.fromkeys([*settings.keep.functions, *([function] if function else [])]))})
+    return settings.model_copy(update={field: {**own, **limits}, "keep": keep, "rows": None})
+
+
+def check_limits(limits: Limits, units: Mapping[str, str]) -> None:
+    """Refuse limits of columns that runs do not have, and those in another unit. units: by column; "" where it is not known."""
+    for name, limit in limits.items():
+        if name not in units:
+            raise BadInput("limits", repr(name), 'a figure of summary.json, "unit.output, kind", or what an own function gives',
+                           nearest(name, units))
+        if limit.unit and units[name] not in ("", limit.unit):
+            raise BadInput(f"limits: {name}", f"unit {limit.unit!r}", f"{units[name]!r}, which the column has")
+
+
+def recalled(limits: Limits) -> list[str]:
+    """A sentence that names the limits whose ranges are recalled; none without any."""
+    names = [limit.quantity or name for name, limit in limits.items() if limit.standing == "recalled"]
+    return [f"recalled ranges, which no run passes or fails by: {'; '.join(names)}"] if names else []
+
+
+def _column(name: str) -> str:
+    """A measure as columns are named."""
+    return str(wanted(name)) if "," in name else name
+
+
+def _limit(row: TableRow) -> LimitSettings:
+    words = f"{row.quantity} ({row.condition})" if row.condition else row.quantity
+    return LimitSettings.model_validate({"low": None if row.low is None else float(row.low), "quantity": words, "unit": row.unit,
+                                         "high": None if row.high is None else float(row.high), "standing": row.standing,
+                                         "source": row.source})
+
+
+def _table(name: str, folder: Path) -> tuple[tuple[TableRow, ...], str]:
+    """Rows, and the function that gives their measures of a run; "" where they are columns as they are."""
+    if not name.endswith(".toml"):
+        table = load_table(name)
+        if not table.measures:
+            raise BadInput("rows: table", repr(name), "a table whose rows are of any run of a scene",
+                           f"The rows of {name} are of its case's own runs.")
+        return table.rows, table.measures
+    if not (folder / name).is_file():
+        raise BadInput("rows: table", repr(name), "the name of a shipped table, or a TOML file", f"There is no {folder / name}.")
+    data = read_toml(folder / name)
+    for key, kind in (("sources", Mapping), ("rows", list)):
+        if not isinstance(data.get(key), kind) or not data[key]:
+            raise BadInput(name, f"no {key!r}", "sources and rows, as in a case of one's own")
+    return table_rows(name, [{"condition": "", **row} for row in data["rows"]], data["sources"]), str(data.get("measures", ""))
+
+
+def _under(rows: Sequence[TableRow], settings: RowsSettings) -> list[TableRow]:
+    """Rows of the conditions; one of each measure."""
+    where, known = f"rows: table {settings.table}", list(dict.fromkeys(r.condition for r in rows))
+    for condition in settings.conditions:
+        if condition not in known:
+            raise BadInput(where, f"condition {condition!r}", "one of " + ", ".join(map(repr, known)), nearest(condition, known))
+    chosen = [r for r in rows if not settings.conditions or r.condition in settings.conditions]
+    measures = [_column(r.measure) for r in chosen]
+    for measure in measures:
+        if measures.count(measure) > 1:
+            clashing = [r.condition for r in chosen if _column(r.measure) == measure]
+            raise BadInput(where, f"{len(clashing)} ranges of {measure}, under {', '.join(map(repr, clashing))}",
+                           "conditions that hold together", 'Give conditions = ["..."] or --condition "...".')
+    return chosen
