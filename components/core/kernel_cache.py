@@ -21,6 +21,7 @@ from uuid import uuid4
 
 from numba import config
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
+from numba.core.runtime.nrt import rtsys
 
 from .closure import closure
 from .folders import cache_root
@@ -185,8 +186,10 @@ class KernelCache(FunctionCache):
         return self._open().cache_path
 
     def load_overload(self, sig, target_context):
-        load_array_functions()
-        return self._open().load_overload(sig, target_context)
+        overload = self._open().load_overload(sig, target_context)
+        if overload is None:  # it will be compiled
+            load_array_functions()
+        return overload
 
     def save_overload(self, sig, data):
         with suppress(OSError):
@@ -219,3 +222,14 @@ class _OpenCache(FunctionCache):
         self._cache_path = str(folder)
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest)
         self.enable()
+
+    def load_overload(self, sig, target_context):
+        """The machine code for a signature, or None.
+
+        It runs with Numba's runtime alone. Numba's own method first loads all that it can translate, which only a compilation
+        needs and does itself: a fifth of the start of a process that compiles nothing.
+        """
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+        return None

@@ -33,3 +33,13 @@ def test_nothing_heavy_is_imported(arguments):
 def test_importing_the_package_imports_none_of_its_parts():
     parts = {name for name in imported("-c", "import cosimo") if name.startswith("cosimo.")}
     assert not [name for name in parts if name.split(".")[1] in {"components", "fmus", "orchestrator", "tests"}]
+
+
+def test_no_part_of_a_run_or_of_its_summary_imports_scipy_before_it_calls_it():
+    """Numba looks whether SciPy is there, which loads its root and nothing of its parts."""
+    code = ("import cosimo.orchestrator.run\nfrom cosimo.orchestrator.systems import NAMES\n"
+            "for name in NAMES: exec(f'import cosimo.orchestrator.systems.{name}.summary')")
+    modules = imported("-c", code)
+    assert "cosimo.orchestrator.systems.wrist.summary" in modules
+    parts = {name for name in modules if name.startswith("scipy.") and not name.split(".")[1].startswith("_")}
+    assert parts <= {"scipy.version"}

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.distance import cdist
 
 from ....components.core.errors import BadInput
 
@@ -68,6 +67,8 @@ def recurrence_matrix(states: np.ndarray, threshold: float, metric: str = "eucli
         raise BadInput("recurrence", f"threshold {threshold:g}", "a positive distance")
     if not 2 <= len(states) <= MOST or not np.isfinite(states).all():
         raise BadInput("recurrence", f"{len(states)} states", f"2 to {MOST} finite ones", "Take every k-th sample.")
+    from scipy.spatial.distance import cdist
+
     return cdist(states, states, METRICS[metric]) <= threshold
 
 

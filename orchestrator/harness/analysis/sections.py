@@ -5,10 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ....components.core.errors import BadInput
 
@@ -18,6 +14,8 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
 
     Between samples by cubic splines over the angle: the speed may vary, its sign may not.
     """
+    from scipy.interpolate import CubicSpline  # SciPy takes longer to load than most runs take: only where it is called
+
     turned = np.unwrap(angle)
     if turned.size and turned[-1] < turned[0]:
         turned = -turned
@@ -33,6 +31,8 @@ def section(angle: np.ndarray, spacing: float, *signals: np.ndarray) -> list[np.
 
 def crossings(time: np.ndarray, surface: np.ndarray, *signals: np.ndarray) -> list[np.ndarray]:
     """Each signal (n,) where `surface` (n,) rises through zero, (k,): a Poincaré section; between samples by cubic splines."""
+    from scipy.interpolate import CubicSpline
+
     spline = CubicSpline(time, surface)
     roots = spline.roots(extrapolate=False)
     rising = roots[spline(roots, 1) > 0.0]
@@ -48,6 +48,10 @@ def swing_frequency(time: np.ndarray, angle: np.ndarray) -> float:
 
 def distinct(points: np.ndarray, tolerance: float) -> int:
     """Number of groups among points (k, d) that are linked by gaps of at most `tolerance`: the period, for a periodic motion."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
     return int(connected_components(links, directed=False)[0])

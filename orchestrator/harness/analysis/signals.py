@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal as dsp
 
 from ....components.core.errors import BadInput
 
@@ -48,16 +47,18 @@ class Filter:
         The causal pass starts as if the first sample had stood for ever; the zero-phase one extends both ends by odd
         reflection. So keep some periods of the cut-off between a window of interest and the ends of the signal.
         """
+        from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
+
         if not self.cutoff < 0.5 * rate:
             raise BadInput("filter", f"cut-off {self.cutoff:g} Hz at {rate:g} samples per second", f"less than {0.5 * rate:g} Hz")
         if not self.zero_phase:
-            sections = dsp.butter(self.order, self.cutoff, self.kind, fs=rate, output="sos")
-            return dsp.sosfilt(sections, x, zi=dsp.sosfilt_zi(sections) * x[0])[0]
+            sections = butter(self.order, self.cutoff, self.kind, fs=rate, output="sos")
+            return sosfilt(sections, x, zi=sosfilt_zi(sections) * x[0])[0]
         n = self.order // 2
         # The bilinear transform warps frequencies by tan; shifting the cut-off on the warped axis is exact at any rate.
         warped = np.tan(np.pi * self.cutoff / rate) * EDGE ** (-1.0 / n if self.kind == "lowpass" else 1.0 / n)
-        sections = dsp.butter(n, rate / np.pi * np.arctan(warped), self.kind, fs=rate, output="sos")
-        return dsp.sosfiltfilt(sections, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
+        sections = butter(n, rate / np.pi * np.arctan(warped), self.kind, fs=rate, output="sos")
+        return sosfiltfilt(sections, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
 
 
 def uniform(time: np.ndarray, *signals: np.ndarray) -> tuple[float, np.ndarray, list[np.ndarray]]:
@@ -114,12 +115,17 @@ def band(x: np.ndarray, rate: float, low: float, high: float, like: Filter) -> n
     return kept if low == 0.0 else Filter(low, like.order, like.zero_phase, "highpass").apply(kept, rate)
 
 
+def hann(n: int) -> np.ndarray:
+    """Weights (n,) of the periodic Hann window, sin(pi k / n)^2; 1 of a single sample."""
+    return np.sin(np.pi / n * np.arange(n)) ** 2 if n > 1 else np.ones(n)
+
+
 def amplitude_spectrum(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """(frequency in Hz, amplitude in units of x): single-sided, mean removed, Hann window.
 
     Scaled by the window's mean, so that a sine of amplitude A on a line of the spectrum reads A there.
     """
-    weights = dsp.windows.hann(x.size, sym=False)
+    weights = hann(x.size)
     amplitude = np.abs(np.fft.rfft((x - x.mean()) * weights)) * 2.0 / weights.sum()
     amplitude[0] *= 0.5
     if x.size % 2 == 0:
@@ -134,7 +140,7 @@ def amplitude_at(x: np.ndarray, rate: float, frequency: float) -> float:
     """
     if not 0.0 < frequency < 0.5 * rate:
         raise BadInput("amplitude", f"{frequency:g} Hz at {rate:g} samples per second", f"between 0 and {0.5 * rate:g} Hz")
-    weights = dsp.windows.hann(x.size, sym=False)
+    weights = hann(x.size)
     turning = np.exp(-2j * np.pi * frequency / rate * np.arange(x.size))
     return float(2.0 * abs(((x - x.mean()) * weights) @ turning) / weights.sum())
 

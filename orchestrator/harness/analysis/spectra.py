@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy import signal as dsp
 
 from ....components.core.errors import BadInput
-from .signals import Filter, amplitude_spectrum, band
+from .signals import Filter, amplitude_spectrum, band, hann
 
 TURN = 2.0 * np.pi
 HELD = 64  # samples a turn on which a signal is followed; far above any order that is asked for
@@ -20,7 +19,9 @@ def envelope(x: np.ndarray, rate: float, low: float, high: float) -> np.ndarray:
     if not 0.0 < low < high < 0.5 * rate:
         actual = f"{low:g} to {high:g} Hz at {rate:g} samples per second"
         raise BadInput("band of the envelope", actual, f"two rising frequencies between 0 and {0.5 * rate:g} Hz")
-    return np.abs(dsp.hilbert(band(x, rate, low, high, Filter())))
+    from scipy.signal import hilbert
+
+    return np.abs(hilbert(band(x, rate, low, high, Filter())))
 
 
 def envelope_spectrum(x: np.ndarray, rate: float, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
@@ -160,7 +161,7 @@ def follow(time: np.ndarray, angle: np.ndarray, x: np.ndarray, order: float = 1.
     t, real = np.interp(even, theta, time), np.interp(even, theta, x.real)
     held = real + 1j * np.interp(even, theta, x.imag) if np.iscomplexobj(x) else 2.0 * real
     turned = held * np.exp(-1j * order * even)
-    weights = dsp.windows.hann(n, sym=False)
+    weights = hann(n)
     starts = np.arange(0, even.size - n + 1, HELD)
     component = np.array([weights @ turned[k : k + n] for k in starts]) / weights.sum()
     middle = starts + n // 2
