@@ -157,6 +157,7 @@ class Component:
         self.x = np.zeros(0)
         self.t = 0.0
         self.counts = np.zeros(len(self.counters), dtype=np.int64)
+        self._used: tuple[Any, ...] = ()  # parameters of which each is known to have a part
         for key, value in {**preset_values, **(parameters or {})}.items():
             self.set(key, active[key].checked(value, self.name) if key in self._input_index else value)
 
@@ -268,7 +269,9 @@ class Component:
         self.t = float(t)
         self.u[1:] = 0.0
         self.counts[:] = 0
-        self.refuse_unused(n for n, value in self.parameters.items() if value != self._defaults[n])
+        if self._used != (values := tuple(self.parameters.values())):  # initialization is repeated
+            self.refuse_unused(n for n, value in self.parameters.items() if value != self._defaults[n])
+            self._used = values
         try:
             status = self._initialize(self.t) or self._start(self.t)
         except (ArithmeticError, np.linalg.LinAlgError) as error:

@@ -17,11 +17,11 @@ from .explicit import explicit_steps, move_window
 from .implicit import implicit_steps
 from .line.dropper_table import line_of
 from .line.form import Form, form_of
-from .line.from_table import unused_by
+from .line.from_table import support_positions, unused_by
 from .line.layout import Layout, uniform
 from .line.temperature import formed_layout
-from .mesh import NO_WIRE, add_droppers, build_mesh, packed, stiffness_of_wires, unpacked
-from .statics import loaded_equilibrium
+from .mesh import NO_WIRE, stiffness_of_wires, unpacked
+from .prepared import PreparedLine, prepared_line
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
@@ -286,7 +286,7 @@ class Catenary(Component):
     contact_compliance = output("m/N", "compliance that the mesh leaves out under the moving contact, in series with its spring",
                                 nominal=1e-6)
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
-    support_uplift = output("m", "uplift of the contact wire at a watched support", nominal=0.05, size=WATCHED)
+    support_uplift = output("m", "uplift of the contact wire at a watched support, 0 beyond the end", nominal=0.05, size=WATCHED)
 
     presets = {
         "EN 50318:2002": Preset(
@@ -313,20 +313,20 @@ class Catenary(Component):
         if implicit and e.moving_window is not None:
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
-        self.mesh = self._mesh_for(p, e)
-        self._packed = packed(self.mesh)
-        if p.substep > self._limit:
-            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {self._limit:.3g} s, the explicit method's limit",
+        line = self._line(p, e)
+        self.mesh, self._packed = line.mesh, line.packed
+        if p.substep > line.limit:
+            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {line.limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
         N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
-        rows = self._layout.lateral[:, :3]
-        self._points = contact_points(e, len(self._layout.contact_lanes))
+        rows = line.layout.lateral[:, :3]
+        self._points = contact_points(e, len(line.layout.contact_lanes))
         self._lateral = rows.copy() if rows.size else np.zeros((1, 3))
         loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
         for position, *_ in loads:
             if not in_range(position, self.mesh):
                 return OUT_OF_RANGE
-        q, taut, residual = loaded_equilibrium(self.mesh, loads, e.dropper_slackening is not None)
+        q, taut, residual = line.statics.under(loads, e.dropper_slackening is not None)
         # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
         contacts = [value for position, *_ in loads for value in (position, 0.0)]
         edges = [1.0, N // W - 2.0] if e.moving_window is not None else []
@@ -340,7 +340,7 @@ class Catenary(Component):
             self.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
         self._work = np.zeros((5, N))
         if implicit:
-            self._stiffness = stiffness_of_wires(self.mesh, 3 if e.bending_stiffness is not None else 2)
+            self._stiffness = line.wires
             self._band, self._factors = np.zeros((2, *self._stiffness.shape))
             self._factored = np.full(taut.size, -1.0)
             self._prepared = np.zeros(1)
@@ -384,19 +384,23 @@ class Catenary(Component):
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
-        self._mesh_for(*self._declared_arguments())
-        return self._limit
+        return self._line(*self._declared_arguments()).limit
 
     def form(self) -> Form:
         """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
         return form_of(self._layout_for(*self._declared_arguments()))
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
-        """See `Component.unused`; also what the table of a line leaves no use for, and what only the implicit method has."""
+        """See `Component.unused`; also what a line's table or the method has no use for, and a support beyond the end."""
         names = tuple(names)
         reasons = super().unused(names)
         if "spectral_radius" in names and self.parameters["method"] == "explicit":
             reasons["spectral_radius"] = "method 'explicit' has none"
+        if "first_watched_support" in names:
+            last = self.parameters["spans"] if "line_table" not in self.on else (
+                support_positions(line_of(self.parameters, self.name)).size - 1)
+            if self.parameters["first_watched_support"] > last:
+                reasons["first_watched_support"] = f"the last support of the line is number {last}"
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
         if "line_table" in self.on and rest:
             p, e = self._declared_arguments()
@@ -404,62 +408,19 @@ class Catenary(Component):
             reasons |= dict.fromkeys(unused, "line_table.table has it in every place")
         return reasons
 
+    def _line(self, p, e) -> PreparedLine:
+        """What the present parameters make, for all catenaries with the same; kept, for initialization is repeated."""
+        key = (type(self), self.on, tuple(self.parameters.values()))
+        if getattr(self, "_line_key", None) != key:
+            self._prepared_line = prepared_line(key, lambda: self._layout_for(p, e), p, e,
+                                                self.parameters["method"] == "implicit", self.name)
+            self._line_key = key
+        return self._prepared_line
+
     def _layout_for(self, p, e) -> Layout:
         if e.line_table is not None:
             return formed_layout(line_of(self.parameters, self.name), p, e.bending_stiffness, e.temperature)
         return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
-
-    def _mesh_for(self, p, e):
-        """Mesh of the present parameters, and with it the limit of the step, s, `_limit`.
-
-        Both are kept, because initialisation is repeated while the initial inputs converge.
-        """
-        key = tuple(self.parameters.values())
-        if getattr(self, "_mesh_key", None) != key:
-            # Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force
-            # that moves at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
-            layout = self._layout_for(p, e)
-            element_time = p.element * math.sqrt(layout.wires[0].mass / layout.wires[0].tension)
-            h2 = min(p.substep**2, 0.7 * element_time**2)
-            implicit = self.parameters["method"] == "implicit"
-            time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
-            if len(layout.contact_lanes) > 1 and e.second_wire is None:
-                raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
-                               "the effect second_wire", "Switch it on, here and at the pantographs.")
-            self._layout = layout
-            self._mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
-            self._limit = math.inf if implicit else self._explicit_limit(self._mesh, e.damping)
-            self._mesh_key = key
-        return self._mesh
-
-    @staticmethod
-    def _explicit_limit(mesh, damping) -> float:
-        """(omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of everything and of the wires alone."""
-        wires = stiffness_of_wires(mesh, 3)
-        taut = wires.copy()
-        taut[:, 0] += mesh.ground
-        add_droppers(taut, mesh, 1.0)
-        omega2 = _highest_eigenvalue(taut, mesh)
-        b = 2.0 * float(np.max(mesh.ground_damping * mesh.inverse_mass))
-        if damping is not None:
-            b += 2.0 * damping.beta * _highest_eigenvalue(wires, mesh)
-        return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
-
-
-def _highest_eigenvalue(stiffness: np.ndarray, mesh) -> float:
-    """Largest omega², 1/s², by power iteration; 2 % are added for what is still missing."""
-    W = mesh.bending_gradient.size
-    x = (-1.0) ** (np.arange(mesh.mass.size) // W) * (1.0 + 0.1 * np.sin(np.arange(mesh.mass.size)))
-    x[1::W] *= -1.0  # the wires swing against each other: droppers take part
-    value = 0.0
-    for _ in range(60):
-        x[mesh.clamped] = x[mesh.clamp]
-        force = banded_product(stiffness, x)
-        np.add.at(force, mesh.clamp, force[mesh.clamped])
-        y = mesh.inverse_mass * force
-        value = float(np.linalg.norm(y))
-        x = y / value
-    return 1.02 * value
 
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")

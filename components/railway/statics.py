@@ -14,46 +14,67 @@ from .line.layout import GRAVITY
 from .mesh import Mesh, add_droppers, add_springs, stiffness_band, stiffness_of_wires
 
 
-def loaded_equilibrium(mesh: Mesh, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
-    """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
+class Statics:
+    """Static equilibrium of a mesh under point loads. Keeps the stiffness, and the factors of two sets of taut droppers."""
 
-    Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
-    largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
-    """
-    N, W = mesh.mass.size, mesh.bending_gradient.size
-    stiffness = stiffness_of_wires(mesh, 3)
-    stiffness[:, 0] += mesh.ground
-    add_springs(stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
-    force = np.zeros(N)
-    for position, load, *wire in loads:
-        add_contact(position, load, force, wire[0] if wire else 0, mesh)
-    low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness
-    taut = np.ones(low.size)
-    for _ in range(100):
-        band, q = stiffness.copy(), force.copy()
-        add_droppers(band, mesh, taut)
-        np.subtract.at(q, low, mesh.preload * (1.0 - taut))
-        np.add.at(q, up, mesh.preload * (1.0 - taut))
-        q[:W], q[-W:] = 0.0, 0.0
-        factor_band(band, W, W, N - W)
-        solve_band(band, q, W, N - W)
-        tension = mesh.preload + k * (q[up] - q[low])
-        now = (tension > 0.0).astype(float) if unilateral else taut
-        if np.array_equal(now, taut):
-            change = np.where(taut > 0.0, tension, 0.0) - mesh.preload
-            unbalanced = force - banded_product(stiffness, q)
-            np.add.at(unbalanced, low, change)
-            np.subtract.at(unbalanced, up, change)
-            return q, taut, float(np.abs(unbalanced[W:-W]).max() / np.abs(mesh.preload).max())
-        taut = now
-    raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge", "Check the contact force")
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self.stiffness = stiffness_of_wires(mesh, 3)
+        self.stiffness[:, 0] += mesh.ground
+        add_springs(self.stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
+        self._by_column = np.asfortranarray(self.stiffness)  # of which `banded_product` takes column by column
+        self._factors: dict[bytes, np.ndarray] = {}
+
+    def under(self, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
+        """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
+
+        Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
+        largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
+        """
+        mesh = self.mesh
+        N, W = mesh.mass.size, mesh.bending_gradient.size
+        force = np.zeros(N)
+        for position, load, *wire in loads:
+            add_contact(position, load, force, wire[0] if wire else 0, mesh)
+        low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness
+        taut = np.ones(low.size)
+        for _ in range(100):
+            q = force.copy()
+            np.subtract.at(q, low, mesh.preload * (1.0 - taut))
+            np.add.at(q, up, mesh.preload * (1.0 - taut))
+            q[:W], q[-W:] = 0.0, 0.0
+            solve_band(self._factors_with(taut), q, W, N - W)
+            tension = mesh.preload + k * (q[up] - q[low])
+            now = (tension > 0.0).astype(float) if unilateral else taut
+            if np.array_equal(now, taut):
+                change = np.where(taut > 0.0, tension, 0.0) - mesh.preload
+                unbalanced = force - banded_product(self._by_column, q)
+                np.add.at(unbalanced, low, change)
+                np.subtract.at(unbalanced, up, change)
+                return q, taut, float(np.abs(unbalanced[W:-W]).max() / np.abs(mesh.preload).max())
+            taut = now
+        raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge",
+                         "Check the contact force")
+
+    def _factors_with(self, taut: np.ndarray) -> np.ndarray:
+        """Factors with the taut droppers' stiffness. Kept: all taut, with which every search begins, and the last other set."""
+        key = taut.tobytes()
+        if key not in self._factors:
+            band = self.stiffness.copy()
+            add_droppers(band, self.mesh, taut)
+            N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
+            factor_band(band, W, W, N - W)
+            if len(self._factors) > 1:
+                self._factors.popitem()
+            self._factors[key] = band
+        return self._factors[key]
 
 
 def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True, wire: int = 0) -> np.ndarray:
     """Static uplift per force at the given positions of a contact wire, 0 or 1, (len(positions),) m/N."""
-    result = []
+    result, statics = [], Statics(mesh)
     for position in positions:
-        q, _, _ = loaded_equilibrium(mesh, [(position, force, wire)], unilateral)
+        q, _, _ = statics.under([(position, force, wire)], unilateral)
         uplift = wire_height(position, q, wire, mesh) - wire_height(position, 0.0 * q, wire, mesh)
         result.append(uplift / force + contact_compliance(0.0, position, wire, mesh))
     return np.array(result)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -17,6 +18,7 @@ TURN = 2.0 * math.pi
 FASTEST_WATER = 5.0  # m/s, up to which the stable step of the propeller holds
 
 
+WITH_STATE = ("lag", "motor_lag", "propeller")  # effects that give a thruster a state
 LIMITS = ("forward_limit", "reverse_limit")  # parameters of the thruster without a curve
 
 
@@ -190,6 +192,14 @@ class Thruster(OdeComponent):
         speed = steady_speed(command, self.u[0, e.propeller.u], e.propeller)
         current = (command * e.propeller.supply_voltage - e.propeller.motor_constant * speed) / e.propeller.resistance
         return np.array([speed] if e.inductance is None else [speed, current])
+
+    def unused(self, names: Iterable[str]) -> dict[str, str]:
+        """See `Component.unused`; also the internal step of a thruster that integrates nothing."""
+        names = tuple(names)
+        reasons = super().unused(names)
+        if "substep" in names and not any(effect in self.on for effect in WITH_STATE):
+            reasons["substep"] = f"nothing is integrated without {', '.join(WITH_STATE[:-1])} or {WITH_STATE[-1]}"
+        return reasons
 
     def energy(self) -> float:
         """Energy of the turning propeller and of the inductance, J; 0 where a thruster has neither."""

@@ -61,6 +61,8 @@ def line_(
         "Parameter of Catenary that the table leaves out, such as messenger_tension=16000; may be repeated."))] = None,
     droppers: Annotated[Path | None, typer.Option("--droppers", help=(
         "CSV file of droppers in the place of the table's, such as a droppers.csv of this command."))] = None,
+    temperature: Annotated[float | None, typer.Option("--temperature", metavar="K", help=(
+        "Change of temperature against that of the table: tensions and heights of wires with fixed = true."))] = None,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of a table, for editors.")] = False,
     output: Annotated[Path | None, typer.Option("-o", "--output", help=(
         "Directory for droppers.csv, supports.csv and line.svg."))] = None,
@@ -74,7 +76,7 @@ def line_(
         return
     if table is None:
         raise BadInput("railway line", "no table", "the path of one", "Such as my-line.toml; --schema prints its keys.")
-    form, title = line.read(table, parameters_of(values or []), droppers)
+    form, title = line.read(table, parameters_of(values or []), droppers, temperature)
     show_line(form, title)
     if output is not None:
         print(f"wrote {', '.join(map(str, line.save(form, title, output)))}")

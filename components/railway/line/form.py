@@ -42,14 +42,12 @@ class Form:
 
 def find_form(line: Line, p: Any) -> Form:
     """Form of a line; p: parameters of `Catenary`."""
-    lengths = None
-    for _ in range(PASSES):
-        form = form_of(lay_out(line, p, None, lengths))
-        lengths = form.length
-        if np.any(lengths <= 0.0):
-            k = int(np.argmin(lengths))
-            raise BadInput("line", f"the dropper at {form.layout.droppers.position[k]:g} m would be {lengths[k]:.3g} m long",
-                           "a messenger above the contact wire", "Raise the system height, or the tension of the messenger.")
+    form = _hung(lay_out(line, p, None))
+    for _ in range(PASSES - 1):
+        layout = lay_out(line, p, None, form.length)
+        if _as_heavy(layout.droppers, form.layout.droppers):
+            break
+        form = _hung(layout)
     d = form.layout.droppers
     for name, tolerance, given, actual in (
             ("length", AGREED_LENGTH, d.length, form.length), ("cut length", AGREED_LENGTH, d.cut_length, form.cut_length),
@@ -61,6 +59,21 @@ def find_form(line: Line, p: Any) -> Form:
                            f"{actual[k]:.6g}, which follows from the rest of the line",
                            "Leave it out; or leave out the height, so that the cut length rules.")
     return form
+
+
+def _hung(layout: Layout) -> Form:
+    """`form_of` with droppers of positive length, or `BadInput`."""
+    form = form_of(layout)
+    if np.any(form.length <= 0.0):
+        k = int(np.argmin(form.length))
+        raise BadInput("line", f"the dropper at {layout.droppers.position[k]:g} m would be {form.length[k]:.3g} m long",
+                       "a messenger above the contact wire", "Raise the system height, or the tension of the messenger.")
+    return form
+
+
+def _as_heavy(one: Droppers, other: Droppers) -> bool:
+    """Whether masses and stiffnesses, all that depends on the lengths of droppers, are the same."""
+    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in ("stiffness", "mass_below", "mass_above"))
 
 
 def form_of(layout: Layout) -> Form:

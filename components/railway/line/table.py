@@ -12,6 +12,7 @@ import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 from ...core.errors import BadInput, nearest
@@ -245,19 +246,26 @@ def over(first: Any, *others: Any) -> Any:
 
     Of keys of which one alone has an effect, the first table that says one of them decides for all.
     """
-    groups = ALTERNATIVES.get(type(first), ())
-    rivals = {key: {other for group in groups if key in group for other in group} for group in groups for key in group}
+    tables, values = (first, *others), {}
+    for name, is_table, rivals in _keys(type(first)):
+        if is_table:
+            values[name] = over(*(getattr(t, name) for t in tables))
+            continue
+        values[name] = None
+        for t in tables:
+            value = getattr(t, name)
+            if value is not None or any(getattr(t, rival) is not None for rival in rivals):
+                values[name] = value
+                break
+    return type(first)(**values)
 
-    def merged(name: str, meta: Mapping[str, Any]) -> Any:
-        values = [getattr(t, name) for t in (first, *others)]
-        if meta["kind"] == "table":
-            return over(*values)
-        for t, value in zip((first, *others), values, strict=True):
-            if value is not None or any(getattr(t, rival) is not None for rival in rivals.get(name, ())):
-                return value
-        return None
 
-    return type(first)(**{f.name: merged(f.name, f.metadata) for f in fields(first)})
+@cache
+def _keys(kind: type) -> tuple[tuple[str, bool, tuple[str, ...]], ...]:
+    """Of each key of a table its name, whether it is a table itself, and the keys beside which it has no effect."""
+    groups = ALTERNATIVES.get(kind, ())
+    rivals = {key: tuple({other: None for group in groups if key in group for other in group}) for g in groups for key in g}
+    return tuple((f.name, f.metadata["kind"] == "table", rivals.get(f.name, ())) for f in fields(kind))
 
 
 def schema(kind: type = Line) -> dict[str, Any]:

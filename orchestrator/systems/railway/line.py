@@ -17,6 +17,7 @@ from ....components.railway.line.dropper_table import column_names, with_dropper
 from ....components.railway.line.form import Form, find_form
 from ....components.railway.line.layout import GRAVITY
 from ....components.railway.line.table import read_line
+from ....components.railway.line.temperature import line_at
 from ...output import ensure_directory
 from ...scene.files import read_text
 
@@ -29,10 +30,12 @@ PER_METRE, TALL, BESIDE = 8.0, 80.0, 120.0  # pixels a metre along, pixels a met
 MARGIN = 40.0  # pixels at the left and at the right
 
 
-def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None) -> tuple[Form, str]:
+def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None, temperature: float | None = None
+         ) -> tuple[Form, str]:
     """Form and title of the line in a file.
 
-    values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table.
+    values: parameters of `Catenary` for what it leaves out; droppers: a CSV file of them, in the place of those of the table;
+    temperature: K above that of the table, as of the effect `temperature`.
     """
     text = read_text(path, "line")
     line = read_line(text, str(path))
@@ -40,9 +43,13 @@ def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None) ->
     if droppers is not None:
         tables["line_table.droppers"] = read_text(droppers, "droppers")
         line = with_droppers(line, tables["line_table.droppers"], str(droppers))
-    catenary = Catenary(["line_table"], {**values, **tables})
+    change = {} if temperature is None else {"temperature.change": temperature}
+    catenary = Catenary(["line_table", *(["temperature"] if change else [])], {**values, **tables, **change})
     catenary.refuse_unused(values)
-    return find_form(line, catenary._declared_arguments()[0]), line.title or path.stem
+    p, title = catenary._declared_arguments()[0], line.title or path.stem
+    if temperature is None:
+        return find_form(line, p), title
+    return line_at(line, p, temperature)[1], f"{title}, {temperature:+g} K"
 
 
 def is_line(path: Path) -> bool:

@@ -189,6 +189,14 @@ def test_uplift_outputs_belong_to_the_watched_supports():
     assert uplift[4] == 0.0
 
 
+@pytest.mark.parametrize("line", [{"spans": 3}, {"line_table.table": "[[sections]]\nspans = [50, 60, 50]"}])
+def test_supports_beyond_the_end_are_not_watched(line):
+    effects = ["line_table"] if "spans" not in line else []
+    Catenary(effects, line | {"first_watched_support": 3}).refuse_unused(["first_watched_support"])
+    with pytest.raises(BadInput, match=r"first_watched_support = 7.*the last support of the line is number 3"):
+        Catenary(effects, line | {"first_watched_support": 7}).initialize(0.0)
+
+
 def test_wire_velocity_is_the_rate_of_the_height_at_a_fixed_point():
     catenary, _ = passage(spans=4)
     catenary.set("contact_position", 110.0)  # a point that swings freely

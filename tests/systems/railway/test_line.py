@@ -10,7 +10,7 @@ from cosimo.components.railway.contact import contact_compliance, wire_height
 from cosimo.components.railway.line.form import find_form, form_of
 from cosimo.components.railway.line.from_table import arm_of, resolved_sections
 from cosimo.components.railway.line.table import Arm, Support, read_line, schema
-from cosimo.components.railway.statics import elasticity, loaded_equilibrium
+from cosimo.components.railway.statics import Statics, elasticity
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.systems.railway.network import G, Network
 
@@ -140,7 +140,7 @@ def test_two_wires_share_a_force_as_in_the_network(forces):
     rest, _ = net.solve()
     for place in places:
         heights, _ = net.solve({("c", place): forces[0], ("d", place): forces[1]})
-        q, _, _ = loaded_equilibrium(made.mesh, [(place, forces[0], 0), (place, forces[1], 1)], True)
+        q, _, _ = Statics(made.mesh).under([(place, forces[0], 0), (place, forces[1], 1)], True)
         for wire, name in enumerate("cd"):
             at_rest = wire_height(place, 0.0 * q, wire, made.mesh)
             assert at_rest == pytest.approx(rest[name, place], abs=2e-6)

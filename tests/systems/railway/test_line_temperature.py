@@ -1,11 +1,15 @@
 """Wires that are anchored at both ends, at another temperature: closed forms of strings and energy of none."""
 
+import csv
+
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.table import read_line
 from cosimo.components.railway.line.temperature import line_at
+from cosimo.orchestrator.cli import app
+from typer.testing import CliRunner
 
 EA, ALPHA, WEIGHT, TENSION = 11.64e6, 1.7e-5, 24.84, 16e3
 
@@ -101,3 +105,19 @@ def test_the_effect_moves_the_wire_of_the_model():
     without = text.replace(f", axial_stiffness = {EA}", "")
     with pytest.raises(BadInput, match=r"messenger.*without axial_stiffness"):
         Catenary(["line_table", "temperature"], values | {"line_table.table": without}).form()
+
+
+def test_the_command_gives_the_droppers_of_a_warm_line(tmp_path):
+    file, text = tmp_path / "mine.toml", table([50, 60, 50], "tension = 22e3, mass = 1.35", 1.08, 6.0)
+    file.write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(app, ["railway", "line", str(file), "--temperature", "30", "-o", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    rows = list(csv.DictReader((tmp_path / "droppers.csv").open(encoding="utf-8")))
+    _, form = at(text, 30.0)
+    assert [float(row["height [m]"]) for row in rows] == pytest.approx(form.layout.droppers.height)
+    rest = Catenary(["line_table"], {"line_table.table": text}).form()
+    assert [float(row["cut length [m]"]) for row in rows] == pytest.approx(rest.cut_length, abs=1e-8)  # cut once for all
+    file.write_text(text.replace(", fixed = true", ""), encoding="utf-8")
+    done = CliRunner().invoke(app, ["railway", "line", str(file), "--temperature", "30"])
+    assert isinstance(done.exception, BadInput)
+    assert "automatic tensioning" in str(done.exception)

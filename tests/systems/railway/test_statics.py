@@ -5,7 +5,7 @@ import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.mesh import GRAVITY
-from cosimo.components.railway.statics import elasticity, loaded_equilibrium, messenger_shape, stiffness_series
+from cosimo.components.railway.statics import Statics, elasticity, messenger_shape, stiffness_series
 from cosimo.components.railway.wires import dropper_tension
 
 ROUNDING = 1e-9
@@ -83,16 +83,30 @@ def test_droppers_let_go_one_after_the_other():
     """Under a large force the equilibrium has slack droppers with no tension, taut ones with some, and no residual."""
     catenary = Catenary(["dropper_slackening"], {"spans": 3, "method": "implicit"})
     catenary.initialize(0.0)
-    counts = []
-    for force in (0.0, 100.0, 300.0, 900.0):
-        q, taut, residual = loaded_equilibrium(catenary.mesh, [(90.0, force)], True)
+    counts, kept = [], Statics(catenary.mesh)
+    for force in (0.0, 100.0, 300.0, 900.0, 300.0, 0.0):
+        q, taut, residual = Statics(catenary.mesh).under([(90.0, force)], True)
+        again, _, _ = kept.under([(90.0, force)], True)  # with factors of the forces before
+        assert np.array_equal(again, q)
         tension = np.array([dropper_tension(k, q, catenary.mesh, None) for k in range(taut.size)])
         assert np.array_equal(tension > 0.0, taut > 0.0)
         assert residual < 1e-10
         counts.append(int(np.sum(taut == 0.0)))
     assert counts[0] == 0
-    assert counts == sorted(counts)
-    assert counts[-1] >= 3
+    assert counts[:4] == sorted(counts[:4])
+    assert counts[4:] == counts[2::-2]
+    assert counts[3] >= 3
+
+
+def test_catenaries_of_the_same_parameters_share_a_line():
+    first, same, other = (Catenary(parameters={"spans": 2, "element": e, "method": "implicit"}) for e in (2.0, 2.0, 1.0))
+    for made in (first, same, other):
+        made.initialize(0.0)
+    assert same.mesh is first.mesh
+    assert other.mesh is not first.mesh
+    same.set("contact_wire_tension", 21e3)
+    same.initialize(0.0)
+    assert same.mesh is not first.mesh
 
 
 def test_sag_between_droppers_is_a_parabola():

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from cosimo.components.core.errors import BadInput
 from cosimo.components.rov.thrust_curve import T200_COMMAND, T200_THRUST, curve_command, curve_thrust
 from cosimo.components.rov.thruster import Thruster
 from scipy.linalg import expm
@@ -146,3 +147,9 @@ def test_a_small_inductance_changes_little():
         thruster.step(0.0, 0.01)
         runs.append(thruster["thrust"])
     assert runs[1] == pytest.approx(runs[0], rel=0.01)
+
+
+def test_an_internal_step_of_what_integrates_nothing_is_refused():
+    with pytest.raises(BadInput, match=r"substep = 0.002.*nothing is integrated without lag, motor_lag or propeller"):
+        started("static_curve", substep=2e-3)
+    assert started("static_curve", "lag", substep=2e-3).get("substep") == 2e-3
