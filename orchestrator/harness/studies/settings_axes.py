@@ -46,9 +46,9 @@ def coupling_changes(scene: Scene, algorithm: str, degree: int) -> dict[str, Any
 
 def substeps(scene: Scene) -> dict[str, float]:
     """Place in the scene -> internal step, s, of every component that integrates with a parameter `substep`."""
-    made = {name: make(name, unit) for name, unit in scene.units.items()
-            if unit.component and "substep" in component_class(unit.component, name).variables}
-    return {f"units.{name}.parameters.substep": float(component.get("substep")) for name, component in made.items()
+    components = {name: make(name, unit) for name, unit in scene.units.items()
+                  if unit.component and "substep" in component_class(unit.component, name).variables}
+    return {f"units.{name}.parameters.substep": float(component.get("substep")) for name, component in components.items()
             if not component.unused(["substep"])}
 
 

@@ -47,19 +47,24 @@ def reference_run(speed: float, options: Options) -> Result:
     return run(at_speed(load_scene("en50318-2002"), speed), in_process=options.in_process, progress=options.progress)
 
 
-def target_mean(speed: float) -> float:
-    """Mean force to be set at a speed in km/h, N: 0.00097 v² + 70, AC."""
-    return 0.00097 * speed**2 + 70.0
+def target_mean(speed: float, at_rest: float = 70.0) -> float:
+    """Mean force to be set at a speed in km/h, N: 0.00097 v² + 70 for AC; at_rest: 110 for 3 kV DC."""
+    return 0.00097 * speed**2 + at_rest
+
+
+def ac_simple_run(speed: float, options: Options) -> tuple[Result, float, float]:
+    """`set_mean_run` of EN 50318:2018 AC simple at a speed in km/h."""
+    return set_mean_run("en50318-2018-ac-simple", speed, target_mean(speed), options)
 
 
 @cache
-def ac_simple_run(speed: float, options: Options) -> tuple[Result, float, float]:
-    """EN 50318:2018 AC simple at a speed in km/h: the run, its static force in N, and the mean force in N of the trial.
+def set_mean_run(name: str, speed: float, target: float, options: Options) -> tuple[Result, float, float]:
+    """A scene of EN 50318:2018 at a speed in km/h: the run, its static force in N, and the mean force in N of the trial.
 
-    The mean force is a set quantity there. One trial in process with a guessed static force, which is then scaled by
-    target over mean; the base spring's share of the lift hardly changes in between, so that one trial is enough.
+    The mean force, `target` in N, is a set quantity there. One trial in process with a guessed static force, which is then scaled
+    by target over mean; the base spring's share of the lift hardly changes in between, so that one trial is enough.
     """
-    scene, target = load_scene("en50318-2018-ac-simple"), target_mean(speed)
+    scene = load_scene(name)
     force = "units.pantograph.parameters.static_force"
     guess = FORCE_PER_MEAN * target
     trial = run(at_speed(scene, speed, {force: guess}), in_process=True)
