@@ -142,4 +142,4 @@ MODELS = (
         "with an independent solver: how both wires share a force, too. Tensions and wires are recalled for a class of lines, "
         "the droppers' places measured in a drawing; speeds are a choice, and the standard's ranges are not known here."),
 )
-CASES = tuple(Case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)
+AC_SIMPLE, AC_STITCHED, DC_SIMPLE = (Case(m.name, m.title, m.text, "railway", partial(findings, m)) for m in MODELS)
