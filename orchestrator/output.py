@@ -20,6 +20,7 @@ from ..components.core.errors import BadInput
 from ..fmus.files import replaced
 
 PLOTLY = "plotly.min.js"  # beside the pages of a directory, which draw their figures with it
+SAMPLES_ENDING = ".samples.js"  # beside a page, with its name: what its lines show where one zooms in
 UNFINISHED = "unfinished"  # in a result directory: what a run is writing, or was writing when it was killed
 HOLDER = "holder.json"  # in it: who writes
 LEFT = re.compile(r"\..+\.[a-z0-9_]{8}\.part")  # names that `replaced` and checkpoints take

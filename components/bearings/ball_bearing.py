@@ -116,6 +116,7 @@ class TwoDofBearing(OdeComponent):
     """What the dimensional and the dimensionless bearing share; the dimensionless one replaces what has a unit."""
 
     system = "bearings"
+    start_inputs = ("load", "transverse_load")
 
     clearance = RadialClearance
     contact_damping = ContactDamping

@@ -141,6 +141,7 @@ class DeepGrooveBearing(Component):
     needs_scipy = True
     counters = ("steps",)
     default_step = 1e-4
+    start_inputs = ()
 
     film = Film
     damping = Damping

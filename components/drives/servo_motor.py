@@ -74,6 +74,7 @@ class ServoMotor(MotorParameters, EventComponent):
     title = "Servo motor with gear and wheel"
     system = "drives"
     default_stop = 0.5
+    start_inputs = ("voltage", "load_torque")  # whether the shaft sticks follows from what drives it
 
     saturation = Saturation
     shaft_friction = ShaftFriction

@@ -61,6 +61,7 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
 
     title = "Friction-wheel drive, whole"
     system = "friction_drive"
+    start_inputs = ("first_voltage", "second_voltage")  # whether a shaft sticks follows from what drives it
     guards_count = GUARDS + 2
 
     first_voltage = input_(0.0, "V", "voltage of the first motor", nominal=10.0)

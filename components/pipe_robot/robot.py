@@ -73,6 +73,9 @@ class PipeRobot(ShakenRobot):
     """
 
     title = "Pipe robot with inclined elastic elements"
+    start_inputs = (  # whether it sticks follows from what drives it
+        "harmonic_force.amplitude", "harmonic_force.frequency", "unbalance.torque", "tow.force", "route.slope",
+        "route.friction_factor")
 
     harmonic_force = HarmonicExciter
     prescribed_motion = PrescribedMotion

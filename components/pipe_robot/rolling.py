@@ -50,6 +50,9 @@ class RollingPipeRobot(ShakenRobot):
     """
 
     title = "Pipe robot on elastic rings with one-way rollers"
+    start_inputs = (  # whether it sticks follows from what drives it
+        "diameter", "taper", "harmonic_force.amplitude", "harmonic_force.frequency", "tow.force", "route.slope",
+        "route.friction_factor")
 
     harmonic_force = HarmonicForce
     tow = Tow

@@ -235,6 +235,9 @@ class Catenary(Component):
     title = "Distributed catenary with droppers"
     system = "railway"
     default_stop = 2.0
+    start_inputs = (
+        "contact_position", "contact_force", "second_pantograph.contact_position", "second_pantograph.contact_force",
+        "further_pantographs.contact_position", "further_pantographs.contact_force", "second_wire.contact_force")
     counters = ("steps", "solves", "factorizations")
 
     dropper_slackening = DropperSlackening

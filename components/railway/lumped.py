@@ -46,6 +46,7 @@ class LumpedCatenary(OdeComponent):
     title = "Lumped catenary with stiffness varying along the span"
     system = "railway"
     default_stop = 2.0
+    start_inputs = ("contact_position", "contact_force")
 
     inerter = Inerter
 

@@ -118,6 +118,10 @@ class BeamRotor(Component):
     system = "rotor"
     counters = ("steps", "factorizations")
     default_step = 1e-4
+    start_inputs = (
+        "force_x", "force_y", "bearing_a.force_x", "bearing_a.force_y", "bearing_a.moment_x", "bearing_a.moment_y",
+        "bearing_a.stiffness", "bearing_b.force_x", "bearing_b.force_y", "bearing_b.moment_x", "bearing_b.moment_y",
+        "bearing_b.stiffness", "frame_rotation.rate_x", "frame_rotation.rate_y")
 
     gyroscopic = Gyroscopic
     disks = Disks

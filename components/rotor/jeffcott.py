@@ -54,6 +54,7 @@ class JeffcottRotor(SmoothComponent):
     title = "Jeffcott rotor"
     system = "rotor"
     default_stop = 2.0
+    start_inputs = ("force_x", "force_y")
 
     unbalance = Unbalance
     internal_damping = InternalDamping

@@ -92,6 +92,9 @@ class RovController(SampledComponent):
     work_shape = (6, POSES)
     default_step = 0.02
     default_stop = 10.0
+    start_inputs = (  # sampled at the start
+        "position_north", "position_east", "depth", "quaternion_w", "quaternion_x", "quaternion_y", "quaternion_z", "surge",
+        "sway", "heave", "roll_rate", "pitch_rate", "yaw_rate", "available", "further_thrusters.available")
 
     inverse_curve = InverseCurve
     manoeuvre = Manoeuvre

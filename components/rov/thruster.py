@@ -130,6 +130,7 @@ class Thruster(OdeComponent):
     system = "rov"
     default_step = 0.02
     default_stop = 2.0
+    start_inputs = ("command", "propeller.advance_speed")
 
     static_curve = StaticCurve
     polynomial_curve = PolynomialCurve

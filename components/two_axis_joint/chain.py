@@ -137,6 +137,7 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     title = "Two-link chain"
     system = "two_axis_joint"
     default_stop = 10.0
+    start_inputs = ("first_torque", "second_torque")  # whether a joint sticks follows from what drives it
     guards_count = 3
 
     gravity = Gravity

@@ -43,6 +43,7 @@ class GimbalController(SampledComponent):
     system = "two_axis_joint"
     default_step = 2e-3
     default_stop = 5.0
+    start_inputs = ("outer_angle", "inner_angle", "outer_rate", "inner_rate")  # sampled at the start
 
     scan = Scan
 

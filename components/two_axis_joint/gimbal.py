@@ -173,6 +173,10 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
     title = "Body on two crossed axes"
     system = "two_axis_joint"
     default_stop = 5.0
+    start_inputs = (  # whether an axis sticks follows from what drives it
+        "outer_torque", "inner_torque", "base_motion.rate", "base_motion.acceleration", "base_motion.acceleration_x",
+        "base_motion.acceleration_y", "base_motion.acceleration_z", "payload.moment_x", "payload.moment_y",
+        "payload.moment_z")
     guards_count = 2
 
     gravity = Gravity

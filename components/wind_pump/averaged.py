@@ -43,6 +43,7 @@ class AveragedConverter(Transmission):
 
     title = "Inertial converter in the mean over a revolution"
     default_step = 5e-2
+    start_inputs = ("turbine_speed", "load_torque")
 
     gear_ratio = parameter(6.0, "1", "speed of the crank over that of the turbine", low=1e-3)
     crank_radius = parameter(0.05, "m", "radius of the crank", low=1e-6)

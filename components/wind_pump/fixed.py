@@ -36,6 +36,7 @@ class FixedTransmission(Transmission):
     """
 
     title = "Transmission of fixed ratio with a compliant shaft"
+    start_inputs = ("turbine_speed", "load_torque")
 
     gear_ratio = parameter(1.0, "1", "speed of the pump over that of the turbine", low=1e-3)
     stiffness = parameter(2000.0, "N.m/rad", "stiffness of the shaft", low=1e-3)

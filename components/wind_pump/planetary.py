@@ -68,6 +68,7 @@ class PlanetaryTransmission(Transmission):
     """
 
     title = "Planetary transmission with a braked third shaft"
+    start_inputs = ("turbine_speed", "load_torque")
     guards_count = 2
 
     dry_brake = DryBrake

@@ -52,7 +52,8 @@ def test_feedthrough_names_inputs(component):
     for name, variable in cls.variables.items():
         assert set(variable.feedthrough) <= inputs, name
         assert variable.causality is Causality.OUTPUT or not variable.feedthrough, name
-    assert set(cls.start_inputs or ()) <= inputs | {n.partition("[")[0] for n in inputs}
+    assert cls.start_inputs is not None, "from which inputs the start follows; () where from none"
+    assert set(cls.start_inputs) <= inputs | {n.partition("[")[0] for n in inputs}
 
 
 @pytest.mark.parametrize("component", CATALOGUE)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from cosimo.components.catalogue import component_class
 from cosimo.components.core.component import Component
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.high_order import STAGES
@@ -137,7 +136,7 @@ def test_outputs_follow_their_declared_inputs_only(configuration):
         component.restore(state)
 
 
-@over([c for c in CONFIGURATIONS if component_class(c.component).start_inputs is not None])
+@configurations
 def test_the_start_follows_from_its_declared_inputs_only(configuration):
     """Initialized with another value of an input that is not declared, and given the usual one afterwards, nothing differs."""
     usual = configuration.make()

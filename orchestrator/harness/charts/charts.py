@@ -22,6 +22,7 @@ from .style import (
     PURPLE,
     RAW,
     RISING,
+    SAMPLES,
     SHADES,
     SKY,
     VERMILION,
@@ -99,7 +100,7 @@ def draw_chart(chart: Chart) -> Figure:
         margin={"l": 66, "r": 90 if scaled else 20, "t": 62 + more, "b": 50},
         **drawing.axes,
     )
-    text = chart.text + (" Drawn with fewer points than computed; extremes are kept." if drawing.thinned else "")
+    text = chart.text + (" Drawn with fewer points; extremes are kept, zoom in for the rest." if drawing.thinned else "")
     return Figure(chart.title, {"data": drawing.data, "layout": figure_layout}, text)
 
 
@@ -360,6 +361,8 @@ def _trace(
         "line": {"color": colour, "width": 1 if s.faint else 1.8},
         "marker": marker,
     }
+    if cut and s.kind == "line":
+        trace[SAMPLES] = np.asarray(s.x, dtype=float), np.asarray(s.y, dtype=float)
     if s.labels:
         trace |= {"text": list(s.labels), "hovertemplate": "%{text}<br>%{y:.4g}<extra>%{fullData.name}</extra>"}
     return trace, cut

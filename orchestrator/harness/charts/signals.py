@@ -10,7 +10,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from .chart import Chart, Panel, Series
 from .charts import draw_chart
-from .style import CYCLE
+from .style import CYCLE, SAMPLES
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -40,6 +40,7 @@ def signal_figure(result: Result, signals: str | Iterable[str] | None = None, *,
         panels.setdefault(result.measures.get(name, ""), []).append(Series(label, result.time, values))
     chart = Chart(result.scene.title, "time, s", tuple(Panel(_axis(unit, s), tuple(s)) for unit, s in panels.items()))
     drawn = draw_chart(chart).figure
+    drawn = {**drawn, "data": [{k: v for k, v in trace.items() if k != SAMPLES} for trace in drawn["data"]]}
     if fig is None:
         title = {"text": chart.title, "x": 0.0, "xref": "paper", "y": 0.99, "yanchor": "top", "font": {"size": 15}}
         return Figure(drawn["data"], {**drawn["layout"], "title": title, "meta": {"units": list(panels)}})

@@ -30,6 +30,7 @@ DARK = {
     "#67a9cf": "#4386ad", "#f1a340": "#b8721f",
 }  # fmt: skip
 FONT = '"Source Sans 3", "Segoe UI", "Helvetica Neue", Arial, "Liberation Sans", sans-serif'
+SAMPLES = "samples"  # of a trace: all of what it shows the extremes of, (x, y); nothing that Plotly knows
 DRAWN_POINTS = 8_000  # per line; above it, drawing keeps the extremes of each pixel-wide bin
 
 
@@ -89,6 +90,12 @@ def line(
         "line": {"color": colour, "width": width, "dash": dash},
     }
     return base | ({"hovertemplate": hover + "<extra></extra>"} if hover else {}) | more
+
+
+def dense_line(x: np.ndarray, y: np.ndarray, *args: Any, points: int = DRAWN_POINTS, **more: Any) -> tuple[dict[str, Any], bool]:
+    """(a `line`, whether it has fewer points than there are samples): then a page shows the samples where one zooms in."""
+    xs, ys, thinned = thin_out(x, y, points)
+    return line(xs, ys, *args, **more) | ({SAMPLES: (x, y)} if thinned else {}), thinned
 
 
 def vertical(x: float, xref: str = "x", yref: str = "paper", *, colour: str = RULE, dash: str = "solid") -> dict[str, Any]:

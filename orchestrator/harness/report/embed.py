@@ -1,16 +1,22 @@
-"""Figures as they stand in a page: no more points than the page has room for, and numbers as bytes instead of text."""
+"""Figures as they stand in a page: no more points than the page has room for, and numbers as bytes instead of text.
+
+Lines that lose points there keep their samples in a file beside the page, from which they come where one zooms in.
+"""
 
 from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
 
-from ..charts.style import thin_out
+from ..charts.style import SAMPLES, thin_out
 
 ROOM = 170_000  # numbers of all figures of a page: about 0.9 MB
+ROOM_BESIDE = 2_000_000  # numbers of the file beside a page: about 11 MB
 LONG = 500  # points from which a line may be thinned, and the fewest that it then has
 PACKED = 50  # numbers from which an array becomes bytes
 
@@ -23,6 +29,44 @@ def embedded(figures: Sequence[Spec]) -> tuple[list[Spec], int]:
     rest = sum(_size(a) for figure in figures for trace in figure["data"] for a in _arrays(trace).values()) - 2 * sum(lines)
     points = _fitting(lines, ROOM - rest)
     return [{**figure, "data": [_packed(_thinned(t, points)) for t in figure["data"]]} for figure in figures], points
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What lines have lost. content: {"arrays": packed numbers, "lines": figure -> trace -> places of its x and y there}, both
+    counted from 0.  points: the most that a line has there, 0 where none lost any.
+    """
+
+    content: dict[str, Any]
+    points: int = 0
+
+
+def lost_samples(figures: Sequence[Spec], points: int) -> Samples:
+    """Samples of the lines that have fewer points in the page than there were. points: the most that a line has there."""
+    lost = {(k, i): samples for k, figure in enumerate(figures) for i, trace in enumerate(figure["data"])
+            if (samples := _samples(trace, points)) is not None and (np.diff(samples[0]) >= 0.0).all()}  # no orbits
+    most = _fitting([x.size for x, _ in lost.values()], ROOM_BESIDE)
+    arrays: list[Any] = []
+    places: dict[bytes, int] = {}  # most lines share their times
+    lines: dict[str, dict[str, tuple[int, ...]]] = {}
+    for (k, i), (x, y) in lost.items():
+        both = thin_out(x, y, most)[:2] if most else (x, y)
+        for values in both:
+            if (key := sha256(values.tobytes()).digest()) not in places:
+                places[key] = len(arrays)
+                arrays.append(_bytes(values))
+        lines.setdefault(str(k), {})[str(i)] = tuple(places[sha256(v.tobytes()).digest()] for v in both)
+    return Samples({"arrays": arrays, "lines": lines} if lines else {}, most)
+
+
+def _samples(trace: Spec, points: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """(x, y) of a line that has fewer points in the page, as floats; None of others."""
+    if SAMPLES in trace:
+        x, y = trace[SAMPLES]
+        return np.ascontiguousarray(x, dtype=float), np.ascontiguousarray(y, dtype=float)
+    if points and _is_long_line(trace) and len(trace["x"]) > points:
+        return _numbers(trace["x"]), _numbers(trace["y"])
+    return None
 
 
 def _fitting(lines: Sequence[int], room: int) -> int:
@@ -80,7 +124,8 @@ def _listed(values: np.ndarray) -> list[float | None]:
 
 def _packed(trace: Spec) -> Spec:
     """Long arrays as bytes, in single precision where neighbours stay apart; a gap, None, is NaN there."""
-    return {**trace, **{k: _bytes(_numbers(v)) for k, v in _arrays(trace).items() if _size(v) > PACKED}}
+    own = {k: v for k, v in trace.items() if k != SAMPLES}
+    return {**own, **{k: _bytes(_numbers(v)) for k, v in _arrays(trace).items() if _size(v) > PACKED}}
 
 
 def _bytes(values: np.ndarray) -> dict[str, str]:

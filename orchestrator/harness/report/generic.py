@@ -10,7 +10,7 @@ import numpy as np
 from ....components.core.errors import BadInput
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
-from ..charts.style import CYCLE, axis, layout, line, number, thin_out
+from ..charts.style import CYCLE, axis, dense_line, layout, number
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -100,9 +100,10 @@ def time_series(result: Result) -> list[Figure]:
             unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
         )
         for j, name in enumerate(members):
-            t, y, cut = thin_out(result.time, signals[name])
+            place = {"yaxis": "y" + k, "legend": "legend" + k}
+            trace, cut = dense_line(result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, **place)
             thinned |= cut
-            data.append(line(t, y, name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k))
+            data.append(trace)
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
     rest = len(names) - SHOWN_SIGNALS
     still = ", ".join(f"{n} = {number(float(signals[n][0]))}" for n in constant[:SHOWN_SIGNALS])
@@ -112,7 +113,7 @@ def time_series(result: Result) -> list[Figure]:
             [
                 f"{rest} more signals are in result.csv." if rest > 0 else "",
                 f"Constant: {still}{' and others' if len(constant) > SHOWN_SIGNALS else ''}." if constant else "",
-                "Drawn with fewer points than recorded; extremes are kept." if thinned else "",
+                "Drawn with fewer points than recorded; extremes are kept, zoom in for the rest." if thinned else "",
             ],
         )
     )

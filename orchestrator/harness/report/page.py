@@ -14,10 +14,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from ....fmus.files import replaced
-from ...output import PLOTLY
+from ...output import PLOTLY, SAMPLES_ENDING
 from ..charts.blocks import Block, Figure
 from ..charts.style import DARK
-from .embed import embedded
+from .embed import embedded, lost_samples
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,14 @@ def _asset(name: str) -> str:
 
 
 def write_page(page: Page, path: Path) -> Path:
-    """Render to `path`; Plotly goes beside it, once for all pages of a directory. Nothing is asked of any network."""
+    """Render to `path`; beside it go Plotly, once for all pages of a directory, and samples of lines that have no room in it.
+
+    Nothing is asked of any network.
+    """
     figures = [b for s in page.sections for b in s.blocks if isinstance(b, Figure)]
     specs, points = embedded([f.figure for f in figures])
+    samples = lost_samples([f.figure for f in figures], points)
+    beside = path.with_name(path.stem + SAMPLES_ENDING)
     html = (
         _environment()
         .get_template("page.html")
@@ -70,6 +75,8 @@ def write_page(page: Page, path: Path) -> Path:
             figure_number={id(f): i for i, f in enumerate(figures, 1)},
             specs=specs,
             points=points,
+            samples=beside.name if samples.content else "",
+            sample_points=samples.points,
             id=id,
             css=_asset("page.css"),
             dark=DARK,
@@ -78,6 +85,10 @@ def write_page(page: Page, path: Path) -> Path:
         )
     )
     path.parent.mkdir(parents=True, exist_ok=True)
+    beside.unlink(missing_ok=True)
+    if samples.content:
+        with replaced(beside) as file:
+            file.write(f"window.samples = {_as_json(samples.content)};\n")
     if figures:
         _put_plotly(path.with_name(PLOTLY))
     with replaced(path) as file:

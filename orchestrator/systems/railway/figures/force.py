@@ -19,6 +19,7 @@ from ....harness.charts.style import (
     RAW,
     VERMILION,
     axis,
+    dense_line,
     drawn,
     label,
     layout,
@@ -27,7 +28,6 @@ from ....harness.charts.style import (
     rectangle,
     standing_colour,
     standing_dash,
-    thin_out,
     tint,
     vertical,
 )
@@ -125,9 +125,9 @@ def _force_traces(passages: list[Passage], low_pass: Filter) -> tuple[list[dict[
             (force, "contact force at the macro step", pale, 1.0),
             (low_pass.apply(force, rate), f"filtered, {low_pass.cutoff:g} Hz", CYCLE[i], 2.2),
         ):
-            xs, ys, cut = thin_out(x, y)
+            trace, cut = dense_line(x, y, who + name, colour, width, hover="%{x:.1f} m: %{y:.1f} N")
             thinned |= cut
-            data.append(line(xs, ys, who + name, colour, width, hover="%{x:.1f} m: %{y:.1f} N"))
+            data.append(trace)
     return data, thinned
 
 

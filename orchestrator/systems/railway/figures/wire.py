@@ -18,13 +18,13 @@ from ....harness.charts.style import (
     RULE,
     VERMILION,
     axis,
+    dense_line,
     drawn,
     label,
     layout,
     line,
     rectangle,
     standing_colour,
-    thin_out,
     tint,
     vertical,
 )
@@ -46,18 +46,9 @@ def uplift_figure(result: Result, passages: list[Passage], rows: Sequence[Row]) 
     record = passages[0].record
     for k, (x, uplift) in enumerate(zip(passages[0].supports, record.uplifts, strict=True)):
         colour, inside = CYCLE[k % len(CYCLE)], start - 1e-6 <= x <= end + 1e-6
-        t, u, _ = thin_out(record.time, 1e3 * uplift, 4000)
-        data.append(
-            line(
-                t,
-                u,
-                f"support at {x:g} m",
-                colour,
-                2.0 if inside else 1.2,
-                dash="solid" if inside else "dot",
-                hover="%{x:.3f} s: %{y:.1f} mm",
-            )
-        )
+        trace, _ = dense_line(record.time, 1e3 * uplift, f"support at {x:g} m", colour, 2.0 if inside else 1.2, points=4000,
+                              dash="solid" if inside else "dot", hover="%{x:.3f} s: %{y:.1f} mm")
+        data.append(trace)
         for p in passages:
             if p.record.position[0] < x < p.record.position[-1]:
                 passing = float(np.interp(x, p.record.position, p.record.time))
