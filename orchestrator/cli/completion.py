@@ -198,6 +198,11 @@ def _files(incomplete: str) -> Iterator[str]:
                 yield folder + entry.name
 
 
+def scene_files(incomplete: str) -> list[str]:
+    """Scene files and folders."""
+    return sorted(name for name in _starting(_files(incomplete), incomplete) if name.endswith((".toml", "/")))
+
+
 def kinds_and_systems(incomplete: str) -> list[str]:
     """Of `cosimo list`."""
     return _starting(["components", "fmus", "scenes", "cases", *_answers["names"]["systems"]], incomplete)

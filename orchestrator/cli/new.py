@@ -202,7 +202,7 @@ The folder of `$module.py` must be on `PYTHONPATH`:
     cosimo build $module:$name                   # $name.fmu
     cosimo check $name.fmu
     cosimo stability component:$module:$name
-    cosimo schema -o scene.schema.json           # with it, editors complete and check $module.toml
+    cosimo schema $module.toml                   # with it, editors complete and check the scene
 '''
 
 

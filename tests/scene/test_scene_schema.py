@@ -81,3 +81,39 @@ def test_the_command_writes_it(tmp_path):
         main(["schema", "-o", str(tmp_path / "scene.schema.json")])
     assert not done.value.code
     assert json.loads((tmp_path / "scene.schema.json").read_text())["properties"]["stop_time"]
+
+
+def schema_for(*arguments):
+    with pytest.raises(SystemExit) as done:
+        main(["schema", *map(str, arguments)])
+    return done.value.code or 0
+
+
+def test_it_is_written_where_the_editor_of_a_scene_looks_for_it(tmp_path, capsys):
+    """With the path that shipped scenes have, in place of an old one; without a path beside the scene, which then names it."""
+    folder = tmp_path / "a" / "b" / "c" / "d"
+    folder.mkdir(parents=True)
+    shipped, own = folder / "shipped.toml", folder / "own.toml"
+    shipped.write_bytes(scene_files()["mass-on-spring"].read_bytes())
+    own.write_bytes(b"\xef\xbb\xbfstop_time = 1.0\r\n# \xc2\xb5\r\n")
+    (tmp_path / "scene.schema.json").write_text("of an earlier version")
+    assert schema_for(shipped, own) == 0
+    assert json.loads((tmp_path / "scene.schema.json").read_text()) == scene_schema()
+    assert (folder / "scene.schema.json").read_text() == (tmp_path / "scene.schema.json").read_text()
+    assert own.read_bytes() == b"#:schema scene.schema.json\nstop_time = 1.0\r\n# \xc2\xb5\r\n"
+    assert schema_for(own) == 0
+    assert own.read_bytes().count(b"#:schema") == 1
+    assert shipped.read_bytes() == scene_files()["mass-on-spring"].read_bytes()
+
+
+@pytest.mark.parametrize(("name", "content", "message"), [
+    ("missing.toml", None, "a scene file"), ("scene.ssd", b"<a/>", "a scene file"), ("latin.toml", b"title = '\xb5'", "UTF-8"),
+    ("far.toml", b"#:schema https://example.org/a.json\n", "the path of a file"),
+    ("none.toml", b"#:schema \n", "the path of a file"),
+])
+def test_what_has_no_place_for_it_is_refused(name, content, message, tmp_path, capsys):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    assert schema_for(tmp_path / name) == 2
+    assert message in capsys.readouterr().err
+    assert [p.name for p in tmp_path.iterdir()] == ([name] if content is not None else [])
