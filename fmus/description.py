@@ -124,8 +124,9 @@ def shared_files(name: str, component: Any, scalars: Iterable[Scalar], fmi: int 
     listed = [s for s in scalars if s.causality in ("input", "output")]
     ends = [s for s in listed if not s.order]
     picture = icon(name, *(sum(s.causality == c for s in ends) for c in ("input", "output")))
-    return {FILE: terminals_and_icons((s.name for s in ends), (s.name for s in listed if s.order)), ICON: picture,
-            **({"model.png": picture} if fmi == 2 else {}), "documentation/licenses/license.txt": LICENSE.read_bytes()}
+    return {FILE: terminals_and_icons((s.name for s in ends), component.ports, (s.name for s in listed if s.order)),
+            ICON: picture, **({"model.png": picture} if fmi == 2 else {}),
+            "documentation/licenses/license.txt": LICENSE.read_bytes()}
 
 
 def add_variable(parent: ET.Element, reference: int, scalar: Scalar) -> None:

@@ -1,7 +1,6 @@
-"""terminalsAndIcons/terminalsAndIcons.xml: the inputs and outputs of an FMU, gathered into terminals.
+"""terminalsAndIcons/terminalsAndIcons.xml: the ports of an FMU as terminals.
 
-Signals whose names share what stands before a dot are one terminal ("bearing_a.force_x"), all others the terminal `signals`.
-Members match by what stands behind the dot, so that two terminals connect as `*` does in a scene.
+Own signals of no declared port are the terminal `signals`. Members match by what stands behind the dot of a signal's name.
 
 Source: FMI 3.0.2, section 2.4.9; FMI 2.0 takes the same file, with the version that defines it.
 """
@@ -11,29 +10,31 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
+from ..components.core.ports import Declared, gathered
+
 OTHERS = "signals"
 FILE, ICON = "terminalsAndIcons/terminalsAndIcons.xml", "terminalsAndIcons/icon.png"
 
 
-def terminals(names: Iterable[str], companions: Iterable[str] = ()) -> dict[str, dict[str, str]]:
-    """Names of terminals -> member -> variable; only what has two members and more. `companions`: derivatives of inputs."""
-    groups: dict[str, dict[str, str]] = {}
-    for name in names:
-        group, _, member = name.rpartition(".")
-        groups.setdefault(group or OTHERS, {})[member] = name
+def terminals(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+    """Names of terminals -> member -> variable; only what has two members and more.
+
+    declared: ports of the component.  companions: derivatives of inputs.
+    """
+    groups = {port or OTHERS: members for port, members in gathered(names, declared).items()}
     if listed := list(companions):
         groups["derivatives"] = {name: name for name in listed}
     return {group: members for group, members in groups.items() if len(members) > 1}
 
 
-def terminals_and_icons(names: Iterable[str], companions: Iterable[str] = ()) -> bytes:
+def terminals_and_icons(names: Iterable[str], declared: Declared, companions: Iterable[str] = ()) -> bytes:
     """The file, for an icon as wide as high."""
     root = ET.Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
     graphics = ET.SubElement(root, "GraphicalRepresentation")
     corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
     ET.SubElement(graphics, "CoordinateSystem", {**corners, "suggestedScalingFactorTo_mm": "0.1"})
     ET.SubElement(graphics, "Icon", corners)
-    if groups := terminals(names, companions):
+    if groups := terminals(names, declared, companions):
         parent = ET.SubElement(root, "Terminals")
         for group, members in groups.items():
             terminal = ET.SubElement(parent, "Terminal", {"name": group, "matchingRule": "bus"})

@@ -142,6 +142,9 @@ class DeepGrooveBearing(Component):
     counters = ("steps",)
     default_step = 1e-4
     start_inputs = ()
+    ports = {"shaft": (  # what a rotor with a bearing's port gives and takes; the loads without a tangent are own signals
+        "displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y", "velocity_x", "velocity_y", "velocity_z",
+        "tilt_rate_x", "tilt_rate_y", "speed", "linearisation.*")}
 
     film = Film
     damping = Damping

@@ -21,6 +21,7 @@ import numpy as np
 
 from .errors import BadInput, StepFailed, nearest
 from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
+from .ports import Declared
 from .variables import Causality, Kind, Variable
 
 INITIALIZATION = ("initialize", "_initialize", "_start", "initial_state", "kernel_arguments")  # hooks
@@ -104,6 +105,7 @@ class Component:
     # inputs, of effects too, from which what initialization leaves behind follows, whatever is on; None where it is not declared
     start_inputs: ClassVar[tuple[str, ...] | None] = None
 
+    ports: ClassVar[Declared] = {}  # signals that go to one partner together
     own_variables: ClassVar[tuple[Variable, ...]] = ()
     effects: ClassVar[Mapping[str, type[Effect]]] = {}
     variables: ClassVar[Mapping[str, Variable]] = {}  # every scalar, of effects too, by full name

@@ -238,6 +238,7 @@ class Catenary(Component):
     start_inputs = (
         "contact_position", "contact_force", "second_pantograph.contact_position", "second_pantograph.contact_force",
         "further_pantographs.contact_position", "further_pantographs.contact_force", "second_wire.contact_force")
+    ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     counters = ("steps", "solves", "factorizations")
 
     dropper_slackening = DropperSlackening

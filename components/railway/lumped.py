@@ -47,6 +47,7 @@ class LumpedCatenary(OdeComponent):
     system = "railway"
     default_stop = 2.0
     start_inputs = ("contact_position", "contact_force")
+    ports = {"contact": ("contact_position", "contact_force", "wire_height")}
 
     inerter = Inerter
 

@@ -62,6 +62,7 @@ class Pantograph(OdeComponent):
     start_inputs = (
         "wire_height", "wire_compliance", "two_strips.wire_height", "two_strips.wire_compliance", "second_wire.wire_height",
         "second_wire.wire_compliance", "actuator.command", "base_excitation.height")
+    ports = {"contact": ("contact_position", "contact_force", "wire_height")}
     default_stop = 2.0
 
     contact_loss = ContactLoss

@@ -60,7 +60,7 @@ def _page(page: ComponentPage) -> str:
     drawing = sketch(page.name, [(p.name, p.inputs, p.outputs) for p in page.ports], units)
     return joined(
         f"# {page.name}: {page.title}", f"`{place}`, {used}", f'```{{raw}} html\n<div class="sketch">{drawing}</div>\n```',
-        "Inputs on the left, outputs on the right, with their units; those below a name in italics belong to that effect.",
+        "Inputs on the left, outputs on the right, with their units; those below a name in italics are that effect's or port's.",
         "## Equations", *map(_passage, page.text), _background(cls),
         "## Parameters", _variables(page, "parameter"),
         _section("## Inputs", _variables(page, "input")), _section("## Outputs", _variables(page, "output")),

@@ -121,6 +121,8 @@ def _component(name: str, effects: list[str], preset: str, parameters: Mapping[s
                      "adds": [f"{own[v].causality} {v.removeprefix(e.name + '.')}" for v in e.variables], "states": e.states,
                      **({"step": costs[e.name]} if timed else {}), "what": e.text.partition("\n\n")[0].replace("\n", " ")}
                     for e in page.effects],
+        "ports": [{"name": port.name or "own signals", "inputs": list(port.inputs), "outputs": list(port.outputs)}
+                  for port in page.ports],
         "presets": [{"name": p.name, "source": p.source, "provenance": p.provenance} for p in page.presets],
         "hard_cases": [{"name": c.name, "what": c.text, "holds": "; ".join(c.holds)} for c in page.hard_cases],
         "scenes": [{"name": scene, "title": title} for scene, title in page.scenes.items()],

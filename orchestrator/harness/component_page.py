@@ -21,6 +21,7 @@ from typing import Any
 from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component, Effect
 from ...components.core.errors import BadInput
+from ...components.core.ports import gathered
 from ...components.core.variables import Causality, Variable
 from ..scene.drawing import Drawing, sketch
 from ..scene.files import read_file, scene_files
@@ -92,7 +93,7 @@ class PresetRow:
 
 @dataclass(frozen=True)
 class Port:
-    """Signals that belong together: those of an effect, or with the name "" those that are always there."""
+    """Signals that go to one partner together: a declared port, what is left of an effect, or "" the rest."""
 
     name: str
     inputs: tuple[str, ...]
@@ -130,8 +131,9 @@ class ComponentPage:
 
     def sketch(self) -> Drawing:
         """A box with the signals that are always there, as SVG."""
-        own = next((port for port in self.ports if not port.name), Port("", (), ()))
-        return sketch(self.title, self.name.rpartition(":")[2], own.inputs, own.outputs)
+        inputs, outputs = ([v.name for v in self.variables if v.causality == c.value and "." not in v.name]
+                           for c in (Causality.INPUT, Causality.OUTPUT))
+        return sketch(self.title, self.name.rpartition(":")[2], inputs, outputs)
 
     def to_json(self) -> dict[str, Any]:
         """Plain data: dictionaries, lists, texts and numbers."""
@@ -161,7 +163,7 @@ def _page(name: str, cls: type[Component], states: Mapping[str, int | None]) -> 
         tuple(_variable(v, full, cls) for v, full in variables),
         tuple(_effect(e, effect, states.get(e)) for e, effect in cls.effects.items()),
         tuple(PresetRow(n, p.source, p.standing, p.effects, p.parameters) for n, p in cls.presets.items()),
-        tuple(_ports([(v.causality, full) for v, full in variables], {v.name for v in cls.own_variables})),
+        tuple(_ports({full: v.causality for v, full in variables}, cls)),
         tuple(HardCaseRow(c.name, c.text, _claims(c.holds)) for c in declared().get(name, ())),
         {scene: title for scene, (title, used) in _scenes().items() if name in used},
         states.get(""), cls.counters, cls.default_step, cls.default_stop)
@@ -181,13 +183,11 @@ def _effect(name: str, effect: type[Effect], states: int | None) -> EffectRow:
                      tuple(f"{name}.{v.name}" for v in effect.variables), states)
 
 
-def _ports(variables: Sequence[tuple[Causality, str]], own: set[str]) -> Iterator[Port]:
-    groups: dict[str, tuple[list[str], list[str]]] = {}
-    for causality, name in variables:
-        if causality is not Causality.PARAMETER:
-            group = groups.setdefault("" if name in own else name.partition(".")[0], ([], []))
-            group[causality is Causality.OUTPUT].append(name)
-    return (Port(name, tuple(inputs), tuple(outputs)) for name, (inputs, outputs) in groups.items())
+def _ports(signals: Mapping[str, Causality], cls: type[Component]) -> Iterator[Port]:
+    ends = [name for name, causality in signals.items() if causality is not Causality.PARAMETER]
+    for port, members in gathered(ends, cls.ports).items():
+        inputs, outputs = (tuple(n for n in members.values() if signals[n] is c) for c in (Causality.INPUT, Causality.OUTPUT))
+        yield Port(port, inputs, outputs)
 
 
 def _claims(holds: Any) -> tuple[str, ...]:

@@ -26,11 +26,12 @@ class Box:
 
 
 class Arrow(NamedTuple):
-    """Signals from one box to another."""
+    """Signals from one box to another. port: what all of them are at one end, "" where they are not one port."""
 
     source: str
     target: str
     signals: tuple[str, ...]
+    port: str = ""
 
 
 class Drawing(str):
@@ -49,7 +50,7 @@ def draw(boxes: Sequence[Box], arrows: Iterable[Arrow], title: str = "") -> Draw
     """Boxes in columns, so that arrows go to the right where that is possible; one line between two boxes, both ways."""
     arrows = list(arrows)
     columns = _columns([box.name for box in boxes], arrows)
-    pairs = list(dict.fromkeys((a, b) if columns[a] <= columns[b] else (b, a) for a, b, _ in arrows))
+    pairs = list(dict.fromkeys((a, b) if columns[a] <= columns[b] else (b, a) for a, b, *_ in arrows))
     tall = {box.name: _height(box.name, pairs) for box in boxes}
     members = _members(columns)
     sizes = {column: sum(tall[n] + GAP_Y for n in names) - GAP_Y for column, names in members.items()}
@@ -88,6 +89,7 @@ def _lines(arrows: Sequence[Arrow], pairs: Sequence[tuple[str, str]], place: Map
            tall: Mapping[str, float]) -> Iterator[str]:
     """A curve for each pair of boxes between which something goes, with its ends spread over their sides."""
     signals = {(a.source, a.target): a.signals for a in arrows}
+    ports = {(a.source, a.target): a.port for a in arrows}
     right, left = _ends(pairs, 0, place, tall), _ends(pairs, 1, place, tall)
     for a, b in pairs:
         there, back = signals.get((a, b), ()), signals.get((b, a), ()) if a != b else ()
@@ -96,13 +98,14 @@ def _lines(arrows: Sequence[Arrow], pairs: Sequence[tuple[str, str]], place: Map
         if a == b:
             x, y = x + WIDTH * 0.7, y + tall[a]
             path = f"M{x:.0f} {y:.0f}c0 {LOOP} -{WIDTH * 0.4:.0f} {LOOP} -{WIDTH * 0.4:.0f} 0"
-            labels = _label(there, x, y + 18, "start")
+            labels = _label(there, ports.get((a, b), ""), x, y + 18, "start")
             tips = f"M{x - WIDTH * 0.4:.0f} {y:.0f}l-4 8h8z"
         else:
             x, y, to_y = x + WIDTH, y + right[a, b], to_y + left[a, b]
             middle = 0.5 * (x + to_x)
             path = f"M{x:.0f} {y:.0f}C{middle:.0f} {y:.0f} {middle:.0f} {to_y:.0f} {to_x:.0f} {to_y:.0f}"
-            labels = _label(there, to_x - 12, to_y - 4, "end") + _label(back, x + 12, y + 12, "start")
+            labels = (_label(there, ports.get((a, b), ""), to_x - 12, to_y - 4, "end")
+                      + _label(back, ports.get((b, a), ""), x + 12, y + 12, "start"))
             tips = (f"M{to_x:.0f} {to_y:.0f}l-8 -4v8z" if there else "") + (f"M{x:.0f} {y:.0f}l8 -4v8z" if back else "")
         yield (f'<g><title>{escape(hint)}</title><path d="{path}" fill="none" stroke="currentColor"/><path d="{tips}"/>'
                f"{labels}</g>")
@@ -122,12 +125,13 @@ def _listed(source: str, target: str, signals: tuple[str, ...]) -> tuple[str, ..
     return (f"{source} to {target}:", *signals) if signals else ()
 
 
-def _label(signals: tuple[str, ...], x: float, y: float, anchor: str) -> str:
+def _label(signals: tuple[str, ...], port: str, x: float, y: float, anchor: str) -> str:
     if not signals:
         return ""
     first = signals[0].partition(" to ")[0]
-    text = first if len(signals) == 1 else f"{_short(first, LETTERS - 5)} +{len(signals) - 1}"
-    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" font-size="10">{escape(_short(text))}</text>'
+    if len(signals) > 1:
+        first = f"{_short(port, LETTERS - 5)} ({len(signals)})" if port else f"{_short(first, LETTERS - 5)} +{len(signals) - 1}"
+    return f'<text x="{x:.0f}" y="{y:.0f}" text-anchor="{anchor}" font-size="10">{escape(_short(first))}</text>'
 
 
 def _short(text: str, most: int = LETTERS) -> str:

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import PrivateAttr, ValidationError
 
+from ...components.catalogue import component_class
 from ...components.core.errors import BadInput, nearest
+from ...components.core.ports import port_of
 from ..engine.coupling import Coupling, resolve_coupling
 from ..loading import loading
 from ..settings import AnalysisKeys, SceneSettings
@@ -63,18 +65,23 @@ class Scene(SceneSettings):
     def show(self) -> Drawing:
         """Units and connections as SVG: a notebook shows it, `save(path)` writes it to a file."""
         interfaces = self.coupling.interfaces
+        declared = {n: component_class(u.component).ports if u.component else {} for n, u in self.units.items()}
         signals: dict[tuple[str, str], list[str]] = {}
+        ports: dict[tuple[str, str], set[str]] = {}
         for link in (*self.coupling.links, *self.coupling.texts):
             names = (link.source[1], link.target[1])
             signals.setdefault((link.source[0], link.target[0]), []).append(
                 names[0] if names[0] == names[1] else " to ".join(names))
+            ports.setdefault((link.source[0], link.target[0]), set()).add(
+                next(filter(None, (port_of(n, declared.get(u, {})) for u, n in (link.source, link.target))), ""))
         boxes = [Box(contact.name, (f"contact, {contact.law}",)) for contact in self.contacts]
         for name, unit in self.units.items():
             effects = [e for e, why in interfaces[name].effects.items() if why]
             kind = unit.component.rpartition(":")[2] or Path(unit.fmu).name
             hint = "\n".join((f"{name}: {interfaces[name].title or kind}", *(f"effect {e}" for e in effects)))
             boxes.append(Box(name, (kind, ", ".join(effects)), hint))
-        return draw(boxes, (Arrow(a, b, tuple(names)) for (a, b), names in signals.items()), self.title or self.name)
+        return draw(boxes, (Arrow(a, b, tuple(names), "".join(ports[a, b]) if len(ports[a, b]) == 1 else "")
+                            for (a, b), names in signals.items()), self.title or self.name)
 
     def _repr_html_(self) -> str:
         return f"<b>{escape(self.title or self.name)}</b><br>{self.show()}"

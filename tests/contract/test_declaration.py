@@ -10,6 +10,7 @@ import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.measure import parse
+from cosimo.components.core.ports import gathered
 from cosimo.components.core.variables import Causality, Kind
 from cosimo.tests.contract.configurations import FACTS, SMALL, compatible, in_plain_python
 
@@ -54,6 +55,19 @@ def test_feedthrough_names_inputs(component):
         assert variable.causality is Causality.OUTPUT or not variable.feedthrough, name
     assert cls.start_inputs is not None, "from which inputs the start follows; () where from none"
     assert set(cls.start_inputs) <= inputs | {n.partition("[")[0] for n in inputs}
+
+
+@pytest.mark.parametrize("component", CATALOGUE)
+def test_ports_name_signals_and_each_has_one_of_a_name(component):
+    cls = component_class(component)
+    signals = [v.name for v in cls.own_variables if v.causality is not Causality.PARAMETER]
+    signals += [f"{e}.{v.name}" for e, effect in cls.effects.items() for v in effect.variables
+                if v.causality is not Causality.PARAMETER]
+    taken = [s for port in cls.ports.values() for s in port]
+    assert len(taken) == len(set(taken))
+    assert set(taken) <= {*signals, *(f"{e}.*" for e in cls.effects)}
+    assert sum(map(len, gathered(signals, cls.ports).values())) == len(signals)  # none took the place of another
+    assert not {*cls.ports} & {*cls.effects, "signals", "derivatives"}
 
 
 @pytest.mark.parametrize("component", CATALOGUE)

@@ -97,16 +97,26 @@ def test_terminals_fit_the_schema_and_name_variables_of_the_fmu(name):
 
 
 def test_a_rotor_and_a_bearing_match_member_by_member():
-    """All that the rotor gives to and takes from a bearing is in two terminals of the bearing, as scenes connect them."""
+    """All that the rotor gives to and takes from a bearing is in one terminal of the bearing, as scenes connect them."""
     ends = {n: [s for s in interface(component_class(n)) if s.causality != "parameter" and not s.order]
             for n in ("BeamRotor", "DeepGrooveBearing")}
-    rotor, bearing = (terminals(s.name for s in group) for group in ends.values())
+    rotor, bearing = (terminals((s.name for s in group), component_class(n).ports) for n, group in ends.items())
     causality = {n: {s.name: s.causality for s in group} for n, group in ends.items()}
     port = rotor["bearing_a"]
     given = {m for m, v in port.items() if causality["BeamRotor"][v] == "output"}
     assert len(given) == 9
-    assert {m for m, v in bearing["signals"].items() if causality["DeepGrooveBearing"][v] == "input"} >= given
-    assert set(port) - given <= set(bearing["linearisation"])
+    shaft = {m: causality["DeepGrooveBearing"][v] for m, v in bearing["shaft"].items()}
+    assert {m for m, c in shaft.items() if c == "input"} >= given
+    assert {m for m, c in shaft.items() if c == "output"} >= set(port) - given
+    assert "linearisation" not in bearing
+
+
+def test_a_pantograph_and_a_catenary_match_member_by_member():
+    pantograph, catenary = ({s.name: s.causality for s in interface(component_class(n))} for n in ("Pantograph", "Catenary"))
+    ends = [terminals((n for n, c in i.items() if c != "parameter"), component_class(name).ports)["contact"]
+            for name, i in (("Pantograph", pantograph), ("Catenary", catenary))]
+    assert set(ends[0]) == set(ends[1]) == {"contact_position", "contact_force", "wire_height"}
+    assert all({pantograph[ends[0][m]], catenary[ends[1][m]]} == {"input", "output"} for m in ends[0])
 
 
 def test_arrays_of_fmi_3_are_one_variable_with_a_type():

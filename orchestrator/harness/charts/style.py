@@ -92,10 +92,12 @@ def line(
     return base | ({"hovertemplate": hover + "<extra></extra>"} if hover else {}) | more
 
 
-def dense_line(x: np.ndarray, y: np.ndarray, *args: Any, points: int = DRAWN_POINTS, **more: Any) -> tuple[dict[str, Any], bool]:
+def dense_line(
+    x: np.ndarray, y: np.ndarray, name: str, colour: str, width: float = 1.8, *, points: int = DRAWN_POINTS, **more: Any
+) -> tuple[dict[str, Any], bool]:
     """(a `line`, whether it has fewer points than there are samples): then a page shows the samples where one zooms in."""
     xs, ys, thinned = thin_out(x, y, points)
-    return line(xs, ys, *args, **more) | ({SAMPLES: (x, y)} if thinned else {}), thinned
+    return line(xs, ys, name, colour, width, **more) | ({SAMPLES: (x, y)} if thinned else {}), thinned
 
 
 def vertical(x: float, xref: str = "x", yref: str = "paper", *, colour: str = RULE, dash: str = "solid") -> dict[str, Any]:

@@ -100,8 +100,8 @@ def time_series(result: Result) -> list[Figure]:
             unit if unit not in ("", "1") else "–", grid=True, domain=[max(0.0, top - tall), top], anchor="x"
         )
         for j, name in enumerate(members):
-            place = {"yaxis": "y" + k, "legend": "legend" + k}
-            trace, cut = dense_line(result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, **place)
+            trace, cut = dense_line(
+                result.time, signals[name], name, CYCLE[j % len(CYCLE)], 1.4, yaxis="y" + k, legend="legend" + k)
             thinned |= cut
             data.append(trace)
         axes["legend" + k] = {"x": 1.01, "xanchor": "left", "y": top, "yanchor": "top", "font": {"size": 11}, "orientation": "v"}
