@@ -143,7 +143,8 @@ class MultirateUnit:
             self._past.push(self._given, self._length)
             self._t0 = t
         self._count += 1
-        self._length = h if self._count == 1 else t - self._t0 + h
+        equal = self._count == 1 or self._length == (self._count - 1) * h  # then no difference of times rounds the length
+        self._length = self._count * h if equal else self._length + h
         if self._count == self.every or t + h >= self._end * (1.0 - ROUNDING):
             if self._aim is not None:
                 self.unit.drive(*self._own.towards(self._aim, self._length), self._length)

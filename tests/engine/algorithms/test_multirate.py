@@ -38,6 +38,20 @@ def masses(rates: dict, algorithm: str, step: float, degree: int, stop: float = 
     return scene
 
 
+def spied_steps(monkeypatch) -> list[tuple[str, float, float]]:
+    """A list that will hold the steps of components: unit, time, length."""
+    calls, wire = [], ComponentUnit.wire
+
+    def spied(self, inputs, outputs):
+        wire(self, inputs, outputs)
+        step = self.step
+        self.step = lambda t, h: (calls.append((self.name, t, h)), step(t, h))
+
+    monkeypatch.setattr(ComponentUnit, "wire", spied)
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.adaptive.batch_loop_for", lambda *_: None)
+    return calls
+
+
 def slope(errors) -> float:
     return -np.polyfit(np.log(2.0) * np.arange(len(errors)), np.log(errors), 1)[0]
 
@@ -83,16 +97,9 @@ def test_a_slow_unit_with_known_inputs_is_as_good_as_its_own_steps():
 @pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
 def test_it_steps_when_the_others_are_there_and_holds_its_outputs_until_then(algorithm, monkeypatch):
     """Calls of 10 macro steps with every = 4: at the 4th, at the 8th, and over the two that are left at the end."""
-    calls = []
-    wire = ComponentUnit.wire
-
-    def spied(self, inputs, outputs):
-        wire(self, inputs, outputs)
-        step = self.step
-        self.step = lambda t, h: (calls.append((self.name, round(t, 9), round(t + h, 9))), step(t, h))
-
-    monkeypatch.setattr(ComponentUnit, "wire", spied)
+    calls = spied_steps(monkeypatch)
     result = run(read_scene(masses({"b": 4}, algorithm, 0.01, 1, stop=0.1)))
+    calls = [(name, round(t, 9), round(t + h, 9)) for name, t, h in calls]
     slow = [(begin, end) for name, begin, end in calls if name == "b"]
     assert slow == [(0.0, 0.04), (0.04, 0.08), (0.08, 0.1)]
     for k, call in enumerate(calls):
@@ -104,6 +111,20 @@ def test_it_steps_when_the_others_are_there_and_holds_its_outputs_until_then(alg
     assert len(set(x)) == 4
     assert result.info["counters"]["units"]["b"]["steps"] == 3
     assert result.info["counters"]["units"]["a"]["steps"] == 10
+
+
+SHIFT = {"signal": "a.force", "kind": "offset", "value": 1.0, "begin": 1.005}
+
+
+@pytest.mark.parametrize(("faults", "uneven"), [([], []), ([SHIFT], [0.06, 0.01])])
+def test_its_steps_are_whole_multiples_of_the_macro_step(faults, uneven, monkeypatch):
+    """To the last bit at any time. Where a fault begins between two macro steps, four take the time of three: 7 are 0.06 s."""
+    calls = spied_steps(monkeypatch)
+    run(read_scene(masses({"b": 7}, "jacobi", 0.01, 1, stop=2.8) | {"faults": faults}), in_process=True)
+    lengths = {h for name, _, h in calls if name == "b"}
+    assert 7 * 0.01 in lengths
+    assert len(lengths) == 1 + len(uneven)
+    assert all(any(abs(h - other) < 1e-12 for h in lengths) for other in uneven)
 
 
 def test_recording_more_rarely_than_every_step_shows_the_same_values():
