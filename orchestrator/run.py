@@ -16,6 +16,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 from ..components.core.errors import BadInput, StepFailed
+from .advice.instability import InstabilityMonitor
 from .advice.limits import beyond_limit, remedy
 from .advice.local_error import RepeatedSteps, repeatable
 from .advice.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
@@ -26,7 +27,6 @@ from .engine.algorithms.master import Runaway, Unstable
 from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
-from .engine.stepping.instability import InstabilityMonitor
 from .engine.stepping.loop import Observer
 from .engine.stepping.observers import ExtrapolationError
 from .open_all import open_units, read_in_every_step

@@ -9,11 +9,11 @@ from time import process_time
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.engine.algorithms.compiled import call_hook
 from cosimo.orchestrator.engine.stepping.batch import batch_loop_for
 from cosimo.orchestrator.open_all import open_units
 from cosimo.orchestrator.run import master_of, run
 from cosimo.orchestrator.systems import load_scene
+from cosimo.orchestrator.units.calls import call_hook
 from cosimo.orchestrator.units.entries import Entry
 from cosimo.orchestrator.units.hook_calls import step_calls
 from numba import njit

@@ -2,8 +2,9 @@
 
 The same steps as `Jacobi.step` and `GaussSeidel.step`, in the same order and to the last bit, without Python between the units.
 Their functions are called by address; addresses are data, so one compiled loop serves every unit. Inputs and outputs of a
-component are written and read where they lie in memory. Units and links are records: functions get them by one pointer each.
-Everything stands in this one file, because Numba looks at no other one to see whether its machine code on disk is fresh.
+component are written and read where they lie in memory. Units, links and histories are records: functions get them by one
+pointer each. A unit with a rate of its own is three of `UNIT`: the one that takes part in every macro step (`NOTED`), the one
+that steps, whose inputs are where those of the first have been led to, and its outputs as the others see them in between.
 """
 
 from __future__ import annotations
@@ -11,100 +12,37 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
 from ....components.core.kernels import kernel
 from ...units.call_names import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN, OF_COMPONENT, OF_FMU
+from ...units.calls import call_derivatives, call_hook, call_step, call_values, load, load_int32, load_int64, store
 
 WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
+NOTED = IN_MEMORY + 1  # the way of inputs that a unit with a rate of its own gets when it steps
 part = partial(kernel, inner=True)
-POINTER, INT, SIZE, DOUBLE = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
-INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "degree",
-            "smoothing", "samples", "interpolates", "no_return", "taken", "held")
+INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "first_past", "pasts",
+            "smoothing", "interpolates", "no_return", "taken", "held", "every", "count", "slow")
 # Units in the order of stepping. Addresses as in `CallTable`; first_link, links, late: the unit's links, of which the first
 # `late` are extrapolated; led: all of them are interpolated to values that are known; first_signal, signals: in the table of
-# signals; degree, samples, h1, h2: of the history; interpolates: what the last step did; taken: steps; held: links that are
-# `apart`; time: s, reached, of an FMU the start of its last step.
-UNIT = np.dtype([(name, np.int64) for name in INTEGERS] + [(name, np.float64) for name in ("h1", "h2", "time")])
+# signals; first_past, pasts: histories of its links; interpolates: what the last step did; taken: steps; held: links that are
+# `apart`; every: macro steps to one of the unit, `count` of which are done since `start`, s, over `length`, s; slow: its other
+# two records among the slow ones; time: s, reached, of an FMU the start of its last step.
+UNIT = np.dtype([(name, np.int64) for name in INTEGERS] + [(name, np.float64) for name in ("start", "length", "time")])
 # Links sorted by unit. at: address of a component's input; apart: whether an FMU is handed it only when it changes; source: in
-# the table of signals; direct: an output follows it within an instant; held: it jumps between steps; fault: whether it is
-# altered, by `alteration`; change: relative, that is none; present, before, earlier: samples; known: what it is led to; value,
-# slope, half of the second derivative, degree: given in the last step; reached: its end.
-LINK = np.dtype([(name, np.int64) for name in ("at", "apart", "source", "converted", "direct", "held", "fault")] + [
-    (name, np.float64) for name in ("factor", "offset", "alteration", "change", "present", "before", "earlier", "known", "value",
-                                    "slope", "half", "degree", "reached")])
-
-
-def _call(builder, address, kinds, arguments):
-    """Code that calls the function at `address`; addresses among the arguments become pointers."""
-    function = builder.inttoptr(address, ir.FunctionType(INT, kinds).as_pointer())
-    typed = [builder.inttoptr(a, POINTER) if kind is POINTER else a for kind, a in zip(kinds, arguments, strict=True)]
-    return builder.call(function, typed)
-
-
-@intrinsic
-def call_values(typing, address, instance, references, count, values):
-    """fmi2GetReal or fmi2SetReal of `count` numbers; all arguments are addresses or counts, int64; returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, POINTER, SIZE, POINTER], arguments[1:])
-
-    return types.int32(*[types.int64] * 5), generate
-
-
-@intrinsic
-def call_derivatives(typing, address, instance, references, count, orders, values):
-    """fmi2SetRealInputDerivatives of `count` numbers; returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, POINTER, SIZE, POINTER, POINTER], arguments[1:])
-
-    return types.int32(*[types.int64] * 6), generate
-
-
-@intrinsic
-def call_step(typing, address, instance, t, h, no_return):
-    """fmi2DoStep from t over h; `no_return`: no state before t will be taken back, int32. Returns the status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [POINTER, DOUBLE, DOUBLE, INT], arguments[1:])
-
-    return types.int32(types.int64, types.int64, types.float64, types.float64, types.int32), generate
-
-
-@intrinsic
-def call_hook(typing, address, t, h, argument):
-    """A function of `entries.Entry`; returns its status, int32."""
-    def generate(context, builder, signature, arguments):
-        return _call(builder, arguments[0], [DOUBLE, DOUBLE, POINTER], arguments[1:])
-
-    return types.int32(types.int64, types.float64, types.float64, types.int64), generate
-
-
-def _loader(kind, result):
-    def load(typing, address):
-        def generate(context, builder, signature, arguments):
-            return builder.load(builder.inttoptr(arguments[0], kind.as_pointer()))
-
-        return result(types.int64), generate
-
-    return intrinsic(load)
-
-
-load, load_int32, load_int64 = _loader(DOUBLE, types.float64), _loader(INT, types.int32), _loader(SIZE, types.int64)
-
-
-@intrinsic
-def store(typing, address, value):
-    """Write a number to an address."""
-    def generate(context, builder, signature, arguments):
-        builder.store(arguments[1], builder.inttoptr(arguments[0], DOUBLE.as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.float64), generate
+# the table of signals; past: its history; direct: an output follows it within an instant; held: it jumps between steps; fault:
+# whether it is altered, by `alteration`; change: relative, that is none; now: its value; present, before, earlier: samples;
+# known: what it is led to; value, slope, half of the second derivative, degree: given in the last step; reached: its end.
+LINK = np.dtype([(name, np.int64) for name in ("at", "apart", "source", "past", "converted", "direct", "held", "fault")] + [
+    (name, np.float64) for name in ("factor", "offset", "alteration", "change", "now", "present", "before", "earlier", "known",
+                                    "value", "slope", "half", "degree", "reached")])
+# Histories. degree, samples, h1, h2: as of `History`; every: macro steps from one sample to the next, `left` of which are to come
+# before the step that ends at one; elapsed: s, since the last one.
+PAST = np.dtype([(name, np.int64) for name in ("degree", "samples", "every", "left")] + [
+    (name, np.float64) for name in ("h1", "h2", "elapsed")])
 
 
 @part
@@ -119,58 +57,86 @@ def _given(link, signals):
 
 
 @part
-def _ahead(unit, link):
+def _ahead(past, link):
     """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
     v = link.present
-    if unit.samples < 2 or link.held != 0:
+    if past.samples < 2:
         return v, 0.0, 0.0
-    s = (v - link.before) / unit.h1
-    if unit.samples < 3:
-        return v, s, 0.0
-    c = (s - (link.before - link.earlier) / unit.h2) / (unit.h1 + unit.h2)
-    return v, s + unit.h1 * c, c
+    s = c = 0.0
+    if link.held == 0:
+        s = (v - link.before) / past.h1
+        if past.samples > 2:
+            c = (s - (link.before - link.earlier) / past.h2) / (past.h1 + past.h2)
+            s += past.h1 * c
+    return _seen(past, v, s, c, past.samples > 2)
 
 
 @part
-def _towards(unit, link, h):
-    """As `History.towards` the known value."""
-    v = link.present
-    if link.held != 0:
-        return v, 0.0, 0.0
-    if unit.degree == 0:
-        return link.known, 0.0, 0.0
-    s = (link.known - v) / h
-    if unit.degree == 1 or unit.samples < 2:
-        return v, s, 0.0
-    c = (s - (v - link.before) / unit.h1) / (h + unit.h1)
-    return v, s + -h * c, c
+def _towards(past, link, h):
+    """As `History.towards` the known value; the polynomial of a source that does not step goes on."""
+    if past.left != 0:
+        return _ahead(past, link)
+    v, c = link.present, 0.0
+    if past.degree == 0:
+        return v if link.held != 0 else link.known, 0.0, 0.0
+    bent = past.degree == 2 and past.samples > 1
+    h += past.elapsed
+    s = 0.0 if link.held != 0 else (link.known - v) / h
+    if bent and link.held == 0:
+        c = (s - (v - link.before) / past.h1) / (h + past.h1)
+        s += -h * c
+    return _seen(past, v, s, c, bent)
 
 
 @part
-def _drive(unit, links, signals, buffer, h):
+def _seen(past, v, s, c, bent):
+    """As `Part._seen`: the polynomial from the present instant instead of from the last sample."""
+    e = past.elapsed
+    if e == 0.0:
+        return v, s, c
+    return (v + e * (s + e * c), s + 2.0 * e * c, c) if bent else (v + e * s, s, c)
+
+
+@part
+def _end(v, s, c, degree, h):
+    """As `Rows.end`: where the polynomial is after h."""
+    if degree == 2:
+        return v + h * (s + h * c)
+    return v + h * s if degree == 1 else v
+
+
+@part
+def _degree(unit, pasts):
+    """Of the polynomials that a unit is given: that of its most bent input."""
+    degree = 0
+    for k in range(unit.first_past, unit.first_past + unit.pasts):
+        past = pasts[k]
+        degree = max(degree, past.samples - 1)
+        if unit.late < unit.links and past.degree > 0 and past.left == 0:
+            degree = max(degree, 2 if past.degree == 2 and past.samples > 1 else 1)
+    return degree
+
+
+@part
+def _drive(unit, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
     first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
-    degree = unit.samples - 1 if unit.late > 0 else 0
-    if unit.late < unit.links and unit.degree > 0:
-        degree = max(degree, 2 if unit.degree == 2 and unit.samples > 1 else 1)
+    degree = _degree(unit, pasts)
     held, smooth = degree == 0, unit.smoothing == SMOOTH
     if smooth:
         degree = max(degree, 1)
     for i in range(first, behind):
         link = links[i]
         if i < extrapolated:
-            v, s, c = _ahead(unit, link)
+            v, s, c = _ahead(pasts[link.past], link)
         else:
             link.known = _given(link, signals)
-            v, s, c = _towards(unit, link, h)
+            v, s, c = _towards(pasts[link.past], link, h)
         if smooth and link.held == 0:
             back = (v - link.reached) / h
             v, s = link.reached, back if held else s + back
         link.value, link.slope, link.half, link.degree = v, s, c, degree
-        if degree == 2:
-            link.reached = v + h * (s + h * c)
-        else:
-            link.reached = v + h * s if degree == 1 else v
+        link.reached = _end(v, s, c, degree, h)
         if unit.way == IN_MEMORY:
             store(link.at, v)
             if degree > 0:
@@ -180,7 +146,7 @@ def _drive(unit, links, signals, buffer, h):
     unit.interpolates = unit.led
     if unit.smoothing == JUMPED:
         unit.smoothing = SMOOTH
-    return 0 if unit.way == IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
+    return 0 if unit.way >= IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
 
 
 @part
@@ -288,29 +254,97 @@ def _update(unit, links, outputs_at, signals, buffer):
 
 
 @part
-def _push(unit, links, signals, h):
-    """Keep the inputs of the new instant."""
+def _push(unit, links, pasts, signals, h):
+    """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped."""
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
-        link.earlier = link.before
-        link.before = link.present
-        link.present = _given(link, signals)
-    unit.h2 = unit.h1
-    unit.h1 = h
-    if unit.samples <= unit.degree:
-        unit.samples += 1
+        link.now = _given(link, signals)
+        if pasts[link.past].left == 0:
+            link.earlier = link.before
+            link.before = link.present
+            link.present = link.now
+    for k in range(unit.first_past, unit.first_past + unit.pasts):
+        past = pasts[k]
+        past.elapsed += h
+        if past.left == 0:
+            past.h2 = past.h1
+            past.h1 = past.elapsed
+            past.elapsed = 0.0
+            past.left = past.every
+            if past.samples <= past.degree:
+                past.samples += 1
+        past.left -= 1
+
+
+@part
+def _step_slow(unit, own, seen, links, pasts, signals, buffer, t, h):
+    """As `MultirateUnit.step` and what its `drive` does; `own`: the unit that steps, `seen`: its outputs between its steps."""
+    if unit.count == 0:
+        for k in range(unit.links):
+            signals[links[own.first_link + k].source] = links[unit.first_link + k].value
+        _push(own, links, pasts, signals, unit.length)
+        _push(seen, links, pasts, signals, unit.length)
+        unit.start = t
+    unit.count += 1
+    unit.length = unit.count * h
+    if unit.count < unit.every:
+        return 0
+    unit.count = 0
+    for k in range(unit.links):
+        signals[links[own.first_link + k].source] = links[unit.first_link + k].reached
+    status = _drive(own, links, pasts, signals, buffer, unit.length) if unit.links > 0 else 0
+    return _step(own, unit.start, unit.length) if status <= WARNING else status
+
+
+@part
+def _show(unit, seen, links, pasts, signals):
+    """As the end of `MultirateUnit.get`: what others go by."""
+    for k in range(seen.links):
+        link = links[seen.first_link + k]
+        v = signals[link.source]
+        if unit.count > 0:
+            v, s, c = _ahead(pasts[link.past], link)
+            v = _end(v, s, c, pasts[link.past].samples - 1, unit.length)
+        signals[seen.first_signal + k] = v
+
+
+@part
+def _read_all(unit, slow, links, pasts, outputs_at, signals):
+    """Outputs of a unit of any rate into the table of signals; returns the status of an FMU."""
+    if unit.way != NOTED:
+        return _read(unit, outputs_at, signals)
+    status = _read(slow[unit.slow], outputs_at, signals) if unit.count == 0 else 0
+    _show(unit, slow[unit.slow + 1], links, pasts, signals)
+    return status
+
+
+@part
+def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
+    """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
+    if unit.way != NOTED:
+        return _update(unit, links, outputs_at, signals, buffer)
+    status = 0
+    if unit.count == 0:
+        own = slow[unit.slow]
+        for k in range(unit.links):
+            links[own.first_link + k].known = links[unit.first_link + k].known
+        status = _update(own, links, outputs_at, signals, buffer)
+    _show(unit, slow[unit.slow + 1], links, pasts, signals)
+    return status
 
 
 @kernel
-def run_steps(units, links, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h, limit, halt,
-              looks, rows, given, inputs, outputs):
-    """Macro steps of length h from each of `times` (n,), for U `UNIT`s and L `LINK`s.
+def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h,
+              limit, halt, looks, rows, given, inputs, outputs):
+    """Macro steps of length h from each of `times` (n,), for U `UNIT`s, of those with rates of their own two more in `slow`.
 
-    following: (P,) units whose outputs follow their inputs within an instant; outputs_at: (S,) addresses of components' outputs;
-    inverse: (S,) 1 / nominal of every signal; bonded: (B,) links whose polynomials are noted for the energy account; watched:
-    (W,) addresses of outputs of components that observers want of every step; signals: (S,), the table; buffer: (3 L,), what is
-    handed to FMUs. The signals behind each step go to rows (n, S), what bonded inputs were given to given (n, B, 4), `watched`
-    to outputs (n, W); behind the steps `looks` (m,), all inputs and where they were led to go to inputs (m, 2, L).
+    links: of the units first, L of them, then of the slow ones; following: (P,) units whose outputs follow their inputs within an
+    instant; outputs_at: (S,) addresses of components' outputs; inverse: (S,) 1 / nominal of every signal; bonded: (B,) links
+    whose polynomials are noted for the energy account; watched: (W,) addresses of outputs of components that observers want of
+    every step; signals: the table, S outputs, and behind them what slow units give to others and get; buffer: three numbers for
+    each of the links, what is handed to FMUs. The signals behind each step go to rows (n, S), what bonded inputs were given to
+    given (n, B, 4), `watched` to outputs (n, W); behind the steps `looks` (m,), all inputs and where they were led to go to
+    inputs (m, 2, L).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
@@ -320,31 +354,33 @@ def run_steps(units, links, following, outputs_at, inverse, bonded, watched, sig
     for step in range(times.size):
         for k in range(units.size):
             unit = units[k]
-            status = _drive(unit, links, signals, buffer, h) if unit.links > 0 else 0
-            if status <= WARNING:
+            status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
+            if status <= WARNING and unit.way == NOTED:
+                status = _step_slow(unit, slow[unit.slow], slow[unit.slow + 1], links, pasts, signals, buffer, times[step], h)
+            elif status <= WARNING:
                 status = _step(unit, times[step], h)
             if status <= WARNING and sequential:
-                status = _read(unit, outputs_at, signals)
+                status = _read_all(unit, slow, links, pasts, outputs_at, signals)
             if status > WARNING:
                 return step, k, status
         if not sequential:
             for k in range(units.size):
-                status = _read(units[k], outputs_at, signals)
+                status = _read_all(units[k], slow, links, pasts, outputs_at, signals)
                 if status > WARNING:
                     return step, k, status
         updated = False
         for k in following:
             unit = units[k]
             if (updated or unit.interpolates == 0) and not _stands(unit, links, signals):
-                status = _update(unit, links, outputs_at, signals, buffer)
+                status = _update_all(unit, slow, links, pasts, outputs_at, signals, buffer)
                 if status > WARNING:
                     return step, k, status
                 updated = True
         for k in range(units.size):
-            _push(units[k], links, signals, h)
+            _push(units[k], links, pasts, signals, h)
         if look < looks.size and looks[look] == step:
-            for i in range(links.size):
-                inputs[look, 0, i], inputs[look, 1, i] = links[i].present, links[i].reached
+            for i in range(inputs.shape[2]):
+                inputs[look, 0, i], inputs[look, 1, i] = links[i].now, links[i].reached
             look += 1
         for k in range(bonded.size):
             link = links[bonded[k]]
@@ -353,7 +389,7 @@ def run_steps(units, links, following, outputs_at, inverse, bonded, watched, sig
         for k in range(watched.size):
             outputs[step, k] = load(watched[k])
         total = 0.0
-        for k in range(signals.size):
+        for k in range(inverse.size):
             rows[step, k] = signals[k]
             total += signals[k] * inverse[k]
         if not abs(total) < limit:

@@ -115,7 +115,7 @@ class MultirateUnit:
 
     def __init__(self, unit: Unit, every: int, own: History, past: History, signals: PortValues, estimates: slice, end: float):
         self.unit, self.name, self.every = unit, unit.name, every
-        self._own, self._past, self._signals, self._estimates, self._end = own, past, signals, estimates, end
+        self._own, self._past, self._signals, self.estimates, self._end = own, past, signals, estimates, end
         self._count = 0  # macro steps since its own instant
         self._t0 = self._length = 0.0  # s, that instant, and how far behind it the others are
         self._given: PortValues = []  # what it gave there
@@ -158,10 +158,10 @@ class MultirateUnit:
     def get(self) -> PortValues:
         if self._count == 0:
             self._given = self.unit.get().copy()
-            self._signals[self._estimates] = self._given
+            self._signals[self.estimates] = self._given
         else:
             past = self._past
-            self._signals[self._estimates] = past.rows.end(*past.ahead(), self._length)
+            self._signals[self.estimates] = past.rows.end(*past.ahead(), self._length)
         return self._given
 
     def jacobian(self) -> np.ndarray:
@@ -172,10 +172,24 @@ class MultirateUnit:
         """The inputs have jumped: what was before tells nothing of the steps to come."""
         self._own.count = 0
 
+    @property
+    def histories(self) -> tuple[History, History]:
+        """Of its inputs and of its outputs, at its own instants."""
+        return self._own, self._past
+
+    @property
+    def progress(self) -> tuple[int, float, float]:
+        """Macro steps since its own instant, that instant, and how far behind it the others are, s."""
+        return self._count, self._t0, self._length
+
+    def advance(self, count: int, t0: float, length: float, given: PortValues) -> None:
+        """Compiled code has come to this `progress`, with these outputs at the last instant of the unit's own."""
+        self._count, self._t0, self._length, self._given = count, t0, length, given
+
     def hold(self) -> None:
         """The unit is lost: the others go by what it has given last, no more by a guess."""
         self._past.restart(self._given)
-        self._signals[self._estimates] = self._given
+        self._signals[self.estimates] = self._given
 
     def save(self, reuse: Any = None) -> Any:
         kept = {name: value for name, value in vars(self).items() if name.startswith("_") and name != "_signals"}

@@ -15,7 +15,7 @@ from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount, Meter
 from ..algorithms.gauss_seidel import GaussSeidel
 from ..algorithms.jacobi import Jacobi
-from ..algorithms.multirate import Mixed, MultirateUnit
+from ..algorithms.multirate import MultirateUnit
 from ..algorithms.node import Node
 from .clock import Clock
 from .loop import Observer, Steppable, Stepping, Stops, lengths
@@ -56,14 +56,15 @@ class BatchStepping(Stepping):
     def _advance(self, length: int, last: int, observers: Sequence[Any]) -> None:
         """Steps of one length up to the next that has to be looked at, at most to the tick `last`."""
         tick, h = self.tick, self.clock.seconds(length)
-        if not self._stretch.possible:
+        whole = last - length if last == self.end and self._stretch.rates else last  # the last step in batches
+        if tick == whole or not self._stretch.possible(h):
             self.master.step(self.clock.seconds(tick), h)
             self.tick = tick + length
             return
         unwatched = [1 + o.steps_not_needed(tick, length) for o in observers if not o.alarms]
         alarming = [o for o in observers if o.alarms]
         alarmed = [1 + o.steps_not_needed(tick, length) for o in alarming]
-        n = min((last - tick) // length, 1 + int(PATIENCE / self._pace), LONGEST, *unwatched)
+        n = min((whole - tick) // length, 1 + int(PATIENCE / self._pace), LONGEST, *unwatched)
         saved = None
         if n > min(alarmed, default=n):
             if self._rewind:
@@ -109,8 +110,8 @@ def batch_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | No
 
 
 def inner(node: Node) -> Any:
-    """The unit of a node, without its meter."""
-    return node.unit.unit if isinstance(node.unit, Meter) else node.unit
+    """The unit of a node, without its meter and its rate."""
+    return node.unit.unit if isinstance(node.unit, (Meter, MultirateUnit)) else node.unit
 
 
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
@@ -123,9 +124,5 @@ def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[
         yield f"the algebraic loop {solver.loop.text}"
     for node in master.nodes:
         unit = inner(node)
-        if isinstance(unit, MultirateUnit):
-            yield f"units.{unit.name}.every"
-        elif not (isinstance(unit, ComponentUnit) or (isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None)):
+        if not (isinstance(unit, ComponentUnit) or (isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None)):
             yield f"units.{unit.name}, a {unit.kind}" + (" that a fault can take away" if hasattr(unit, "lost") else "")
-        if isinstance(node.history, Mixed):
-            yield f"units.{unit.name}, an input of which comes from a unit with `every`"

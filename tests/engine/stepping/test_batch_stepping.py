@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from cosimo.orchestrator.advice.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
-from cosimo.orchestrator.engine.stepping.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.entries import Callback

@@ -13,9 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..algorithms.energy import EnergyAccount, Sums
-from ..algorithms.master import Master, Unstable
-from .observers import BatchObserver
+from ..engine.algorithms.energy import EnergyAccount, Sums
+from ..engine.algorithms.master import Master, Unstable
+from ..engine.stepping.observers import BatchObserver
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
