@@ -13,7 +13,7 @@ from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter, text
 from .contact import at_contact, contact_compliance, heights_around, hung_around, in_range, wire_height
-from .explicit import explicit_steps, move_window
+from .explicit import PAD, explicit_steps, move_window
 from .implicit import implicit_steps
 from .line.dropper_table import line_of
 from .line.form import Form, form_of
@@ -342,9 +342,9 @@ class Catenary(Component):
         self.y[STATIC_RESIDUAL] = residual
         if e.second_wire is not None:  # where it is not touched
             self.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
-        self._work = np.zeros((5, N))
+        self._stiffness = line.wires
+        self._work = np.zeros((5, N) if implicit else (2, N + 2 * PAD * W))
         if implicit:
-            self._stiffness = line.wires
             self._band, self._factors = np.zeros((2, *self._stiffness.shape))
             self._factored = np.full(taut.size, -1.0)
             self._prepared = np.zeros(1)
@@ -355,8 +355,8 @@ class Catenary(Component):
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
-                                    self.counts, watched, e.dropper_slackening, e.bending_stiffness,
+            return advance_explicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed,
+                                    self._stiffness, self._work, self.counts, watched, e.dropper_slackening, e.bending_stiffness,
                                     e.damping, e.moving_window, e.stagger, e.wire_profile, e.line_profile)
         return advance_implicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
                                 self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
@@ -510,11 +510,11 @@ def refresh_outputs(x, u, y, points, lateral, numbers, indices, watched, stagger
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, slack, bending, damping, window,
-                     stagger, profile, hung):
+def advance_explicit(h, n, x, u, y, points, lateral, numbers, indices, stiffness, work, counts, watched, slack, bending, damping,
+                     window, stagger, profile, hung):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, damping, window)
+    status = explicit_steps(h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window)
     follow_contacts(h, x, u, points, mesh)
     catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile, hung)
     return status

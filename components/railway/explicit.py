@@ -6,15 +6,9 @@ import math
 
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
-from .wires import (
-    WHISPER,
-    add_clamped,
-    add_jumps,
-    dropper_tension,
-    first_at_or_after,
-    follow_clamped,
-    tension_and_bending,
-)
+from .wires import WHISPER, dropper_tension, first_at_or_after
+
+PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
 
 
 @kernel
@@ -45,37 +39,72 @@ def drift(d, q, v, a, z, force, beta):
 
 
 @kernel
-def kick(d, v, a, w, force, inverse_length, inverse_mass, alpha, W):
-    """New acceleration from the wire's force and the others, and the second half of the kick; all (n,), ends fixed."""
-    n = w.size
-    left, here, right = w[: n - 2 * W], w[W : n - W], w[2 * W :]
-    over_left, over_right, over_mass = inverse_length[: n - 2 * W], inverse_length[W : n - W], inverse_mass[W : n - W]
-    point, ac, vc = force[W : n - W], a[W : n - W], v[W : n - W]
-    for j in range(here.size):
-        total = point[j] + over_right[j] * (right[j] - here[j]) - over_left[j] * (here[j] - left[j])
-        ac[j] = total * over_mass[j] - alpha * (vc[j] + 0.5 * d * ac[j])
-        vc[j] += 0.5 * d * ac[j]
+def kick(j, end, d, v, a, z, force, inverse_mass, stiffness, alpha, W, bending):
+    """New acceleration from what the wires pull and the other forces, second half of the kick; degrees of freedom j to end - 1.
+
+    z: (N + 2 PAD W,), stiffness: (3 or 4, N + PAD W), see `diagonals_of_wires`. One sum over five nodes, or seven of beams: with
+    slopes and bending moments kept in between, the processor would load and store numbers for twice as long.
+    """
+    m, i = end - j, j + PAD * W
+    point, over_mass, ac, vc = force[j:end], inverse_mass[j:end], a[j:end], v[j:end]
+    # shifted views: plain indices, which LLVM can vectorize
+    own, right, further_right = stiffness[0, i : i + m], stiffness[1, i : i + m], stiffness[2, i : i + m]
+    left, further_left = stiffness[1, i - W : i - W + m], stiffness[2, i - 2 * W : i - 2 * W + m]
+    here, z_left, z_right = z[i : i + m], z[i - W : i - W + m], z[i + W : i + W + m]
+    z_further_left, z_further_right = z[i - 2 * W : i - 2 * W + m], z[i + 2 * W : i + 2 * W + m]
+    if bending is not None:
+        last_right, last_left = stiffness[3, i : i + m], stiffness[3, i - 3 * W : i - 3 * W + m]
+        z_last_left, z_last_right = z[i - 3 * W : i - 3 * W + m], z[i + 3 * W : i + 3 * W + m]
+    for k in range(m):
+        pull = own[k] * here[k] + (left[k] * z_left[k] + right[k] * z_right[k])
+        pull += further_left[k] * z_further_left[k] + further_right[k] * z_further_right[k]
+        if bending is not None:
+            pull += last_left[k] * z_last_left[k] + last_right[k] * z_last_right[k]
+        ac[k] = (point[k] - pull) * over_mass[k] - alpha * (vc[k] + 0.5 * d * ac[k])
+        vc[k] += 0.5 * d * ac[k]
 
 
 @kernel
-def explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, damping, window):
+def add_clamped(z, force, first, end, stiffness, mesh):
+    """What the end of a wire pulls goes to the node it is clamped to, N; z, stiffness: as of `kick`."""
+    W = mesh.bending_gradient.size
+    for k in range(first, end):
+        j = mesh.clamped[k]
+        i = j + PAD * W
+        pull = stiffness[0, i] * z[i]
+        for reach in range(1, stiffness.shape[0]):
+            at = reach * W
+            pull += stiffness[reach, i - at] * z[i - at] + stiffness[reach, i] * z[i + at]
+        force[mesh.clamp[k]] += force[j] - pull
+
+
+@kernel
+def follow_clamped(values, first, end, mesh):
+    """The end of a wire that is clamped to another one moves with it; first, end: of the clamps that take part."""
+    for k in range(first, end):
+        values[mesh.clamped[k]] = values[mesh.clamp[k]]
+
+
+@kernel
+def explicit_steps(h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window):
     """n equal velocity-Verlet steps over h.
 
-    x: displacement, velocity, acceleration, (N,) each, contacts[, window (2,)].  work: (4, N).
-    points: (p, 5), as of `contact_points`.
+    x: displacement, velocity, acceleration, (N,) each, contacts[, window (2,)].  work: (2, N + 2 PAD W).
+    points: (p, 5), as of `contact_points`.  stiffness: as of `diagonals_of_wires`.
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
     Source: Verlet in kick-drift-kick form.
     """
     N, nodes, W = mesh.mass.size, mesh.position.size, mesh.bending_gradient.size
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    z, force, w, kink = work[0], work[1], work[2], work[3]
+    padded, force = work[0], work[1, :N]
+    z = padded[PAD * W : PAD * W + N]
     alpha, beta = 0.0, 0.0
     if damping is not None:
         alpha, beta = damping.alpha, damping.beta
     lo, hi = 1, nodes - 2
     first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
-    first_jump, end_jump, first_clamp, end_clamp = 0, mesh.jump.size, 0, mesh.clamped.size
+    first_clamp, end_clamp = 0, mesh.clamped.size
     d = h / n
     for step in range(n):
         s = (step + 1) * d
@@ -91,7 +120,6 @@ def explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, dampi
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
             first_support = max(first_at_or_after(mesh.support, lo), 1)
             end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)
-            first_jump, end_jump = first_at_or_after(mesh.jump, W * lo), first_at_or_after(mesh.jump, W * hi + W)
             first_clamp, end_clamp = first_at_or_after(mesh.clamped, W * lo), first_at_or_after(mesh.clamped, W * hi + W)
         here = slice(W * lo - W, W * hi + 2 * W)  # the moving nodes and one neighbour on either side
 
@@ -99,17 +127,16 @@ def explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, dampi
         follow_clamped(q, first_clamp, end_clamp, mesh)
         follow_clamped(v, first_clamp, end_clamp, mesh)
         follow_clamped(z, first_clamp, end_clamp, mesh)
-        if window is not None:  # an edge inside the wire: no tension from outside, a dashpot that lets waves out
+        if window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
             for j in range(W):
                 if lo > 1:
-                    z[W * lo - W + j] = z[W * lo + j]
+                    for i in range(1, PAD + 1):
+                        padded[W * (PAD + lo - i) + j] = z[W * lo + j]
                     force[W * lo + j] -= mesh.impedance[W * lo + j] * v[W * lo + j]
                 if hi < nodes - 2:
-                    z[W * hi + W + j] = z[W * hi + j]
+                    for i in range(1, PAD + 1):
+                        padded[W * (PAD + hi + i) + j] = z[W * hi + j]
                     force[W * hi + j] -= mesh.impedance[W * hi + j] * v[W * hi + j]
-        tension_and_bending(z[here], w[here], kink[here], mesh.tension[here], mesh.curvature[here], mesh.bending_gradient,
-                            mesh.inverse_length[here], bending)
-        add_jumps(z, force, first_jump, end_jump, mesh)
         for k in range(first_dropper, end_dropper):
             change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
             force[mesh.lower[k]] += change
@@ -122,8 +149,8 @@ def explicit_steps(h, n, x, u, points, mesh, work, counts, slack, bending, dampi
             position = u[0, i] + s * (u[1, i] + s * u[2, i])
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(position, load, force, points[k, 4], mesh)
-        add_clamped(w, force, first_clamp, end_clamp, mesh)
-        kick(d, v[here], a[here], w[here], force[here], mesh.inverse_length[here], mesh.inverse_mass[here], alpha, W)
+        add_clamped(padded, force, first_clamp, end_clamp, stiffness, mesh)
+        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, bending)
     counts[0] += n
     counts[1] += n
     if not math.isfinite(q[W * element_at(position, mesh)]):

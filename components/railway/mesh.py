@@ -317,6 +317,14 @@ def stiffness_of_wires(mesh: Mesh, reach: int) -> np.ndarray:
     return stiffness
 
 
+def diagonals_of_wires(mesh: Mesh, reach: int, pad: int) -> np.ndarray:
+    """The same matrix by diagonals: row k has K[j, j + k W] at j + pad W, behind zeros, (reach + 1, N + pad W) N/m."""
+    W, N = mesh.bending_gradient.size, mesh.mass.size
+    diagonals = np.zeros((reach + 1, N + pad * W))
+    diagonals[:, pad * W :] = stiffness_of_wires(mesh, reach)[:, ::W].T
+    return diagonals
+
+
 def add_droppers(band: np.ndarray, mesh: Mesh, taut) -> None:
     """Add the droppers' stiffness to a band of all wires; taut: 1 or (d,), 0 where a dropper is slack."""
     add_springs(band, mesh.lower, mesh.upper, mesh.dropper_stiffness * taut)

@@ -11,8 +11,9 @@ import numpy as np
 
 from ..core.banded import banded_product
 from ..core.errors import BadInput
+from .explicit import PAD
 from .line.layout import Layout
-from .mesh import Mesh, add_droppers, build_mesh, packed, stiffness_of_wires
+from .mesh import Mesh, add_droppers, build_mesh, diagonals_of_wires, packed, stiffness_of_wires
 from .statics import Statics
 
 
@@ -29,7 +30,8 @@ class PreparedLine:
         self.mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
         self.packed = packed(self.mesh)
         self.statics = Statics(self.mesh)
-        self.wires = stiffness_of_wires(self.mesh, 3 if e.bending_stiffness is not None else 2) if implicit else None
+        reach = 3 if e.bending_stiffness is not None else 2  # nodes
+        self.wires = stiffness_of_wires(self.mesh, reach) if implicit else diagonals_of_wires(self.mesh, reach, PAD)
         self.limit = math.inf if implicit else _explicit_limit(self.mesh, e.damping)  # s
 
 

@@ -73,20 +73,3 @@ def add_jumps(z, force, first, end, mesh):
         change = mesh.jump_change[k] * z[j] * mesh.inverse_length[j]
         force[j] += change
         force[j + W] -= change
-
-
-@kernel
-def follow_clamped(values, first, end, mesh):
-    """The end of a wire that is clamped to another one moves with it; first, end: of the clamps that take part."""
-    for k in range(first, end):
-        values[mesh.clamped[k]] = values[mesh.clamp[k]]
-
-
-@kernel
-def add_clamped(w, force, first, end, mesh):
-    """What the end of a wire pulls goes to the node it is clamped to, N."""
-    W = mesh.bending_gradient.size
-    for k in range(first, end):
-        j = mesh.clamped[k]
-        right, left = mesh.inverse_length[j], mesh.inverse_length[j - W]
-        force[mesh.clamp[k]] += force[j] + right * (w[j + W] - w[j]) - left * (w[j] - w[j - W])

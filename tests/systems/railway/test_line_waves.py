@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.explicit import PAD, kick
+from cosimo.components.railway.wires import add_jumps, tension_and_bending
 
 METHODS = ["explicit", pytest.param("implicit", marks=pytest.mark.full)]
 LONG_STITCH = """
@@ -112,3 +114,28 @@ def test_a_worn_wire_is_lighter_and_its_waves_quicker():
     here, there = (np.isclose(x, p, atol=0.2) & ~np.isinf(mass) for p in (20.0, 80.0))
     assert mass[here].max() == pytest.approx(0.8 * mass[there].max(), rel=1e-9)
     assert made.mesh.preload[:6].sum() == pytest.approx(0.8 * made.mesh.preload[6:].sum(), rel=0.02)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("effects", [(), ("bending_stiffness",)])
+def test_sum_over_neighbours_is_what_slopes_and_moments_give(effects):
+    """The explicit method's acceleration of wires in any shape, against the step by step sums of the implicit one."""
+    made = line(STITCHED, "explicit", effects, element=1.0)
+    mesh = made.mesh
+    N, W = mesh.mass.size, mesh.bending_gradient.size
+    free = slice(W, N - W)
+    padded, z = np.zeros(N + 2 * PAD * W), np.random.default_rng(1).normal(size=N)
+    z[mesh.ground >= 1e17] = 0.0  # where a lane has no wire
+    z[:W] = z[N - W :] = 0.0
+    padded[PAD * W : PAD * W + N] = z
+    v, a, w, kink, pull = np.zeros((5, N))
+    bending = made.arguments[1].bending_stiffness
+    kick(W, N - W, 1e-3, v, a, padded, np.zeros(N), mesh.inverse_mass, made._stiffness, 0.0, W, bending)
+    tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
+    steps = mesh.inverse_length[:-W] * (w[W:] - w[:-W])
+    pull[free] = steps[W:] - steps[:-W]
+    add_jumps(z, pull, 0, mesh.jump.size, mesh)
+    assert mesh.jump.size > 0
+    assert np.abs(a).max() > 1e3
+    np.testing.assert_allclose(a[free], (mesh.inverse_mass * pull)[free], rtol=0, atol=1e-12 * np.abs(a).max())
+    np.testing.assert_array_equal(v, 0.5 * 1e-3 * a)
