@@ -162,7 +162,7 @@ def test_a_sweep_that_is_stopped_keeps_its_points_and_goes_on(number, tmp_path, 
     assert f"stopped by {number.name}, 2 points were not run" in err
     with open(out / "sweep.csv", newline="") as file:
         assert [row["outcome"] for row in csv.DictReader(file)] == ["done", "done", "not run", "not run"]
-    (next((out / "points").iterdir()) / "torn.parquet").write_bytes(b"PAR1")  # as a failing disk leaves it
+    (next((out / "points").iterdir()) / "torn.arrow").write_bytes(b"ARROW1")  # as a failing disk leaves it
     runs = []
     monkeypatch.setattr(measures, "run", lambda *a, **k: runs.append(a) or run(*a, **k))
     with pytest.raises(SystemExit) as end:

@@ -22,7 +22,7 @@ from ...settings.study import wanted
 from ..journal import Stopped
 from ..sweep import ALONE, Sweep, collected_sweep
 from . import store
-from .batches import BatchReport
+from .batches import SUFFIX, BatchReport
 from .execute import compute_here, compute_with
 from .measures import Row, Task, prepared
 from .plan import Column, Points, changes, place, plan_settings
@@ -187,7 +187,7 @@ class Evaluations:
 
     def _look(self) -> None:
         """Find what has been written since the last look."""
-        for path in sorted(set(self._folder.glob("*.parquet")) - self._parts):
+        for path in sorted(set(self._folder.glob("*" + SUFFIX)) - self._parts):
             self._parts.add(path)
             self._lies.update({d: (path, k) for k, d in enumerate(store.digests_in(path))})
 

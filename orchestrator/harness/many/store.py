@@ -1,6 +1,6 @@
 """Where the points of a sweep lie: parts that workers write, and what is made of them in the order of the plan.
 
-    points/<base>/*.parquet   what was computed; <base> is the digest of what results depend on besides the values that vary
+    points/<base>/*.arrow     what was computed; <base> is the digest of what results depend on besides the values that vary
     sweep.csv, sweep.parquet  the table, a row a point
     sweep.zarr                the labelled data set that xarray opens (Zarr 3): the table's columns over "point", kept signals
                               over "point" and "sample" or "time"
@@ -29,7 +29,7 @@ from ...checkpoint import digest as scene_digest
 from ...output import not_written, write_json, write_table
 from ...scene.scene import Scene
 from ..code_digests import components_digest
-from .batches import SECTION, SIGNAL, TIME
+from .batches import SECTION, SIGNAL, SUFFIX, TIME, read_part, schema_of
 from .measures import OUTCOMES, Row, Task
 from .plan import Points
 
@@ -115,16 +115,14 @@ def points_folder(directory: Path, base: str) -> Path:
 
 def locate_points(folder: Path, digests: np.ndarray, retry: bool = False) -> Located:
     """Where the points of a plan lie; `retry`: only those that are done count. Besides the digests, 41 bytes a point."""
-    import pyarrow.parquet as parquet
-
-    files = tuple(sorted(folder.glob("*.parquet")))
+    files = tuple(sorted(folder.glob("*" + SUFFIX)))
     order = np.argsort(digests, kind="stable")
     ordered = digests[order]
     part, row = (np.full(digests.size, -1, dtype=np.int32) for _ in range(2))
     done = np.zeros(digests.size, dtype=bool)
     for k, path in enumerate(files):
         try:
-            table = parquet.read_table(path, columns=["digest", "outcome"], partitioning=None)
+            table = read_part(path, columns=["digest", "outcome"])
         except Exception:  # damaged: as if it were not there
             continue
         mine = table.column("digest").to_numpy()
@@ -143,19 +141,15 @@ def locate_points(folder: Path, digests: np.ndarray, retry: bool = False) -> Loc
 
 def digests_in(path: Path) -> list[int]:
     """Of the rows of a part, none where it is damaged."""
-    import pyarrow.parquet as parquet
-
     try:
-        return parquet.read_table(path, columns=["digest"], partitioning=None).column("digest").to_pylist()
+        return read_part(path, columns=["digest"]).column("digest").to_pylist()
     except Exception:  # damaged: as if it were not there
         return []
 
 
 def read_row(path: Path, k: int) -> Row:
     """A row of a part."""
-    import pyarrow.parquet as parquet
-
-    table = parquet.read_table(path, partitioning=None).slice(k, 1)
+    table = read_part(path).slice(k, 1)
     row = Row(table.column("outcome")[0].as_py(), table.column("reason")[0].as_py())
     for field in table.schema:
         value, unit = table.column(field.name)[0], (field.metadata or {}).get(b"unit", b"").decode()
@@ -172,15 +166,13 @@ def read_row(path: Path, k: int) -> Row:
 
 def collect(located: Located, directory: Path) -> Collected:
     """The numbers of all points in the plan's order, column by column in one file of the directory; NaN where there is none."""
-    import pyarrow.parquet as parquet
-
     n = located.digests.size
     names: dict[str, int] = {}
     units: dict[str, str] = {}
     signals: dict[str, None] = {}
     used = [int(k) for k in np.unique(located.part[located.part >= 0])]
     for k in used:
-        for item in parquet.read_schema(located.files[k]):
+        for item in schema_of(located.files[k]):
             name = item.name.removeprefix(NUMBER) if item.name.startswith(NUMBER) else item.name.removeprefix(SIGNAL)
             if name != item.name:
                 if item.name.startswith(NUMBER):
@@ -197,7 +189,7 @@ def collect(located: Located, directory: Path) -> Collected:
     for k in used:
         mine = by_part[starts[k] : starts[k + 1]]
         rows = located.row[mine]
-        table = parquet.read_table(located.files[k], partitioning=None)
+        table = read_part(located.files[k])
         outcomes[mine] = np.array([OUTCOMES.index(o) for o in table.column("outcome").to_pylist()], dtype=np.int8)[rows]
         texts = table.column("reason").to_pylist()
         reason[mine] = [reasons.setdefault(texts[r], len(reasons)) for r in rows]
@@ -330,26 +322,22 @@ def _write_signals(path: Path, collected: Collected, located: Located, described
 def _lengths(located: Located) -> Iterator[tuple[int, int]]:
     """(rows of signals, part) of the parts that have them."""
     import pyarrow.compute as compute
-    import pyarrow.parquet as parquet
-
     for k in np.unique(located.part[located.part >= 0]):
         path = located.files[int(k)]
-        if TIME in parquet.read_schema(path).names:
-            lengths = compute.list_value_length(parquet.read_table(path, columns=[TIME], partitioning=None).column(TIME))
+        if TIME in schema_of(path).names:
+            lengths = compute.list_value_length(read_part(path, columns=[TIME]).column(TIME))
             yield int(compute.max(lengths).as_py() or 0), int(k)
 
 
 def _signals(located: Located, names: Sequence[str], some: slice, longest: int) -> dict[str, np.ndarray]:
     """Time and signals of some points, (k, longest) each; NaN behind their ends and where there are none."""
-    import pyarrow.parquet as parquet
-
     part, row = located.part[some], located.row[some]
     columns = [TIME, *(SIGNAL + name for name in names)]
     values = {c.removeprefix(SIGNAL): np.full((part.size, longest), np.nan) for c in columns}
     for k in np.unique(part[part >= 0]):
         path = located.files[int(k)]
-        there = [c for c in columns if c in parquet.read_schema(path).names]
-        table = parquet.read_table(path, columns=there, partitioning=None)
+        there = [c for c in columns if c in schema_of(path).names]
+        table = read_part(path, columns=there)
         for i in np.flatnonzero(part == k):
             for c in there:
                 one = table.column(c)[int(row[i])].values
@@ -360,8 +348,6 @@ def _signals(located: Located, names: Sequence[str], some: slice, longest: int) 
 
 def signals_of(located: Located, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """(time, values) of a kept signal at every point in the plan's order."""
-    import pyarrow.parquet as parquet
-
     last, table = -1, None
     for part, row in zip(located.part.tolist(), located.row.tolist(), strict=True):
         if part < 0:
@@ -369,8 +355,8 @@ def signals_of(located: Located, name: str) -> Iterator[tuple[np.ndarray, np.nda
             continue
         if part != last:
             path = located.files[part]
-            there = TIME in parquet.read_schema(path).names
-            table = parquet.read_table(path, columns=[TIME, SIGNAL + name], partitioning=None) if there else None
+            there = TIME in schema_of(path).names
+            table = read_part(path, columns=[TIME, SIGNAL + name]) if there else None
             last = part
         pair = [table.column(c)[row].values for c in (TIME, SIGNAL + name)] if table is not None else [None, None]
         time, values = (np.zeros(0) if x is None else x.to_numpy(zero_copy_only=False) for x in pair)
