@@ -35,7 +35,7 @@ from ..core.integrators import OdeComponent
 from ..core.kernels import DONE
 from ..core.variables import input_, integer, output, parameter
 from .geometry import BallGeometry
-from .races import BallDefect, Defect, Waviness, race_waves, smooth_pit, wrapped
+from .races import TWO_PI, BallDefect, CageFault, Defect, Displaced, Waviness, race_waves, smooth_pit, wrapped
 from .two_dof import (
     COSINE,
     DEEPEST,
@@ -126,6 +126,7 @@ class TwoDofBearing(OdeComponent):
     inner_defect = Defect
     outer_defect = Defect
     ball_defect = BallDefect
+    cage_fault = CageFault
     load_variation = LoadVariation
     speed_ramp = SpeedRamp
     given_start = GivenStart
@@ -177,6 +178,17 @@ class TwoDofBearing(OdeComponent):
                 raise BadInput(self.name, f"ball_defect.ball = {v.ball}", f"one of the {p.balls.shape[1]} balls")
             return smooth_pit(v.depth, v.width, v.position, v.ball)
 
+        def displaced(v: Any) -> Any:
+            n = p.balls.shape[1]
+            if v.ball > n or n < 4:
+                raise BadInput(self.name, f"cage_fault.ball = {v.ball}", f"one of four or more balls, here {n}")
+            if abs(v.offset) >= math.pi / n:
+                raise BadInput(self.name, f"cage_fault.offset = {v.offset:g} rad", f"less than {math.pi / n:.4g} rad, half the "
+                               f"distance of two of {n} balls")
+            at = TWO_PI * (v.ball - 1) / n + v.offset
+            p.balls[COSINE, v.ball - 1], p.balls[SINE, v.ball - 1] = math.cos(at), math.sin(at)
+            return Displaced(int(v.ball) - 1, float(v.offset))
+
         forms: dict[str, Callable[[Any], Any]] = {
             "clearance": lambda v: Clearance(v.radial_clearance),
             "contact_damping": lambda v: HuntCrossley(v.coefficient),
@@ -186,6 +198,7 @@ class TwoDofBearing(OdeComponent):
             "inner_defect": pit,
             "outer_defect": pit,
             "ball_defect": ball_pit,
+            "cage_fault": displaced,
             "load_variation": lambda v: Harmonic(v.amplitude, 2.0 * math.pi * v.frequency, v.phase),
             "speed_ramp": lambda v: Ramp(v.acceleration, v.duration),
             "given_start": lambda v: None,  # no business of the kernels
@@ -313,8 +326,9 @@ def fastest(t: float, h: float, speed: float, slope: float, half: float, acceler
 
 def _sharing(p: Constants) -> float:
     """How many balls resist one direction at most: the largest sum of their squared cosines."""
-    balls = p.balls.shape[1]
-    return max(0.5 * balls, min(balls, 2))
+    n, (c, s) = p.balls.shape[1], p.balls[[COSINE, SINE]]
+    uneven = math.hypot(np.sum(c * c - s * s), np.sum(2.0 * c * s))  # 0 for three and more at equal distances
+    return 0.5 * (n + uneven) if uneven > 1e-9 * n else 0.5 * n
 
 
 def _resolved_step(p: Constants, damping: HuntCrossley | None, deepest: float) -> float:

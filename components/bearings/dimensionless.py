@@ -17,7 +17,7 @@ from ..core.variables import Variable, parameter
 from . import ball_bearing, races
 from .ball_bearing import JIS6306_SOURCE, BallBearing, TwoDofBearing
 from .geometry import BallGeometry
-from .races import ORDERS
+from .races import ORDERS, CageFault
 from .two_dof import Constants, constants
 
 
@@ -118,6 +118,7 @@ class DimensionlessBallBearing(TwoDofBearing):
     inner_defect = Defect
     outer_defect = Defect
     ball_defect = BallDefect
+    cage_fault = CageFault
     load_variation = LoadVariation
     speed_ramp = SpeedRamp
     given_start = GivenStart

@@ -58,6 +58,29 @@ class BallDefect(Effect):
     ball = integer(1, "number of the ball, counted from 1", low=1)
 
 
+class CageFault(Effect):
+    """A broken cage that no longer holds one ball at its distance: the ball runs ahead of its place, or behind, by a fixed angle.
+
+    Loads then repeat once a turn of the cage only, so that lines at the cage's frequency come up, and sidebands at its distance
+    about those of pits: what a broken cage is known by. That it moves balls from their places is how Wang et al. (Mechanical
+    Systems and Signal Processing 182 (2023) 109545, abstract read) model it; a constant angle is a choice of ours. A cage that
+    moves against its balls, strikes them or rubs is not in it.
+    """
+
+    explicit_only = True
+
+    offset = parameter(math.radians(5.0), "rad", "angle of the ball ahead of its place; below half the distance of two balls")
+    ball = integer(2, "number of the ball, counted from 1", low=1)
+
+
+@kernel_tuple
+class Displaced(NamedTuple):
+    """A ball that is not in its place: its index, and the angle in rad by which it is ahead."""
+
+    ball: int
+    offset: float
+
+
 @kernel_tuple
 class Waves(NamedTuple):
     """Waves of a race, developed for balls at equal distances."""

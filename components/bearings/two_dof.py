@@ -6,11 +6,11 @@ State: x, y, x', y', angle of the inner ring, angle of the cage (of ball 0), and
     m y'' + c y' + sum of Q_j sin theta_j = W_y + m e (w² sin a - w' cos a)
     Q_j = K delta_j^1.5 (1 + 1.5 k delta_j') >= 0,   delta_j = x cos theta_j + y sin theta_j - gap_j, 0 if negative
 
-a = inner ring's angle, theta_j = cage angle + 2 pi j / Z; w = a', cage angle' = cage_ratio w. Balls without mass at equal
-distances roll without slip; the outer ring is fixed. w' is that of the ramp and, during a step, of the speed input; at the
-end of a step the input's slope is used up, so that the acceleration given out there is that of an input at rest. In the
-frame of the cage every ball has a fixed direction: position and velocity are turned there once, so that a call costs one sine
-and cosine however many balls there are, and no power.
+a = inner ring's angle, theta_j = cage angle + 2 pi j / Z; w = a', cage angle' = cage_ratio w. Balls without mass roll without
+slip, at equal distances but for one that a broken cage lets run ahead; the outer ring is fixed. w' is that of the ramp and,
+during a step, of the speed input; at the end of a step the input's slope is used up, so that the acceleration given out there
+is that of an input at rest. In the frame of the cage every ball has a fixed direction: position and velocity are turned there
+once, so that a call costs one sine and cosine however many balls there are, and no power.
 """
 
 from __future__ import annotations
@@ -105,8 +105,8 @@ def ring_speed(t, u, ramp):
 
 
 @kernel
-def fill_gaps(x, speed, p, e):
-    """The gaps of all balls and, with contact damping, their rates, in p.balls."""
+def fill_gaps_in_place(x, speed, p, e):
+    """The same with every ball in its place."""
     radial = 0.0
     if e.clearance is not None:
         radial = e.clearance.gap
@@ -118,6 +118,22 @@ def fill_gaps(x, speed, p, e):
         add_faults(p.balls[GAP], p.balls[RATE], x[4:], speed, p, e)
     else:
         add_faults(p.balls[GAP], None, x[4:], speed, p, e)
+
+
+@kernel
+def fill_gaps(x, speed, p, e):
+    """The gaps of all balls and, with contact damping, their rates, in p.balls."""
+    if e.cage_fault is not None:
+        # a ball ahead of its place meets what it would meet there were the cage turned further
+        k, place = e.cage_fault.ball, x[5]
+        x[5] = place + e.cage_fault.offset
+        fill_gaps_in_place(x, speed, p, e)
+        gap, rate = p.balls[GAP, k], p.balls[RATE, k]
+        x[5] = place
+        fill_gaps_in_place(x, speed, p, e)
+        p.balls[GAP, k], p.balls[RATE, k] = gap, rate
+    else:
+        fill_gaps_in_place(x, speed, p, e)
 
 
 @kernel
@@ -232,7 +248,10 @@ def static_position(x, load_x, load_y, p, e):
     x[0], x[1] = 0.0, 0.0
     if total > 0.0:
         # where a single ball would carry the load, so far out that balls to both sides of it are in contact, too
-        reach = (p.balls[GAP].max() + (total / p.stiffness) ** (2.0 / 3.0)) / math.cos(math.pi / max(p.balls.shape[1], 3))
+        apart = math.pi / max(p.balls.shape[1], 3)
+        if e.cage_fault is not None:
+            apart += 0.5 * abs(e.cage_fault.offset)
+        reach = (p.balls[GAP].max() + (total / p.stiffness) ** (2.0 / 3.0)) / math.cos(apart)
         x[0], x[1] = reach * load_x / total, reach * load_y / total
     fx, fy, kxx, kxy, kyy = elastic_force(x, p)
     for _ in range(200):

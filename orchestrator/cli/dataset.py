@@ -27,6 +27,7 @@ def bearing_faults(
         "bearing-faults"),
     individuals: Annotated[int, typer.Option("--individuals", help="Bearings of each class; each is in one part only.")] = 5,
     duration: Annotated[float, typer.Option("--duration", help="Length of a record, s.")] = 1.0,
+    conditions: Annotated[int, typer.Option("--conditions", help="Of the four speeds and loads, how many.")] = 4,
     rate: Annotated[float, typer.Option("--rate", help="Samples a second.")] = 12_000.0,
     resonance: Annotated[float, typer.Option("--resonance", help="Of the structure between bearing and sensor, Hz.")] = 3_000.0,
     snr: Annotated[float, typer.Option("--snr", help="Ratio of signal to noise, dB.")] = 30.0,
@@ -35,15 +36,16 @@ def bearing_faults(
     seed: Annotated[int, typer.Option("--seed")] = 1,
     jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
-    """Healthy, outer, inner, ball and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
+    """Healthy, outer, inner, ball, cage and combined faults. Example: cosimo dataset bearing-faults --individuals 5 -o faults"""
     from ..output import locked
     from ..systems.bearings.fault_check import check
     from ..systems.bearings.fault_data import Sensor, fault_data
 
     sensor = Sensor(rate=rate, resonance=resonance, snr=snr)
     with locked(output):
-        records, runs = fault_data(output, individuals=individuals, duration=duration, seed=seed, run_up=run_up, sensor=sensor,
-                                   layout=layout, jobs=jobs, scheduler=scheduler, progress=True)
+        records, runs = fault_data(output, individuals=individuals, duration=duration, seed=seed, run_up=run_up,
+                                   conditions=conditions, sensor=sensor, layout=layout, jobs=jobs, scheduler=scheduler,
+                                   progress=True)
     stopped_early(runs, runs.outcomes.count("not run"))
     parts = {part: sum(r.part == part for r in records) for part in ("train", "validation", "test")}
     print(f"{len(records)} records ({', '.join(f'{n} {p}' for p, n in parts.items())}); wrote {output / 'labels.csv'}")

@@ -13,12 +13,13 @@ import numpy as np
 
 from ....components.core.errors import BadInput
 from ...harness.analysis.records import component_of
-from ...harness.analysis.spectra import envelope_spectrum, peak
+from ...harness.analysis.spectra import amplitude_spectrum, envelope_spectrum, peak
 from .fault_data import CLASSES, RPM, Sensor, base_scene
 
 WITHIN = 2.0  # Hz, around the place of a line
 BAND = 0.5  # of the resonance: the envelope is of the band resonance ± this share
 AROUND = 20.0  # Hz on either side of a line, of which the median is the background
+LOW = (20.0, 1000.0)  # Hz, below the resonance: the background of the plain spectrum
 TREES = 100
 
 
@@ -33,8 +34,9 @@ class FaultCheck:
 
 
 def features(x: np.ndarray, sensor: Sensor, frequencies: Mapping[str, float]) -> dict[str, float]:
-    """Of a record (n,): rms, kurtosis (3 for Gaussian noise), crest factor, and the envelope's lines at the defect frequencies
-    over what is around them."""
+    """Of a record (n,): rms, kurtosis (3 for Gaussian noise), crest factor, the envelope's lines at the defect frequencies of
+    pits over what is around them, and the plain spectrum's about that of the outer race at the distance of the cage's, over its
+    background: a ball out of its place strikes nothing, so that the envelope does not show it."""
     x = x - x.mean()
     rms = float(np.sqrt(np.mean(x**2)))
     low, high = (1.0 - BAND) * sensor.resonance, min((1.0 + BAND) * sensor.resonance, 0.49 * sensor.rate)
@@ -44,6 +46,9 @@ def features(x: np.ndarray, sensor: Sensor, frequencies: Mapping[str, float]) ->
     for name, at in lines.items():
         near = (np.abs(f - at) < AROUND) & (np.abs(f - at) > WITHIN)
         values[f"{name} line"] = peak(f, a, at, WITHIN)[1] / max(float(np.median(a[near])), 1e-300)
+    f, a = amplitude_spectrum(x, sensor.rate)
+    beside = [peak(f, a, frequencies["outer"] + k * frequencies["cage"], WITHIN)[1] for k in (-2, -1, 1, 2)]
+    values["cage sidebands"] = float(np.mean(beside) / max(np.median(a[(f > LOW[0]) & (f < LOW[1])]), 1e-300))
     return values
 
 

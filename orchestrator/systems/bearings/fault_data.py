@@ -6,8 +6,9 @@ its fault.
 
 Sensor path: acceleration a of the inner ring along the load -> structure with one resonance between bearing and sensor,
 y'' + 2 ζ ω y' + ω² y = ω² a -> anti-aliasing filter and sampling (polyphase FIR) -> sensitivity -> white noise at a given ratio
-of signal to noise. The layouts of Case Western Reserve University and Paderborn are recalled, not read. Faults of the cage are
-not among the classes: the component has no equations for them.
+of signal to noise. The layouts of Case Western Reserve University and Paderborn are recalled, not read. A broken cage lets one
+ball run ahead of its place or behind; in the class "combined_cage" there is a pit in the outer race as well, since cage faults
+seldom come alone.
 """
 
 from __future__ import annotations
@@ -30,11 +31,12 @@ from .. import load_scene
 RPM = 2.0 * math.pi / 60.0
 CLASSES: Mapping[str, tuple[str, ...]] = {  # label -> defects of the component
     "healthy": (), "outer": ("outer_defect",), "inner": ("inner_defect",), "ball": ("ball_defect",),
-    "combined": ("outer_defect", "inner_defect"),
+    "cage": ("cage_fault",), "combined": ("outer_defect", "inner_defect"), "combined_cage": ("outer_defect", "cage_fault"),
 }
 CONDITIONS = ((1797.0, 400.0), (1772.0, 700.0), (1750.0, 1000.0), (1730.0, 1300.0))  # rpm of CWRU (recalled), N (our choice)
 DIAMETER = (0.18e-3, 0.53e-3)  # m, of defects: 7 to 21 thousandths of an inch, as in the CWRU set (recalled)
 DEPTH = (5e-6, 50e-6)  # m
+OFFSET = (math.radians(3.0), math.radians(12.0))  # rad, of a ball, either way; 16.5 degrees are free (our choice)
 CLEARANCE = (2e-6, 10e-6)  # m, radial
 DAMPING = (800.0, 2500.0)  # N.s/m (our choice)
 STEP, TRANSIENT = 2e-5, 0.3  # s
@@ -73,7 +75,8 @@ class Sensor:
 class Record:
     """What one file holds. number: of the record.  individual: of the bearing.  part: of the split.  run_up: to the speed.
 
-    rpm: 1/min.  load: N.  diameter, depth, clearance: m.  damping: N.s/m.  position: of the defect, rad.
+    rpm: 1/min.  load: N.  diameter, depth, clearance: m.  damping: N.s/m.  position: of the pit, rad.  offset: of a ball from its
+    place in the cage, rad.
     """
 
     number: int
@@ -88,12 +91,15 @@ class Record:
     clearance: float
     damping: float
     position: float
+    offset: float
 
 
-def planned(individuals: int, seed: int, run_up: bool) -> list[Record]:
-    """All records: individuals of every class, each at every condition; the same seed, the same records."""
+def planned(individuals: int, seed: int, run_up: bool, conditions: int = len(CONDITIONS)) -> list[Record]:
+    """All records: individuals of every class, each at the first `conditions`; the same seed, the same records."""
     if individuals < 3:
         raise BadInput("--individuals", str(individuals), "3 or more of each class, one for each part of the split")
+    if not 1 <= conditions <= len(CONDITIONS):
+        raise BadInput("--conditions", str(conditions), f"1 to {len(CONDITIONS)} speeds and loads")
     rng = np.random.default_rng(seed)
     records: list[Record] = []
     for k, label in enumerate(CLASSES):
@@ -101,11 +107,13 @@ def planned(individuals: int, seed: int, run_up: bool) -> list[Record]:
         for j in range(individuals):
             diameter, depth, clearance, damping = (float(rng.uniform(*r)) for r in (DIAMETER, DEPTH, CLEARANCE, DAMPING))
             position = float(rng.uniform(-0.5, 0.5))  # rad, in the loaded zone of the outer race
-            for rpm, load in CONDITIONS:
+            offset = float(rng.choice((-1.0, 1.0)) * rng.uniform(*OFFSET))
+            pit = any(d != "cage_fault" for d in CLASSES[label])
+            for rpm, load in CONDITIONS[:conditions]:
                 for up in (False, True) if run_up else (False,):
                     records.append(Record(len(records), label, k * individuals + j, parts[j], rpm, load, up,
-                                          diameter if label != "healthy" else 0.0, depth if label != "healthy" else 0.0,
-                                          clearance, damping, position))
+                                          diameter if pit else 0.0, depth if pit else 0.0, clearance, damping,
+                                          position if pit else 0.0, offset if "cage_fault" in CLASSES[label] else 0.0))
     return records
 
 
@@ -129,8 +137,11 @@ def point(record: Record, component: Any) -> dict[str, Any]:
         parameters["speed"] = speed
     pitch, ball = p["pitch_diameter"], p["ball_diameter"]
     for defect in CLASSES[record.label]:
-        radius = {"outer_defect": 0.5 * (pitch + ball), "inner_defect": 0.5 * (pitch - ball), "ball_defect": 0.5 * ball}[defect]
         effects.append(defect)
+        if defect == "cage_fault":
+            parameters["cage_fault.offset"] = record.offset
+            continue
+        radius = {"outer_defect": 0.5 * (pitch + ball), "inner_defect": 0.5 * (pitch - ball), "ball_defect": 0.5 * ball}[defect]
         parameters |= {f"{defect}.depth": record.depth, f"{defect}.width": record.diameter / radius,
                        f"{defect}.position": record.position}
     return {"units.bearing.effects": effects, "units.bearing.parameters": parameters}
@@ -145,16 +156,17 @@ def base_scene(duration: float) -> Scene:
 
 
 def fault_data(directory: str | Path, *, individuals: int = 5, duration: float = 1.0, seed: int = 1, run_up: bool = False,
-               sensor: Sensor | None = None, layout: str = "cwru", jobs: int | None = 1, scheduler: str = "",
-               progress: bool = False) -> tuple[list[Record], Sweep]:
+               conditions: int = len(CONDITIONS), sensor: Sensor | None = None, layout: str = "cwru", jobs: int | None = 1,
+               scheduler: str = "", progress: bool = False) -> tuple[list[Record], Sweep]:
     """Write the data set into a directory: a .mat file a record in folders train, validation and test, and labels.csv.
 
-    `duration`: s of every record. Records whose run has failed are left out; they are in the sweep's table with their reasons.
+    `duration`: s of every record. `conditions`: how many of `CONDITIONS`. Records whose run has failed are left out;
+    they are in the sweep's table with their reasons.
     Raises `BadInput`.
     """
     chosen = sensor or Sensor()
     _check(chosen, layout, duration)
-    scene, records = base_scene(duration), planned(individuals, seed, run_up)
+    scene, records = base_scene(duration), planned(individuals, seed, run_up, conditions)
     component = component_of(scene, "bearing")
     points = [point(r, component) for r in records]
     plan = {"method": "list", "vary": {name: [p[name] for p in points] for name in points[0]},
@@ -211,5 +223,6 @@ def name_of(record: Record, layout: str) -> str:
 def _labels(folder: Path, records: list[Record], sensor: Sensor) -> Path:
     names = list(Record.__dataclass_fields__)
     rows = [tuple("yes" if v is True else "no" if v is False else v for v in (getattr(r, n) for n in names)) for r in records]
-    units = {"diameter": "m", "depth": "m", "clearance": "m", "damping": "N.s/m", "position": "rad", "load": "N", "rpm": "1/min"}
+    units = {"diameter": "m", "depth": "m", "clearance": "m", "damping": "N.s/m", "position": "rad", "offset": "rad",
+             "load": "N", "rpm": "1/min"}
     return write_table(folder, "labels.csv", [f"{n}, {units[n]}" if n in units else n for n in names], rows)

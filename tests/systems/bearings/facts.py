@@ -9,7 +9,8 @@ MOVING = frozenset({"*"})
 TWO_DOF_FORM = frozenset({
     "unbalance.phase", "inner_waviness.order", "inner_waviness.phase", "outer_waviness.order", "outer_waviness.phase",
     "inner_defect.width", "inner_defect.position", "outer_defect.width", "outer_defect.position", "ball_defect.width",
-    "ball_defect.position", "ball_defect.ball", "load_variation.frequency", "load_variation.phase", "speed_ramp.duration",
+    "ball_defect.position", "ball_defect.ball", "cage_fault.ball", "load_variation.frequency", "load_variation.phase",
+    "speed_ramp.duration",
 })
 
 
@@ -24,6 +25,7 @@ def two_dof(length: float, force: float, acceleration: float, damping: float) ->
         "outer_waviness.amplitude[1]": ({}, length),
         **{f"{ring}_defect.depth": ({f"{ring}_defect.{n}": v for n, v in passing.items()}, length)
            for ring in ("inner", "outer", "ball")},
+        "cage_fault.offset": ({}, 1e-5),
         "load_variation.amplitude": ({}, force),
         "speed_ramp.acceleration": ({}, acceleration),
     }

@@ -6,7 +6,7 @@ from cosimo.tests.contract.known_answers import in_file
 
 PITS = ("inner_defect", "outer_defect", "ball_defect")
 # another implementation of the same equations, one sine and cosine a ball, gaps differentiated numerically
-BY_EQUATIONS = ("clearance", "contact_damping", "unbalance", *PITS, "load_variation", "speed_ramp")
+BY_EQUATIONS = ("clearance", "contact_damping", "unbalance", *PITS, "cage_fault", "load_variation", "speed_ramp")
 
 KNOWN: dict[str, dict[str, str]] = {
     "BallBearing": {

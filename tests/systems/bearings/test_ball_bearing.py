@@ -15,7 +15,7 @@ pytestmark = pytest.mark.interpreted
 
 MICRO = 1e-6
 ALL = ("clearance", "contact_damping", "unbalance", "inner_waviness", "outer_waviness", "inner_defect", "outer_defect",
-       "ball_defect", "load_variation", "speed_ramp")
+       "ball_defect", "cage_fault", "load_variation", "speed_ramp")
 ORDERS = {"order": (2, 7, 9), "amplitude": (1e-6, 0.4e-6, 0.2e-6), "phase": (0.3, -1.0, 2.0)}
 WAVES = {f"{ring}_waviness.{name}[{i + 1}]": v for ring in ("inner", "outer")
          for name, values in ORDERS.items() for i, v in enumerate(values)}
@@ -49,8 +49,12 @@ def slow_derivatives(bearing, t, x):
         half = 0.5 * p[f"{effect}.width"]
         return 0.5 * p[f"{effect}.depth"] * (1.0 + math.cos(math.pi * s / half)) if abs(s) < half else 0.0
 
+    def place(j):
+        ahead = p["cage_fault.offset"] if "cage_fault" in on and j == p["cage_fault.ball"] - 1 else 0.0
+        return x[5] + 2.0 * math.pi * j / p["balls"] + ahead
+
     def gap(j, dt):
-        at, inner = x[5] + cage * dt + 2.0 * math.pi * j / p["balls"], x[4] + w * dt
+        at, inner = place(j) + cage * dt, x[4] + w * dt
         total = p["clearance.radial_clearance"] if "clearance" in on else 0.0
         for ring, angle in (("inner", at - inner), ("outer", at)):
             if f"{ring}_waviness" in on:
@@ -64,7 +68,7 @@ def slow_derivatives(bearing, t, x):
         return total
 
     def approach(j, dt):
-        at = x[5] + cage * dt + 2.0 * math.pi * j / p["balls"]
+        at = place(j) + cage * dt
         return (x[0] + x[2] * dt) * math.cos(at) + (x[1] + x[3] * dt) * math.sin(at) - gap(j, dt)
 
     fx = bearing["load"] - p["damping"] * x[2]
@@ -75,7 +79,7 @@ def slow_derivatives(bearing, t, x):
             q = p["contact_stiffness"] * delta**1.5
             if "contact_damping" in on:
                 q *= 1.0 + 1.5 * p["contact_damping.coefficient"] * (approach(j, 1e-7) - approach(j, -1e-7)) / 2e-7
-            at = x[5] + 2.0 * math.pi * j / p["balls"]
+            at = place(j)
             fx, fy = fx - max(q, 0.0) * math.cos(at), fy - max(q, 0.0) * math.sin(at)
     if "unbalance" in on:
         a, e = x[4] + p["unbalance.phase"], p["mass"] * p["unbalance.eccentricity"]
@@ -183,6 +187,38 @@ def test_stiffness_across_the_load_with_clearance():
     assert elastic_force(with_clearance(20.0).x, with_clearance(20.0).arguments[0])[4] == 0.0
     between = with_clearance(20.0, start_cage_angle=math.pi / 8.0)
     assert elastic_force(between.x, between.arguments[0])[4] == pytest.approx(1.17e7, rel=5e-3)  # three printed digits
+
+
+@pytest.mark.parametrize("offset", [0.1, -0.3])
+def test_a_broken_cage_brings_up_its_own_frequency(offset):
+    """At rest under the load, over a turn of the cage: with balls at equal distances there are only multiples of their number,
+    with one ball out of its place all. Either position balances loads that are summed here ball by ball."""
+    turn = np.linspace(0.0, 2.0 * math.pi, 32, endpoint=False)
+
+    def lines(effects, given):
+        found = []
+        for angle in turn:
+            parameters = {"clearance.radial_clearance": 2e-6, "start_cage_angle": angle}
+            bearing = ball_bearing(["clearance", *effects], parameters | given)
+            at = angle + 2.0 * math.pi * np.arange(8) / 8.0
+            at[1] += given.get("cage_fault.offset", 0.0)
+            delta = bearing["displacement_x"] * np.cos(at) + bearing["displacement_y"] * np.sin(at) - 2e-6
+            loads = 1.334e10 * np.maximum(delta, 0.0) ** 1.5
+            assert (loads @ np.cos(at), loads @ np.sin(at)) == pytest.approx((196.0, 0.0), abs=1e-9)
+            found.append(bearing["displacement_x"])
+        return np.abs(np.fft.rfft(found))[1:9] / 32.0
+
+    even, broken = lines((), {}), lines(("cage_fault",), {"cage_fault.offset": offset})
+    assert even[:7].max() < 1e-17
+    assert even[7] > 1e-9
+    assert broken[:3].min() > 1e-9  # the cage's own frequency and its multiples
+
+
+def test_a_ball_cannot_pass_the_next_one():
+    with pytest.raises(BadInput, match="half the distance of two of 8 balls"):
+        ball_bearing(["cage_fault"], {"cage_fault.offset": 0.5})
+    with pytest.raises(BadInput, match="four or more balls"):
+        ball_bearing(["cage_fault"], {"cage_fault.ball": 9})
 
 
 def test_energy_changes_by_the_power_of_load_and_damping():

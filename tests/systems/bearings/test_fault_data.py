@@ -64,7 +64,7 @@ def test_what_is_above_half_the_sampling_rate_is_filtered_away_and_noise_has_its
 def test_features_of_known_signals():
     """Kurtosis 3 of Gaussian noise, 1.5 of a sine; a line where impulses come."""
     rng, rate = np.random.default_rng(2), 12_000.0
-    frequencies = {"outer": 107.3, "inner": 162.2, "ball": 70.6}
+    frequencies = {"outer": 107.3, "inner": 162.2, "ball": 70.6, "cage": 11.9}
     assert features(rng.standard_normal(48_000), Sensor(), frequencies)["kurtosis"] == pytest.approx(3.0, abs=0.12)
     t = np.arange(48_000) / rate
     assert features(np.sin(2.0 * np.pi * 50.0 * t), Sensor(), frequencies)["kurtosis"] == pytest.approx(1.5, abs=1e-3)
@@ -76,13 +76,10 @@ def test_features_of_known_signals():
 
 
 @pytest.mark.full
-def test_faults_show_in_the_records(tmp_path, monkeypatch):
+def test_faults_show_in_the_records(tmp_path):
     """One condition: the pits' records have impulses, and their own lines are the highest over what is around them."""
-    from cosimo.orchestrator.systems.bearings import fault_data as module
-
-    monkeypatch.setattr(module, "CONDITIONS", ((1797.0, 400.0),))
     pytest.importorskip("sklearn")
-    records, runs = fault_data(tmp_path, individuals=3, duration=0.5)
+    records, runs = fault_data(tmp_path, individuals=3, duration=0.5, conditions=1)
     assert set(runs.outcomes) == {"done"}
     with open(tmp_path / "labels.csv", newline="") as file:
         assert [row["label"] for row in csv.DictReader(file)] == [r.label for r in records]
@@ -92,4 +89,7 @@ def test_faults_show_in_the_records(tmp_path, monkeypatch):
     assert by_label["outer"]["outer line"] > 5.0 * by_label["healthy"]["outer line"]
     assert by_label["inner"]["inner line"] > 5.0 * by_label["healthy"]["inner line"]
     assert by_label["ball"]["ball line"] > 2.0 * by_label["healthy"]["ball line"]
-    assert all(by_label[label]["kurtosis"] > 1.5 * by_label["healthy"]["kurtosis"] for label in by_label if label != "healthy")
+    sidebands = {label: row["cage sidebands"] for label, row in by_label.items()}
+    assert all(sidebands["cage"] > 2.0 * sidebands[label] for label in sidebands if label != "cage")
+    assert all(by_label[label]["kurtosis"] > 1.5 * by_label["healthy"]["kurtosis"] for label in by_label
+               if label not in ("healthy", "cage"))
