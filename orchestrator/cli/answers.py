@@ -121,11 +121,15 @@ def design(
         answer = many.design(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe,
                              limits=limits, conditions=condition or ())
         written = [answer.save(output), answers.for_design(answer, loaded, output)]
-    print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
-    if answer.best >= 0:
+    if len(answer.quantities) > 1:
+        points = [answer.steps[k] for k in answer.front]
+        print_table("Front", [*answer.names, *answer.quantities], [(*s.parameters, *s.quantities) for s in points])
+    else:
+        print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
+    if answer.best >= 0 and len(answer.quantities) == 1:
         active = f"; at their limits: {'; '.join(answer.active)}" if answer.active else ""
         print(f"{answer.quantity} = {answer.steps[answer.best].quantity:.6g}{active}")
-    else:
+    elif answer.best < 0:
         print("no run keeps all limits")
     warn([*([answer.message] if answer.message else []), *recalled(answer.constraints)])
     print(f"{_runs(len(answer.steps), answer.computed)}; wrote {', '.join(map(str, written))}")

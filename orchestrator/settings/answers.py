@@ -15,19 +15,20 @@
     value = 0.31
     deviation = 0.005
 
-A design has `minimise = "column"` or `maximise`, [constraints] with "column" = { low = ..., high = ... }, and `rows` of a table.
+A design has `minimise = "column"` or `maximise`, or lists of columns for a front, [constraints] with
+"column" = { low = ..., high = ... }, and `rows` of a table.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
 from .case import CurveSettings
 from .limits import LimitSettings, RowsSettings
-from .model import Model, Number, Positive
+from .model import Model, Number, Positive, Truth
 from .plan import KeepSettings
 
 Share = Annotated[float, Field(strict=True, gt=0.0, lt=0.5)]
@@ -58,6 +59,35 @@ class FittedCurve(CurveSettings):
         "standard deviation of the measured numbers, in the signal's unit; without it that of the fit's own residuals"))
 
 
+class SpectrumSettings(Model):
+    """A measured spectrum that the spectrum of a signal is compared with, both by the same estimator: Welch's."""
+
+    signal: str = Field(description='"unit.output" of the scene')
+    file: str = Field(description="CSV with one line of names, beside the plan")
+    frequency: str = Field(default="frequency", description="column of the frequency in Hz")
+    ordinate: str = Field(description="column of the spectrum")
+    kind: Literal["power spectral density", "amplitude spectrum"] = Field(
+        default="power spectral density", description="unit²/Hz, one-sided; or the amplitude of a sine, in the signal's unit")
+    segment: Positive | None = Field(default=None, description="s, length of Welch's segments; default: the whole record")
+    overlap: Annotated[float, Field(strict=True, ge=0.0, lt=1.0)] = Field(default=0.5, description="of segments, a share")
+    window: Literal["hann", "hamming", "blackman", "flattop", "boxcar"] = Field(default="hann", description="of each segment")
+    low: Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)] = Field(default=0.0, description="Hz, from here on")
+    high: Positive | None = Field(default=None, description="Hz, up to here")
+    logarithmic: Truth = Field(default=True, description="residuals of natural logarithms; false: of the numbers themselves")
+    separator: Annotated[str, Field(min_length=1, max_length=1)] = Field(default=",", description="of the columns")
+    scale: Positive = Field(default=1.0, description="times the measured number gives the signal's unit")
+    source: str = Field(default="", description="where the measurement comes from")
+    deviation: Positive | None = Field(default=None, description=(
+        "standard deviation of the measured numbers, logarithmic: of their logarithm, that is relative; without it that of the "
+        "fit's own residuals"))
+
+    @property
+    def estimator(self) -> str:
+        """In words."""
+        length = f"segments of {self.segment:g} s, overlap {100.0 * self.overlap:g} %" if self.segment else "the whole record"
+        return f"Welch, {length}, window {self.window}, mean of each segment removed"
+
+
 class TargetSettings(Model):
     """A measured number of a run."""
 
@@ -71,6 +101,7 @@ class FitSettings(Model):
 
     vary: Annotated[dict[str, RangeSettings], Field(min_length=1)]
     curves: tuple[FittedCurve, ...] = ()
+    spectra: tuple[SpectrumSettings, ...] = ()
     targets: tuple[TargetSettings, ...] = ()
     step: Share = Field(default=1e-4, description="of differences, a share of the range between the bounds")
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
@@ -79,34 +110,59 @@ class FitSettings(Model):
 
     @model_validator(mode="after")
     def _has_data(self) -> FitSettings:
-        if not self.curves and not self.targets:
-            raise BadInput("", "neither curves nor targets", "measurements", "Add [[curves]] or [[targets]].")
-        if any(c.deviation is None for c in self.curves) and (self.targets or len(self.curves) > 1):
-            raise BadInput("curves", "several measurements without the deviation of each", "deviation = ... of every curve",
+        measured = (*self.curves, *self.spectra)
+        if not measured and not self.targets:
+            raise BadInput("", "neither curves nor targets nor spectra", "measurements",
+                           "Add [[curves]], [[spectra]] or [[targets]].")
+        if any(c.deviation is None for c in measured) and (self.targets or len(measured) > 1):
+            raise BadInput("curves" if self.curves else "spectra", "several measurements without the deviation of each",
+                           "deviation = ... of every one",
                            "They have to be weighed against one another.")
         return self
 
 
 class DesignSettings(Model):
-    """What is chosen, what is made small or large by it, and what must hold."""
+    """What is chosen, what is made small or large by it, and what must hold. Several aims make a front."""
 
     vary: Annotated[dict[str, RangeSettings], Field(min_length=1)]
-    minimise: str = ""
-    maximise: str = ""
+    minimise: tuple[str, ...] = Field(default=(), description="a column, or a list of columns")
+    maximise: tuple[str, ...] = Field(default=(), description="a column, or a list of columns")
     constraints: dict[str, LimitSettings] = {}
     rows: RowsSettings | None = Field(default=None, description="rows of a validation table that must hold as well")
-    method: Literal["COBYQA", "SLSQP"] = Field(
-        default="COBYQA", description="COBYQA needs no derivatives; SLSQP for smooth figures")
-    evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=200, description="at most, each start")
+    method: Literal["COBYQA", "SLSQP", "NSGA-II"] | None = Field(default=None, description=(
+        "COBYQA (default) needs no derivatives; SLSQP for smooth figures; NSGA-II for fronts"))
+    evaluations: Annotated[int, Field(strict=True, ge=1)] | None = Field(
+        default=None, description="runs at most, each start: 200; of a front: 1000")
+    population: Annotated[int, Field(strict=True, ge=8, le=10_000)] = Field(
+        default=40, description="NSGA-II: runs a generation, and most points that it goes on with")
     starts: Starts = Field(default=1, description="searches: from `start`, and from points spread over the bounds")
-    seed: Seed = Field(default=0, description="of the other starts")
+    seed: Seed = Field(default=0, description="of the other starts, and of NSGA-II")
     step: Share = Field(default=1e-4, description="SLSQP: of differences, a share of the range between the bounds")
     accuracy: Positive = Field(default=1e-4, description="of the parameters, a share of the range between the bounds")
     keep: KeepSettings = KeepSettings()
 
+    @field_validator("minimise", "maximise", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: object) -> object:
+        return (value,) if isinstance(value, str) else value
+
+    @property
+    def aims(self) -> tuple[str, ...]:
+        """What is made small, then what is made large."""
+        return self.minimise + self.maximise
+
     @model_validator(mode="after")
-    def _one_aim(self) -> DesignSettings:
-        if bool(self.minimise) == bool(self.maximise):
-            raise BadInput("", "both minimise and maximise" if self.minimise else "neither minimise nor maximise", "one of them")
+    def _has_aims(self) -> DesignSettings:
+        if not self.aims:
+            raise BadInput("", "neither minimise nor maximise", "one or more columns")
+        if len(set(self.aims)) < len(self.aims):
+            raise BadInput("", f"aims {', '.join(map(repr, self.aims))}", "each once")
+        front = len(self.aims) > 1
+        count = f"{len(self.aims)} aim{'s' * front}"
+        if self.method is not None and front != (self.method == "NSGA-II"):
+            raise BadInput("method", f"{self.method!r} with {count}", "'NSGA-II' for several aims, 'COBYQA' or 'SLSQP' for one")
+        for key in ("starts", "step", "accuracy") if front else ("population",):
+            if key in self.model_fields_set:
+                raise BadInput(key, f"a value with {count}", "none", "It would have no effect.")
         return self
 

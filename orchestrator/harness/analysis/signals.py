@@ -133,6 +133,19 @@ def amplitude_spectrum(x: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarr
     return np.fft.rfftfreq(x.size, 1.0 / rate), amplitude
 
 
+def welch_spectrum(x: np.ndarray, rate: float, samples: int, overlap: float, window: str, kind: str
+                   ) -> tuple[np.ndarray, np.ndarray]:
+    """(frequency in Hz, spectrum), one-sided, of x (n,) sampled at `rate` Hz: mean over segments of so many samples, their means
+    removed (Welch, IEEE Transactions on Audio and Electroacoustics 15 (1967) 70-73; SciPy's).
+
+    kind: "power spectral density", units² / Hz, or "amplitude spectrum", in units: a sine of amplitude A on a line reads A there.
+    """
+    density = kind == "power spectral density"
+    f, p = dsp.welch(x, rate, window, samples, int(overlap * samples), detrend="constant",
+                     scaling="density" if density else "spectrum")
+    return f, p if density else np.sqrt(2.0 * p)
+
+
 def amplitude_at(x: np.ndarray, rate: float, frequency: float) -> float:
     """Amplitude of the part of x (n,), sampled at `rate` Hz, that oscillates at `frequency` Hz; mean removed, Hann window.
 

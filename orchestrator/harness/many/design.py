@@ -1,4 +1,5 @@
-"""Choose parameters so that a quantity is small or large while others keep their limits: SciPy's searches over runs."""
+"""Choose parameters so that quantities are small or large while others keep their limits: SciPy's searches over runs for one
+quantity, a front for several."""
 
 from __future__ import annotations
 
@@ -17,6 +18,7 @@ from ...settings.answers import DesignSettings, LimitSettings
 from ...settings.messages import one_message
 from ..sweep import Sweep
 from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
+from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
 from .plan import unit_of
@@ -24,6 +26,7 @@ from .sampling import other_starts
 from .searches import Ask, differences, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
+EVALUATIONS = 200  # at most, each start
 BAD = 1e3  # a failed run is this many scales worse than the start
 
 
@@ -32,27 +35,35 @@ class Step:
     """One run of the search."""
 
     parameters: tuple[float, ...]
-    quantity: float
+    quantities: tuple[float, ...]
     constraints: tuple[float, ...]
     feasible: bool
     outcome: str
 
+    @property
+    def quantity(self) -> float:
+        """That of the first aim."""
+        return self.quantities[0]
+
 
 @dataclass(frozen=True)
 class Design:
-    """The best run that keeps all limits, among all that were made. best: its place in `steps`, -1 where none does.
+    """The best runs that keep all limits, among all that were made.
 
-    names: of the parameters; constraints: of the columns with limits; active: those at a limit.  starts: searches.  computed:
-    runs of this call; the others were kept.  sweep: all of them.
+    quantities, maximise: the aims, and which of them are made large.  names: of the parameters.  constraints: of the columns with
+    limits.  units: of measure of all these.  front: places in `steps` that no other one beats in one aim without losing in
+    another, in the order of the first aim; of one aim the best run, none where no run keeps the limits.  active: constraints of
+    the best run of one aim that are at a limit.  starts: searches.  computed: runs of this call; the others were kept.  sweep:
+    all of them.
     """
 
-    quantity: str
-    maximise: bool
+    quantities: tuple[str, ...]
+    maximise: tuple[bool, ...]
     names: tuple[str, ...]
     units: Mapping[str, str]
     constraints: Mapping[str, LimitSettings]
     steps: tuple[Step, ...]
-    best: int
+    front: tuple[int, ...]
     active: tuple[str, ...]
     message: str
     starts: int
@@ -60,15 +71,27 @@ class Design:
     sweep: Sweep | None = None
 
     @property
+    def quantity(self) -> str:
+        """The first aim."""
+        return self.quantities[0]
+
+    @property
+    def best(self) -> int:
+        """Place of the best run, of a front the first one; -1 without any."""
+        return self.front[0] if self.front else -1
+
+    @property
     def values(self) -> dict[str, float]:
         """The parameters of the best run; empty where there is none."""
         return dict(zip(self.names, self.steps[self.best].parameters, strict=True)) if self.best >= 0 else {}
 
     def save(self, directory: str | Path) -> Path:
-        """Write design.csv: a row a run."""
-        header = [*(f"{n}, {self.units[n]}" if self.units.get(n) else n for n in self.names), self.quantity, *self.constraints,
-                  "feasible", "outcome"]
-        rows = [(*s.parameters, s.quantity, *s.constraints, "yes" if s.feasible else "no", s.outcome) for s in self.steps]
+        """Write design.csv: a row a run, and which of them are on the front."""
+        header = [*(f"{n}, {self.units[n]}" if self.units.get(n) else n for n in self.names), *self.quantities, *self.constraints,
+                  "feasible", "front", "outcome"]
+        front = set(self.front)
+        rows = [(*s.parameters, *s.quantities, *s.constraints, "yes" if s.feasible else "no", "yes" if k in front else "no",
+                 s.outcome) for k, s in enumerate(self.steps)]
         return write_table(directory, "design.csv", header, rows)
 
 
@@ -87,7 +110,8 @@ def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> De
 def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
            jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None,
            limits: str = "", conditions: Sequence[str] = ()) -> Design:
-    """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts.
+    """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts. Of several
+    quantities a front, by NSGA-II.
 
     `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
     of differences, and of several starts, as in a sweep; they change no number. `limits`, `conditions`: a
@@ -95,31 +119,49 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
     run, and `Stopped` where a signal has ended it.
     """
     wanted = with_rows(design_settings(settings), table=limits, conditions=conditions)
-    aim = wanted.minimise or wanted.maximise
-    keep = keep_for([aim, *wanted.constraints], wanted.keep)
+    several = len(wanted.aims) > 1
+    if several:
+        check_pymoo()
+    keep = keep_for([*wanted.aims, *wanted.constraints], wanted.keep)
     with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
         start = runs.start(wanted.vary)
         (first,) = runs([start])
         if first.outcome != "done":
             raise BadInput("design: start", f"a run that is {first.outcome}: {first.reason}", "a start that runs",
                            "Give another start.")
-        quantity = column_name(first.numbers, aim, "design")
+        aims = tuple(column_name(first.numbers, name, "design") for name in wanted.aims)
         columns = [column_name(first.numbers, n, "design: constraints") for n in wanted.constraints]
         limits_of = dict(zip(columns, wanted.constraints.values(), strict=True))
         check_limits(limits_of, first.units)
-        searching = _Searching(wanted, runs, quantity, limits_of, first.numbers[quantity])
-        starts = [(start - runs.low) / (runs.high - runs.low), *other_starts(wanted.starts, len(start), wanted.seed)]
-        solutions = run_searches([searching.search(u) for u in starts], runs)
-        steps = tuple(_step(p, row, quantity, limits_of) for p, row in runs.history)
-        good = [k for k, s in enumerate(steps) if s.feasible]
-        best = min(good, key=lambda k: searching.sign * steps[k].quantity, default=-1)
-        left = [s.message for s in solutions if not s.success]
-        which = f"{len(left)} of {len(starts)} searches" if len(starts) > 1 else "the search"
-        message = f"{which} ended before it had converged: {left[0]}" if left else ""
-        ends = zip(limits_of.items(), steps[best].constraints, strict=True) if good else ()
+        begin = (start - runs.low) / (runs.high - runs.low)
+        sign = np.array([1.0] * len(wanted.minimise) + [-1.0] * len(wanted.maximise))
+        if several:
+            search_front(wanted, runs, aims, sign, limits_of, begin)
+            message = ""
+        else:
+            message = _one_aim(wanted, runs, aims[0], limits_of, first, begin)
+        steps = tuple(_step(p, row, aims, limits_of) for p, row in runs.history)
+        good = np.flatnonzero([s.feasible for s in steps])
+        values = sign * np.array([steps[k].quantities for k in good]).reshape(good.size, len(aims))
+        front = good[unbeaten(values)] if several else good[values[:, 0].argmin()][None] if good.size else good
+        if several:
+            message = still_growing(values, good, len(steps))
+        ends = zip(limits_of.items(), steps[front[0]].constraints, strict=True) if front.size and not several else ()
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
-        return Design(quantity, bool(wanted.maximise), tuple(runs.names), {n: unit_of(scene, n) for n in runs.names}, limits_of,
-                      steps, best, active, message, len(starts), runs.computed, runs.sweep())
+        units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in (*aims, *limits_of)}
+        return Design(aims, tuple((sign < 0.0).tolist()), tuple(runs.names), units, limits_of, steps, tuple(front.tolist()),
+                      active, message, wanted.starts, runs.computed, runs.sweep())
+
+
+def _one_aim(wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: Row,
+             begin: np.ndarray) -> str:
+    """Search from `begin` and from the other starts; what a user should know of it."""
+    searching = _Searching(wanted, runs, quantity, limits, first.numbers[quantity])
+    starts = [begin, *other_starts(wanted.starts, len(begin), wanted.seed)]
+    solutions = run_searches([searching.search(u) for u in starts], runs)
+    left = [s.message for s in solutions if not s.success]
+    which = f"{len(left)} of {len(starts)} searches" if len(starts) > 1 else "the search"
+    return f"{which} ended before it had converged: {left[0]}" if left else ""
 
 
 class _Searching:
@@ -134,7 +176,7 @@ class _Searching:
 
     def search(self, start: np.ndarray) -> Callable[[Ask], Any]:
         """SciPy's solution from a start in the unit cube."""
-        wanted = self.wanted
+        wanted, most = self.wanted, self.wanted.evaluations or EVALUATIONS
         ends = [[(getattr(limit, end) / s if getattr(limit, end) is not None else other)
                  for limit, s in zip(self.limits.values(), self.sizes, strict=True)]
                 for end, other in (("low", -np.inf), ("high", np.inf))]
@@ -153,16 +195,16 @@ class _Searching:
             def jacobian(u: np.ndarray) -> np.ndarray:
                 return differences(values, np.clip(u, 0.0, 1.0), wanted.step, self.runs.names)
 
-            if wanted.method == "COBYQA":
-                options = {"maxfev": wanted.evaluations, "final_tr_radius": wanted.accuracy, "initial_tr_radius": 0.1}
+            if (wanted.method or "COBYQA") == "COBYQA":
+                options = {"maxfev": most, "final_tr_radius": wanted.accuracy, "initial_tr_radius": 0.1}
                 constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends)] if self.limits else []
                 slopes = {}
             else:
-                options = {"maxiter": wanted.evaluations, "ftol": wanted.accuracy**2}
+                options = {"maxiter": most, "ftol": wanted.accuracy**2}
                 constraints = [NonlinearConstraint(lambda u: whole(u)[1:], *ends, jac=lambda u: jacobian(u)[1:])
                                ] if self.limits else []
                 slopes = {"jac": lambda u: jacobian(u)[0]}
-            return minimize(lambda u: whole(u)[0], start, method=wanted.method, bounds=[(0.0, 1.0)] * len(start),
+            return minimize(lambda u: whole(u)[0], start, method=wanted.method or "COBYQA", bounds=[(0.0, 1.0)] * len(start),
                             constraints=constraints, options=options, **slopes)
 
         return solve
@@ -185,12 +227,12 @@ def _outside(limit: LimitSettings, size: float) -> float:
     return limit.high / size + 1.0 if limit.high is not None else limit.low / size - 1.0  # type: ignore[operator]
 
 
-def _step(p: np.ndarray, row: Row, quantity: str, limits: Mapping[str, LimitSettings]) -> Step:
+def _step(p: np.ndarray, row: Row, aims: Sequence[str], limits: Mapping[str, LimitSettings]) -> Step:
     values = tuple(row.numbers.get(c, float("nan")) for c in limits)
-    value = row.numbers.get(quantity, float("nan"))
+    sizes = tuple(row.numbers.get(name, float("nan")) for name in aims)
     inside = all(limit.keeps(v, FEASIBLE * limit.size) for v, limit in zip(values, limits.values(), strict=True))
-    good = row.outcome == "done" and bool(np.isfinite(value)) and inside
-    return Step(tuple(p.tolist()), value, values, good, row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}")
+    good = row.outcome == "done" and bool(np.isfinite(sizes).all()) and inside
+    return Step(tuple(p.tolist()), sizes, values, good, row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}")
 
 
 def _at_limit(value: float, limit: LimitSettings) -> bool:

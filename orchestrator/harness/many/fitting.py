@@ -21,6 +21,7 @@ from ..analysis.least_squares import fit as least_squares
 from ..charts.chart import Chart
 from ..sweep import Sweep
 from ..validation.curves import compare_curve, read_curve
+from ..validation.spectra import compare_spectrum, read_spectrum
 from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
 from .measures import Row
 from .plan import changes, unit_of
@@ -73,12 +74,13 @@ def fit_settings(data: FitSettings | Mapping[str, Any], name: str = "fit") -> Fi
 def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
         folder: str | Path = ".", jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None,
         observe: Observe = lambda n: None) -> SceneFit:
-    """Fit parameters to measured curves and numbers. `folder`: of the curves' files, where the settings are no file themselves.
+    """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 
     Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
-    on both sides where it has a cut-off; its samples count as independent, which makes the deviations too small where they are
-    not. `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes
-    the runs of a Jacobian, and of several starts, as in a sweep; they change no number. Raises `BadInput`, also where the start
+    on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured frequencies.
+    Samples count as independent, which makes the deviations too small where they are not. `directory`: where the runs are kept;
+    those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs of a Jacobian, and of several starts,
+    as in a sweep; they change no number. Raises `BadInput`, also where the start
     cannot be run, and `Stopped` where a signal has ended it.
     """
     if isinstance(settings, str | Path):
@@ -86,7 +88,9 @@ def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, di
     wanted, folder = fit_settings(settings), Path(folder)
     for curve in wanted.curves:
         read_curve(curve, folder)
-    signals = [s for c in wanted.curves for s in (c.signal, c.over) if s]
+    for spectrum in wanted.spectra:
+        read_spectrum(spectrum, folder)
+    signals = [s for c in wanted.curves for s in (c.signal, c.over) if s] + [s.signal for s in wanted.spectra]
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
     with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
@@ -139,15 +143,16 @@ class _Fitting:
         if row.outcome != "done":
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
         fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
-        comparisons = [compare_curve(c, self.folder, _KeptRun(fitted, row)) for c in self.wanted.curves]
+        charts = [*(compare_curve(c, self.folder, _KeptRun(fitted, row)).chart() for c in self.wanted.curves),
+                  *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra)]
         targets = tuple((t.quantity, t.value, t.deviation, self._target(row, t.quantity)) for t in self.wanted.targets)
         return SceneFit(replace(best, messages=tuple(messages)), {n: unit_of(self.scene, n) for n in names}, fitted,
-                        runs.values(first), tuple(c.chart() for c in comparisons), targets, len(runs.history), runs.computed,
+                        runs.values(first), tuple(charts), targets, len(runs.history), runs.computed,
                         runs.sweep())
 
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
         names, wanted = self.runs.names, self.wanted
-        known = bool(wanted.targets) or all(c.deviation is not None for c in wanted.curves)
+        known = bool(wanted.targets) or all(c.deviation is not None for c in (*wanted.curves, *wanted.spectra))
 
         def search(ask: Ask) -> Fit:
             def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -171,11 +176,12 @@ class _Fitting:
         for curve in self.wanted.curves:
             comparison = compare_curve(curve, self.folder, _KeptRun(self.runs.scene, row))
             parts.append((comparison.simulated - comparison.measured) / (curve.deviation or 1.0))
+        parts += [compare_spectrum(s, self.folder, _KeptRun(self.runs.scene, row)).residuals for s in self.wanted.spectra]
         parts += [np.array([(self._target(row, t.quantity) - t.value) / t.deviation]) for t in self.wanted.targets]
         whole = np.concatenate(parts)
         if self.size and whole.size != self.size:
-            raise BadInput("fit: curves", f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} within the "
-                           "first one", "a stretch that does not depend on the parameters",
+            raise BadInput("fit: measurements", f"{whole.size} samples within a run with {self.runs.values(p)}, {self.size} "
+                           "within the first one", "a stretch that does not depend on them",
                            "Cut the measurement to what every run covers.")
         return whole
 

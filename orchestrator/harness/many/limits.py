@@ -10,7 +10,7 @@ from ....components.core.errors import BadInput, nearest
 from ...scene.files import read_toml
 from ...settings.answers import DesignSettings
 from ...settings.limits import LimitSettings, RowsSettings
-from ...settings.plan import PlanSettings
+from ...settings.plan import KeepSettings, PlanSettings
 from ...settings.study import wanted
 from ..validation.reference import TableRow, load_table, table_rows
 
@@ -36,10 +36,11 @@ def with_rows(settings: S, folder: Path = Path(), table: str = "", conditions: S
     if twice := sorted(limits.keys() & own.keys()):
         raise BadInput(field, f"{twice[0]!r}, which table {wanted_rows.table} has, too", "one range a column",
                        f"Remove it from [{field}], or name other conditions of the table.")
-    quantities = [] if function else [c for c in limits if "," in c]
-    keep = settings.keep.model_copy(update={
-        "quantities": tuple(dict.fromkeys([*settings.keep.quantities, *quantities])),
-        "functions": tuple(dict.fromkeys([*settings.keep.functions, *([function] if function else [])]))})
+    quantities: list[str] = [] if function else [c for c in limits if "," in c]
+    functions: list[str] = [function] if function else []
+    kept: KeepSettings = settings.keep
+    keep = kept.model_copy(update={"quantities": tuple(dict.fromkeys([*kept.quantities, *quantities])),
+                                   "functions": tuple(dict.fromkeys([*kept.functions, *functions]))})
     return settings.model_copy(update={field: {**own, **limits}, "keep": keep, "rows": None})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from ..many.uncertainty import Inside, Uncertainty
 
 MOST_BINS = 60
+MOST_PAIRS = 6  # of aims with a panel each
+MOST_ROWS = 20  # of a front's table
 
 
 def for_sensitivity(answer: Sensitivity, directory: str | Path) -> Path:
@@ -140,7 +143,9 @@ def for_fit(answer: SceneFit, directory: str | Path) -> Path:
 
 
 def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
-    """`report.html`: the best run, the way of the search, every run over the parameters."""
+    """`report.html`: the best run, the way of the search, every run over the parameters; of several aims the front."""
+    if len(answer.quantities) > 1:
+        return _for_front(answer, scene, directory)
     count = np.arange(1, len(answer.steps) + 1)
     y = np.array([s.quantity for s in answer.steps])
     good = np.array([s.feasible for s in answer.steps])
@@ -159,12 +164,50 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         facts += [(n, f"{number(v)}{' (at its limit)' if n in answer.active else ''}")
                   for n, v in zip(answer.constraints, best.constraints, strict=True)]
         blocks.insert(0, Facts("Best run", facts))
-        lead = f"{answer.quantity} = {number(best.quantity)}, the {'largest' if answer.maximise else 'least'} of {len(y)} runs."
+        kind = "largest" if answer.maximise[0] else "least"
+        lead = f"{answer.quantity} = {number(best.quantity)}, the {kind} of {len(y)} runs."
     else:
         lead = f"None of {len(y)} runs keeps all limits."
     notes = [*([answer.message] if answer.message else []), *recalled(answer.constraints)]
     notes.append("A local search: another start may lead to a better place." if answer.starts == 1 else
                  f"{answer.starts} local searches from points spread over the bounds: there may be a better place still.")
+    return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
+
+
+def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
+    """Pairs of aims with the front, its points as a table, as lines through all columns, and over the parameters."""
+    aims = np.array([s.quantities for s in answer.steps])
+    good = np.array([s.feasible for s in answer.steps])
+    front = np.array(answer.front, dtype=int)
+    columns = [*answer.names, *answer.quantities, *answer.constraints]
+    runs = np.array([(*s.parameters, *s.quantities, *s.constraints) for s in answer.steps])
+    whole = runs[front].reshape(front.size, len(columns))
+    values = dict(zip(columns, whole.T, strict=True))
+    table = many_runs.Table({n: values[n] for n in answer.names}, {n: x for n, x in values.items() if n not in answer.names},
+                            answer.units, answer.constraints, False)
+    panels = []
+    for i, j in list(combinations(range(len(answer.quantities)), 2))[:MOST_PAIRS]:
+        series = [Series("breaks a limit or failed", aims[~good, i], aims[~good, j], "dots", faint=True),
+                  Series("keeps all limits", aims[good, i], aims[good, j], "dots"),
+                  Series("front", aims[front, i], aims[front, j], "line+points" if len(answer.quantities) == 2 else "points")]
+        first, second = answer.quantities[i], answer.quantities[j]
+        panels.append(Panel(table.label(second), tuple(s for s in series if len(s.x)), table.bands(second),
+                            x_label=table.label(first)))
+    text = "Every run; of a point of the front, no other run is better in one aim without being worse in another."
+    blocks: list[Block] = [draw_chart(Chart("Front", "", tuple(panels), text, columns=min(2, len(panels)), height=380))]
+    if front.size:
+        shown = np.unique(np.linspace(0, front.size - 1, MOST_ROWS).round().astype(int))
+        few = f"{shown.size} of {front.size} points; all are in design.csv." if front.size > shown.size else ""
+        blocks += [many_runs.parallel(table),
+                   Cells("Points of the front", [table.label(n) for n in columns],
+                         [tuple(number(v) for v in whole[k]) for k in shown], few, right=frozenset(range(len(columns))))]
+        blocks += many_runs.blocks(table)[:1]
+        ways = ", ".join(f"{'large' if m else 'small'} {n}" for n, m in zip(answer.quantities, answer.maximise, strict=True))
+        lead = f"{front.size} of {len(answer.steps)} runs make the front of {ways}."
+    else:
+        lead = f"None of {len(answer.steps)} runs keeps all limits."
+    notes = [*([answer.message] if answer.message else []), *recalled(answer.constraints),
+             "The front of these runs: NSGA-II has no proof that there is none beyond."]
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 
 

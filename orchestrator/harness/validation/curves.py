@@ -125,13 +125,18 @@ def compare_curve(curve: CurveSettings, folder: Path, result: Recorded) -> Compa
 
 def read_curve(curve: CurveSettings, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """(abscissa (n,), ordinate (n,)) of the file, scaled and shifted; faults are one `BadInput` with file and line."""
-    path = folder / curve.file
+    x, y = read_columns(folder / curve.file, curve.abscissa, curve.ordinate, curve.separator)
+    return x + curve.shift, y * curve.scale + curve.offset
+
+
+def read_columns(path: Path, abscissa: str, ordinate: str, separator: str) -> tuple[np.ndarray, np.ndarray]:
+    """Two columns (n,) of a CSV by their names, the first one rising; faults are one `BadInput` with file and line."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = csv.reader(file, delimiter=curve.separator)
+            lines = csv.reader(file, delimiter=separator)
             names = [name.strip() for name in next(lines, [])]
             places = []
-            for name in (curve.abscissa, curve.ordinate):
+            for name in (abscissa, ordinate):
                 if name not in names:
                     raise BadInput(str(path), f"no column {name!r}", "a column of the first line", nearest(name, names))
                 places.append(names.index(name))
@@ -145,8 +150,8 @@ def read_curve(curve: CurveSettings, folder: Path) -> tuple[np.ndarray, np.ndarr
     x, y = np.array(pairs).T
     if not (np.diff(x) > 0.0).all():
         line = int(np.argmin(np.diff(x) > 0.0)) + 3
-        raise BadInput(f"{path}:{line}", f"{curve.abscissa} that does not rise", "rising numbers")
-    return x + curve.shift, y * curve.scale + curve.offset
+        raise BadInput(f"{path}:{line}", f"{abscissa} that does not rise", "rising numbers")
+    return x, y
 
 
 def _numbers(line: list[str], places: list[int], where: str) -> tuple[float, float]:
