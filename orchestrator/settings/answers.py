@@ -108,13 +108,17 @@ class FitSettings(Model):
     seed: Seed = Field(default=0, description="of the other starts")
     evaluations: Annotated[int, Field(strict=True, ge=1)] = Field(default=50, description="of the residuals, at most, each start")
 
+    @property
+    def measured(self) -> tuple[FittedCurve | SpectrumSettings, ...]:
+        """Curves and spectra."""
+        return (*self.curves, *self.spectra)
+
     @model_validator(mode="after")
     def _has_data(self) -> FitSettings:
-        measured = (*self.curves, *self.spectra)
-        if not measured and not self.targets:
+        if not self.measured and not self.targets:
             raise BadInput("", "neither curves nor targets nor spectra", "measurements",
                            "Add [[curves]], [[spectra]] or [[targets]].")
-        if any(c.deviation is None for c in measured) and (self.targets or len(measured) > 1):
+        if any(c.deviation is None for c in self.measured) and (self.targets or len(self.measured) > 1):
             raise BadInput("curves" if self.curves else "spectra", "several measurements without the deviation of each",
                            "deviation = ... of every one",
                            "They have to be weighed against one another.")

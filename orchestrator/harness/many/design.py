@@ -148,7 +148,8 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
             message = still_growing(values, good, len(steps))
         ends = zip(limits_of.items(), steps[front[0]].constraints, strict=True) if front.size and not several else ()
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
-        units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in (*aims, *limits_of)}
+        units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in aims}
+        units |= {n: first.units.get(n, "") or limit.unit for n, limit in limits_of.items()}
         return Design(aims, tuple((sign < 0.0).tolist()), tuple(runs.names), units, limits_of, steps, tuple(front.tolist()),
                       active, message, wanted.starts, runs.computed, runs.sweep())
 

@@ -152,7 +152,7 @@ class _Fitting:
 
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
         names, wanted = self.runs.names, self.wanted
-        known = bool(wanted.targets) or all(c.deviation is not None for c in (*wanted.curves, *wanted.spectra))
+        known = bool(wanted.targets) or all(m.deviation is not None for m in wanted.measured)
 
         def search(ask: Ask) -> Fit:
             def values(points: Sequence[np.ndarray]) -> list[np.ndarray]:
