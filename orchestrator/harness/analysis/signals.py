@@ -140,6 +140,8 @@ def welch_spectrum(x: np.ndarray, rate: float, samples: int, overlap: float, win
 
     kind: "power spectral density", units² / Hz, or "amplitude spectrum", in units: a sine of amplitude A on a line reads A there.
     """
+    from scipy import signal as dsp
+
     density = kind == "power spectral density"
     f, p = dsp.welch(x, rate, window, samples, int(overlap * samples), detrend="constant",
                      scaling="density" if density else "spectrum")
