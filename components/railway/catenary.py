@@ -401,9 +401,9 @@ class Catenary(Component):
         if "spectral_radius" in names and self.parameters["method"] == "explicit":
             reasons["spectral_radius"] = "method 'explicit' has none"
         if "first_watched_support" in names:
-            last = self.parameters["spans"] if "line_table" not in self.on else (
+            last = self.get("spans") if "line_table" not in self.on else (
                 support_positions(line_of(self.parameters, self.name)).size - 1)
-            if self.parameters["first_watched_support"] > last:
+            if self.get("first_watched_support") > last:
                 reasons["first_watched_support"] = f"the last support of the line is number {last}"
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
         if "line_table" in self.on and rest:

@@ -247,7 +247,8 @@ def over(first: Any, *others: Any) -> Any:
     Of keys of which one alone has an effect, the first table that says one of them decides for all.
     """
     tables, values = (first, *others), {}
-    for name, is_table, rivals in _keys(type(first)):
+    kind: Any = type(first)
+    for name, is_table, rivals in _keys(kind):
         if is_table:
             values[name] = over(*(getattr(t, name) for t in tables))
             continue
@@ -257,7 +258,7 @@ def over(first: Any, *others: Any) -> Any:
             if value is not None or any(getattr(t, rival) is not None for rival in rivals):
                 values[name] = value
                 break
-    return type(first)(**values)
+    return kind(**values)
 
 
 @cache
