@@ -99,6 +99,37 @@ def test_cost_over_the_number_of_spans():
     assert seconds[60, True] < 1.25 * seconds[10, True]
 
 
+def on_line(name, effects, **parameters):
+    """A shipped scene for 3 s, without pictures, its catenary with other effects and parameters on one mesh and substep."""
+    loaded = load_scene(name)
+    values = {"line_table.table": loaded.units["catenary"].parameters.get("line_table.table"), "element": 0.4, "substep": 5e-4,
+              "damping.beta": 1e-3, **parameters}
+    return loaded.with_changes({
+        "units.catenary.effects": [*EFFECTS, *effects], "units.catenary.parameters": values, "record": {"signals": SIGNALS[:2]},
+        "study": {}, "analysis.spans": [2, 3], "stop_time": 3.0})
+
+
+def test_price_of_a_second_wire_and_of_stagger():
+    """Two contact wires, an overlap and lateral geometry against one straight contact wire on the same line: at most twice."""
+    print()
+    first, twin = ("\n".join(line for line in load_scene(name).units["catenary"].parameters["line_table.table"].splitlines()
+                             if "second_contact_wire" not in line) for name in ("overlap", "two-contact-wires"))
+    one_wire = twin.replace(", second_positions = [8, 18, 26, 34, 42, 50, 60]", "")
+    section = first.split("[[sections]]")[1].split("spans =")[0]
+    whole = f"[[sections]]{section}spans = [{{ length = 60, repeat = 5 }}, 55, 50, 55, {{ length = 60, repeat = 5 }}]"
+    zigzag = one_wire + "\nsupports = [" + ", ".join(f"{{ stagger = {b} }}" for b in [0.2, -0.2] * 5 + [0.2]) + "]"
+    pairs = {
+        "two contact wires": (on_line("two-contact-wires", ["line_table", "second_wire"]), one_wire),
+        "overlap": (on_line("overlap", ["line_table", "second_wire"]), whole),
+        "stagger": (on_line("en50318-2002", ["line_table", "stagger"], **{"line_table.table": zigzag}), one_wire),
+    }
+    for name, (dear, text) in pairs.items():
+        plain = on_line("en50318-2002", ["line_table"], **{"line_table.table": text})
+        seconds = [best(which)[1] for which in (plain, dear)]
+        print(f"  {name:18s} {seconds[1] / seconds[0]:.2f} times one wire ({seconds[0]:.3f} s)")
+        assert seconds[1] <= 2.0 * seconds[0]
+
+
 def test_memory_of_sixty_spans():
     # ru_maxrss would not do: a process inherits it from the one that started it
     program = ("from cosimo.orchestrator.run import run; from cosimo.orchestrator.scene.scene import load_scene\n"
