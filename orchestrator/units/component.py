@@ -125,6 +125,15 @@ class ComponentUnit:
         hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
         return {name: hook.reason for name, hook in hooks if isinstance(hook, Callback)}
 
+    @property
+    def written(self) -> list[np.ndarray] | None:
+        """All arrays that compiled steps can write, behind `call_table`; None where Python has a part in a step or a state."""
+        cls = type(self.component)
+        plain = all(getattr(cls, name) is getattr(Component, name) for name in ("save", "restore", "stepped"))
+        if not plain or any(isinstance(hook, Callback) for hook in self._hooks):
+            return None
+        return [array for hook in self._hooks for array in hook.arrays if array.flags.writeable]
+
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
         self.component.stepped(t)

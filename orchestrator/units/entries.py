@@ -45,6 +45,7 @@ class Entry:
             elif not isinstance(value, Symbol):
                 self.cells[k] = value
         self._calls = tuple(calls)  # keeps their arrays and machine code alive
+        self.arrays = [array for call in calls for array in _arrays(call.arguments)]
         self.function, self.argument = _function(tuple(shapes)), self.cells.ctypes.data
 
 
@@ -97,6 +98,15 @@ def _of_types(kernel: Any, signature: tuple[Any, ...], checked: bool) -> tuple[i
         raise PythonInHook(f"{kernel.__name__}, which returns {result}")
     return (compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name),
             tuple("ptr" if k.endswith("*") else k for k in kinds))
+
+
+def _arrays(values: Sequence[Any]) -> Iterator[np.ndarray]:
+    """The arrays among values, and in tuples among them."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, tuple):
+            yield from _arrays(value)
 
 
 def _flat(values: Sequence[Any]) -> Iterator[Any]:

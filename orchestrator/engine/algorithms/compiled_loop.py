@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -28,8 +28,9 @@ class CompiledLoop:
     links behind the steps `looks` (m,), and where extrapolation has taken them; `outputs` (n, W), what `watch` has asked for.
     """
 
-    def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None):
-        self._master, self._units, self._halt, self._account = master, units, halt, account
+    def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None,
+                 trusted: Collection[str] = ()):
+        self._master, self._units, self._halt, self._account, self._trusted = master, units, halt, account, trusted
         self._made_for: Any = None  # what the addresses of the units follow from
         self._records = r = Records(master, units)
         following = np.array([master.nodes.index(node) for node in master.feedthrough_schedule], dtype=np.int64)
@@ -82,23 +83,22 @@ class CompiledLoop:
 
     @property
     def saves(self) -> bool:
-        """Whether all units are components, which save their state in little time."""
-        return all(isinstance(unit, ComponentUnit) for unit in self._units)
+        """Whether steps can be taken back, behind `prepare`: all units are components whose whole state is known."""
+        return all(isinstance(u, ComponentUnit) and (u.name in self._trusted or u.written is not None) for u in self._units)
 
     def save(self) -> Any:
         """All that the next steps depend on, and counters of the units, which must all be components."""
-        return (self._account or self._master).save(), [unit.component.counts.copy() for unit in self._components]
+        units = [unit for unit in self._units if isinstance(unit, ComponentUnit)]
+        arrays = [unit.component.counts for unit in units]
+        arrays += [array for unit in units if unit.name not in self._trusted for array in unit.written or ()]
+        return (self._account or self._master).save(), [(array, array.copy()) for array in arrays]
 
     def restore(self, saved: Any) -> None:
         """Take back what `save` gave."""
-        state, counts = saved
+        state, arrays = saved
         (self._account or self._master).restore(state)
-        for unit, values in zip(self._components, counts, strict=True):
-            unit.component.counts[:] = values
-
-    @property
-    def _components(self) -> list[ComponentUnit]:
-        return [unit for unit in self._units if isinstance(unit, ComponentUnit)]
+        for array, values in arrays:
+            array[...] = values
 
     def watch(self, ends: Sequence[Endpoint]) -> slice | None:
         """Columns of `outputs` in which these outputs will stand; None where not all are those of components."""

@@ -222,11 +222,11 @@ def stepping_of(scene: SceneSettings, coupling: Coupling, master: Master, accoun
     early = [node.unit for node in master.nodes if coupling.interfaces[node.unit.name].may_return_early]
     if given.control is None and not given.events and not early:
         halt = np.zeros(1, dtype=np.uint8)
-        stretch = batch_loop_for(master, halt, account)
         # whether components keep their state where it belongs is known of those of the catalogue only
-        rewind = all(unit.component and ":" not in unit.component for unit in scene.units.values())
+        trusted = {name for name, unit in scene.units.items() if unit.component and ":" not in unit.component}
+        stretch = batch_loop_for(master, halt, account, trusted)
         return Stepping(steppable, clock, stride, end, stops) if stretch is None else \
-            BatchStepping(steppable, clock, stride, end, stops, stretch, halt, rewind)
+            BatchStepping(steppable, clock, stride, end, stops, stretch, halt)
     restarts = [node.restart for node in master.nodes if node.sources] + ([account.restart] if account is not None else [])
     control = estimate = None
     if given.control is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from time import perf_counter
 from typing import Any
 
@@ -31,11 +31,10 @@ class BatchStepping(Stepping):
     """
 
     def __init__(self, master: Steppable, clock: Clock, stride: int, end: int, stops: Stops | None, stretch: Any,
-                 halt: np.ndarray, rewind: bool = False):
-        """`halt`: what ends a stretch early, see `batch_loop_for`; `rewind`: steps can be taken back and repeated exactly."""
+                 halt: np.ndarray):
+        """`halt`: what ends a stretch early, see `batch_loop_for`."""
         super().__init__(master, clock, stride, end, stops)
         self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
-        self._rewind = rewind and stretch.saves
         self.watch = stretch.watch
 
     def halt(self) -> None:
@@ -66,14 +65,14 @@ class BatchStepping(Stepping):
         alarmed = [1 + o.steps_not_needed(tick, length) for o in alarming]
         n = min((whole - tick) // length, 1 + int(PATIENCE / self._pace), LONGEST, *unwatched)
         saved = None
+        self._stretch.prepare(h)
         if n > min(alarmed, default=n):
-            if self._rewind:
+            if self._stretch.saves:
                 saved = self._stretch.save()
             else:
                 n = min(alarmed)
         ticks = range(tick, tick + (n + 1) * length, length)
         times = self.clock.times(ticks)
-        self._stretch.prepare(h)
         begun = perf_counter()
         looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
         rows, failure = self._stretch.run(times[:-1], h, looks)
@@ -97,16 +96,18 @@ class BatchStepping(Stepping):
             raise failure
 
 
-def batch_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None = None) -> Any:
+def batch_loop_for(master: Master, halt: np.ndarray, account: EnergyAccount | None = None,
+                   trusted: Collection[str] = ()) -> Any:
     """Batches of steps for a master, of components in this process or of FMUs; None where there are `obstacles`.
 
     `account`: the batches are entered in it. `halt`: (1,) uint8; a number other than 0 ends a batch behind its present step.
+    `trusted`: components that save their whole state; of others all that kernels write is kept, if their steps are nothing else.
     """
     if any(obstacles(master, account)):
         return None
     from ..algorithms.compiled_loop import CompiledLoop  # loads Numba
 
-    return CompiledLoop(master, [inner(node) for node in master.nodes], halt, account)
+    return CompiledLoop(master, [inner(node) for node in master.nodes], halt, account, trusted)
 
 
 def inner(node: Node) -> Any:

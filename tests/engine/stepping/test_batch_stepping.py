@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from cosimo.components.core.component import Component
+from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.advice.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
@@ -221,6 +224,70 @@ def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(bonds, monkeypatch)
     together, apart, _ = both_ways(scene, monkeypatch, CompiledLoop, in_process=True)
     assert (together.outcome, len(restored)) == ("unstable", 1)
     assert_alike(together, apart)
+
+
+@kernel
+def push(u, motion, y, h):
+    motion[1] += h * u[0, 0]
+    motion[0] += h * motion[1]
+    y[0], y[1] = motion[0], motion[1]
+    return DONE
+
+
+@kernel
+def pull(u, y):
+    y[0] = -100.0 * u[0, 0] - 4.0 * u[0, 1]
+    return DONE
+
+
+class Pushed(Component):
+    """1 kg whose motion stands in an array that `save` knows nothing of."""
+
+    force = input_(0.0, "N", "force")
+    x_out = output("m", "position")
+    v_out = output("m/s", "velocity")
+
+    def _initialize(self, t):
+        self.motion = np.array([0.0, 1.0])
+        return DONE
+
+    def _step(self, t, h):
+        return push(self.u, self.motion, self.y, h)
+
+    def _outputs(self, t):
+        push(self.u, self.motion, self.y, 0.0)
+
+
+class Pulling(Component):
+    """Spring and damper."""
+
+    position = input_(0.0, "m", "position of the end")
+    velocity = input_(0.0, "m/s", "velocity of the end")
+    force = output("N", "force")
+
+    def _initialize(self, t):
+        return DONE
+
+    def _step(self, t, h):
+        return pull(self.u, self.y)
+
+    def _outputs(self, t):
+        pull(self.u, self.y)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.036])  # spectral radius of a step: 0.980, 1.004
+def test_all_that_kernels_of_a_users_component_write_is_taken_back(step, monkeypatch):
+    data = {"stop_time": 6000 * step, "connections": ["s.force -> m.force", "m.x_out -> s.position", "m.v_out -> s.velocity"],
+            "units": {"m": {"component": f"{__name__}:Pushed"}, "s": {"component": f"{__name__}:Pulling"}},
+            "master": {"algorithm": "jacobi", "step": step}}
+    restored, batches = [], []
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e3)
+    monkeypatch.setattr(CompiledLoop, "restore", counted(CompiledLoop.restore, restored))
+    monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, batches))
+    together, apart, _ = both_ways(data, monkeypatch, CompiledLoop)
+    assert (together.outcome, len(restored)) == (("unstable", 1) if step > 0.03 else ("done", 0)), together.message
+    assert_alike(together, apart)
+    assert len(batches) <= 5
 
 
 @pytest.mark.parametrize("interval", [0.007, 0.05])
