@@ -7,9 +7,9 @@ same is asked of the energy at power bonds: that the coupling makes it, and more
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from copy import copy
-from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -38,15 +38,14 @@ class InstabilityMonitor(BatchObserver):
         interfaces, self._account = master.coupling.interfaces, account
         often = steps // SHORT
         self._every = self.EVERY * min(often // self.EVERY, self.RARELY) or max(often, 1)
-        self._calls = self._looks = 0
+        self._calls = 0
         self._nodes = [node for node in master.nodes if len(node.held) < len(node.links)]
         self._links = [link for node in self._nodes for link in node.links]
         self._columns = np.array([n in self._nodes for n in master.nodes for _ in n.links], dtype=bool)  # among all inputs
         nominal = [interfaces[link.target[0]].inputs[link.target[1]].nominal for link in self._links]
-        self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))])
-        self._values = self._missed = np.zeros(len(self._links))  # largest in the present block
-        self._blocks = [_Blocks(np.array(nominal)) for _ in range(KINDS)]
-        self._energies = [_Blocks(account.nominal) for _ in range(KINDS)] if account is not None else []
+        self._free = np.array([k not in node.held for node in self._nodes for k in range(len(node.links))], dtype=bool)
+        self._blocks = [_Blocks(np.array(nominal), LOOKS) for _ in range(KINDS)]
+        self._energies = [_Blocks(account.nominal, LOOKS if k else 1) for k in range(KINDS)] if account is not None else []
         self._before = account.sums if account is not None else None  # at the last block's end
         self._seen = False  # the looks of the steps to come, see `alarm`
 
@@ -55,9 +54,10 @@ class InstabilityMonitor(BatchObserver):
         if self._calls % self._every:
             return
         rows = [(node.history.present, node.history.present if node.reached is None else node.reached) for node in self._nodes]
-        self._look(*self._sizes(np.array([[[v for row in rows for v in row[k]] for k in range(2)]])))
-        if self._looks % LOOKS == 0 and (text := self._judge(self._account.sums if self._account is not None else None)):
-            raise Unstable(text[0], t, text[1])
+        looks = self._sizes(np.array([[[v for row in rows for v in row[k]] for k in range(2)]]))
+        sums = self._account.sums if self._account is not None else None
+        if (grown := self._take(looks, np.zeros(1, dtype=int), lambda _: sums)) is not None:
+            raise Unstable(grown[1], t, grown[2])
 
     def steps_not_needed(self, tick: int, length: int) -> int:
         """As in `BatchObserver`; up to the end of a block, where they are judged."""
@@ -71,98 +71,103 @@ class InstabilityMonitor(BatchObserver):
         """As in `BatchObserver`."""
         kept = vars(self) | {name: [copy(b) for b in vars(self)[name]] for name in ("_blocks", "_energies")}
         mine = (self._calls + at + 1) % self._every == 0
-        values, missed, steps, first = *self._sizes(inputs[mine][:, :, self._columns]), at[mine], 0
-        while first < len(steps):
-            last = first + LOOKS - self._looks % LOOKS
-            self._look(values[first:last], missed[first:last])
-            if self._looks % LOOKS == 0:
-                step = int(steps[last - 1])
-                if self._judge(self._account.sums_behind(step) if self._account is not None else None):
-                    vars(self).update(kept)
-                    return step
-            first = last
+        grown = self._take(self._sizes(inputs[mine][:, :, self._columns]), at[mine],
+                           self._account.sums_behind if self._account is not None else lambda _: None)
+        if grown is not None:
+            vars(self).update(kept)
+            return grown[0]
         self._seen = True
         return None
 
     def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """As in `BatchObserver`."""
-        if not self._seen:
-            self._look(*self._sizes(inputs[(self._calls + at + 1) % self._every == 0][:, :, self._columns]))
+        if not self._seen:  # no block ends among them, see `steps_not_needed`
+            mine = (self._calls + at + 1) % self._every == 0
+            self._take(self._sizes(inputs[mine][:, :, self._columns]), at[mine], lambda _: None)
         self._seen = False
 
     def observe_batch(self, ticks: range, times: np.ndarray, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
         self._calls += len(ticks)
 
-    def _sizes(self, looks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _sizes(self, looks: np.ndarray) -> np.ndarray:
         """Of inputs and where they were led to, (m, 2, links): how large the inputs are, and by how much they were missed."""
-        extrapolated = [node.reached is not None for node in self._nodes for _ in node.links]
-        return np.abs(looks[:, 0]), np.where(extrapolated, np.abs(looks[:, 0] - looks[:, 1]), 0.0)
+        led = np.array([node.reached is not None for node in self._nodes for _ in node.links], dtype=bool) & self._free
+        return np.stack((np.abs(looks[:, 0]), np.where(led, np.abs(looks[:, 0] - looks[:, 1]), 0.0)), axis=1)
 
-    def _look(self, values: np.ndarray, missed: np.ndarray) -> None:
-        """Sizes (m, links) into the present block."""
-        self._looks += len(values)
-        self._values = np.fmax.reduce((self._values, *values))  # fmax: numbers, where there are some
-        self._missed = np.fmax.reduce((self._missed, *missed))
+    def _take(self, looks: np.ndarray, steps: np.ndarray, sums: Callable[[int], Sums | None]) -> tuple[int, str, str] | None:
+        """Looks (m, 2, links) behind steps (m,), and the account's sums behind a step: the first step behind which something has
+        grown, the unit that takes it, and how it has grown; None: nothing has."""
+        grown: list[tuple[int, str, str]] = []
+        rows, ends = looks, steps
+        for k, blocks in enumerate(self._blocks):
+            rows, ends, which = blocks.take(rows, ends)
+            if k == 0:
+                sizes, closed = rows[:, 0], ends.tolist()
+            if which is not None:
+                grown.append((which[0], *self._input_text(which[1], sizes[closed.index(which[0])])))
+        if self._account is not None:
+            rows, ends = self._powers(closed, sums)
+            for blocks in self._energies:
+                rows, ends, which = blocks.take(rows, ends)
+                if which is not None:
+                    grown.append((which[0], *self._bond_text(which[1], sums(which[0]))))
+        return min(grown, key=lambda one: one[0], default=None)
 
-    def _judge(self, sums: Sums | None) -> tuple[str, str] | None:
-        """Close the block, with the account's sums at its end: the unit that takes what has grown, and how; None: nothing has."""
-        block, count = (self._values, self._missed * self._free), self._looks // LOOKS
-        self._values = self._missed = np.zeros(len(self._links))
-        if (worst := _grown(self._blocks, count, *block)) is not None:
-            link, scale = self._links[worst], self._blocks[0].nominal[worst]
-            return link.target[0], (f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to {block[0][worst]:.3g} "
-                                    f"(nominal {scale:.3g}) and no step comes near to what it foretold, less so every time: the "
-                                    "coupling is unstable")
-        if self._account is None or sums is None or self._before is None:
-            return None
-        before, self._before = self._before, sums
-        if (span := sums.elapsed - before.elapsed) <= 0.0:
-            return None
-        powers = np.abs(sums.exchanged - before.exchanged) / span, np.abs(sums.created - before.created) / span
-        if (k := _grown(self._energies, count, *powers)) is None:
-            return None
-        bond = self._account.bonds[k]
+    def _input_text(self, k: int, sizes: np.ndarray) -> tuple[str, str]:
+        link, scale = self._links[k], self._blocks[0].nominal[k]
+        return link.target[0], (f"input {link.target[1]}, from {'.'.join(link.source)}, has grown to {sizes[k]:.3g} "
+                                f"(nominal {scale:.3g}) and no step comes near to what it foretold, less so every time: the "
+                                "coupling is unstable")
+
+    def _bond_text(self, k: int, sums: Any) -> tuple[str, str]:
+        bond = self._account.bonds[k]  # type: ignore[union-attr]
         return bond.given[0][0], (f"the coupling makes energy at the bond {bond.text}, more of it every time: "
                                   f"{sums.created[k]:.3g} J so far of {sums.exchanged[k]:.3g} J that went through it")
 
+    def _powers(self, closed: list[int], sums: Callable[[int], Sums | None]) -> tuple[np.ndarray, np.ndarray]:
+        """Mean powers exchanged and created, W, in the blocks that end behind these steps, (b, 2, bonds), and those of them that
+        took any time."""
+        rows, ends = [], []
+        for step in closed:
+            before, self._before = self._before, sums(step)
+            if before is not None and self._before is not None and (span := self._before.elapsed - before.elapsed) > 0.0:
+                change = self._before.exchanged - before.exchanged, self._before.created - before.created
+                rows.append(np.abs(change) / span)
+                ends.append(step)
+        return np.array(rows).reshape(len(rows), 2, self._energies[0].nominal.size), np.array(ends, dtype=int)
+
 
 class _Blocks:
-    """The last blocks of one kind: the largest values and misses in each, and the scale of what was before them."""
+    """Blocks of one kind: the largest values and misses of `size` looks, or of so many blocks of the kind before."""
 
-    def __init__(self, nominal: np.ndarray):
-        self.nominal = self.calm = np.array(nominal)
-        self.past: list[tuple[np.ndarray, np.ndarray]] = []  # (n,) each
-        self.values, self.missed = np.zeros(nominal.size), np.zeros(nominal.size)
+    def __init__(self, nominal: np.ndarray, size: int):
+        self.nominal = self.calm = np.array(nominal)  # calm: the scale of what was before the blocks of `past`
+        self.size, self.rows = size, np.zeros((0, 2, nominal.size))  # rows: of the block that is not full yet
+        self.past = np.zeros((0, 2, nominal.size))  # the last BLOCKS - 1 blocks
 
-    def add(self, values: np.ndarray, missed: np.ndarray) -> None:
-        """To the present block."""
-        self.values, self.missed = np.maximum(self.values, values), np.maximum(self.missed, missed)
-
-    def close(self) -> tuple[np.ndarray, np.ndarray, int | None]:
-        """Largest values and misses of the block that ends here, and which of them has grown like an instability."""
-        values, missed = self.values, self.missed
-        self.past = [*self.past, (values, missed)]
-        self.values = self.missed = np.zeros_like(values)
-        if len(self.past) <= BLOCKS - 1:
-            return values, missed, None
-        beyond, rows = values > BEYOND * self.calm, [row for _, row in self.past]
-        self.calm = np.maximum(self.calm, self.past[0][0])
-        self.past = self.past[1:]
+    def take(self, rows: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, int] | None]:
+        """Values and misses (m, 2, n) behind the steps `ends` (m,): the blocks they fill, (b, 2, n), and behind which steps; and
+        of the first that has grown like an instability the step and the column."""
+        rows, pending = np.concatenate((self.rows, rows)), len(self.rows)
+        if (count := len(rows) // self.size) == 0:
+            self.rows = rows
+            return rows[:0], ends[:0], None
+        self.rows, full = rows[count * self.size :], rows[: count * self.size].reshape(count, self.size, *rows.shape[1:])
+        blocks = np.fmax.reduce(full, axis=1, initial=0.0)  # fmax: numbers, where there are some
+        ends = ends[self.size - 1 - pending :: self.size][:count]
+        past, known = np.concatenate((self.past, blocks)), len(self.past)
+        judged = past[BLOCKS - 1 :]
+        calm = np.maximum.accumulate(np.concatenate((self.calm[None], past[:, 0])))
+        self.calm, self.past = calm[len(judged)], past[-(BLOCKS - 1) :]
+        beyond = judged[:, 0] > BEYOND * calm[: len(judged)]
         if not beyond.any():
-            return values, missed, None
-        grown = beyond & (missed > MISSED * values) & np.all([new > RISE * old for old, new in pairwise(rows)], axis=0)
-        return values, missed, int(np.argmax(np.where(grown, missed / self.nominal, 0.0))) if grown.any() else None
-
-
-def _grown(kinds: Sequence[_Blocks], count: int, values: np.ndarray, missed: np.ndarray) -> int | None:
-    """Takes the shortest block, the `count`-th one, by absolute values and misses (n,); tells which of them has grown, if any."""
-    worst = None
-    for blocks in kinds:
-        blocks.add(values, missed)
-        if blocks is not kinds[0] and count % LOOKS:
-            break
-        count //= 1 if blocks is kinds[0] else LOOKS
-        values, missed, which = blocks.close()
-        worst = which if worst is None else worst
-    return worst
+            return blocks, ends, None
+        rises = past[1:, 1] > RISE * past[:-1, 1]
+        grown = beyond & (judged[:, 1] > MISSED * judged[:, 0])
+        grown &= np.all([rises[k : k + len(judged)] for k in range(BLOCKS - 1)], axis=0)
+        if not grown.any():
+            return blocks, ends, None
+        first = int(np.argmax(grown.any(axis=1)))
+        worst = np.argmax(np.where(grown[first], judged[first, 1] / self.nominal, 0.0))
+        return blocks, ends, (int(ends[first + BLOCKS - 1 - known]), int(worst))

@@ -135,6 +135,8 @@ class StepResolution(BatchObserver):
 def _wrapped(ticks: Sequence[int]) -> np.ndarray:
     """Ticks modulo 2^64, (k,) int64: their differences are exact however fine the clock is."""
     try:
+        if isinstance(ticks, range):  # which `asarray` takes one by one
+            return np.arange(ticks.start, ticks.stop, ticks.step, dtype=np.int64)
         return np.asarray(ticks, dtype=np.int64)
     except OverflowError:
         return np.array([tick % 2**64 for tick in ticks], dtype=np.uint64).view(np.int64)

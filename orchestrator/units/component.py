@@ -73,6 +73,7 @@ class ComponentUnit:
 
     kind = "in process"
     event: float | None = None  # components have no events of their own
+    written: list[np.ndarray] | None = None  # all arrays that compiled steps write; None where Python is in a step or a state
 
     def __init__(self, name: str, component: Component):
         self.name, self.component = name, component
@@ -109,6 +110,7 @@ class ComponentUnit:
         outputs = self._hook(lambda: output_calls(c), refresh)
         step = self._hook(lambda: step_calls(c, h), c.step)
         self._hooks = outputs, step
+        self.written = self._written()
         calls = (outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0])
         none_held = (False,) * len(self._at[0])
         return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at, none_held)
@@ -125,14 +127,12 @@ class ComponentUnit:
         hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
         return {name: hook.reason for name, hook in hooks if isinstance(hook, Callback)}
 
-    @property
-    def written(self) -> list[np.ndarray] | None:
-        """All arrays that compiled steps can write, behind `call_table`; None where Python has a part in a step or a state."""
+    def _written(self) -> list[np.ndarray] | None:
         cls = type(self.component)
         plain = all(getattr(cls, name) is getattr(Component, name) for name in ("save", "restore", "stepped"))
         if not plain or any(isinstance(hook, Callback) for hook in self._hooks):
             return None
-        return [array for hook in self._hooks for array in hook.arrays if array.flags.writeable]
+        return [array for hook in self._hooks if isinstance(hook, Entry) for array in hook.arrays if array.flags.writeable]
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
