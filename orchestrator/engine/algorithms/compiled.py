@@ -57,7 +57,7 @@ def _given(link, signals):
 
 
 @part
-def _ahead(past, link):
+def _ahead(past, link, slow):
     """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
     v = link.present
     if past.samples < 2:
@@ -68,24 +68,25 @@ def _ahead(past, link):
         if past.samples > 2:
             c = (s - (link.before - link.earlier) / past.h2) / (past.h1 + past.h2)
             s += past.h1 * c
-    return _seen(past, v, s, c, past.samples > 2)
+    return (v, s, c) if slow is None else _seen(past, v, s, c, past.samples > 2)
 
 
 @part
-def _towards(past, link, h):
+def _towards(past, link, slow, h):
     """As `History.towards` the known value; the polynomial of a source that does not step goes on."""
-    if past.left != 0:
-        return _ahead(past, link)
+    if slow is not None:
+        if past.left != 0:
+            return _ahead(past, link, slow)
+        h += past.elapsed
     v, c = link.present, 0.0
     if past.degree == 0:
         return v if link.held != 0 else link.known, 0.0, 0.0
     bent = past.degree == 2 and past.samples > 1
-    h += past.elapsed
     s = 0.0 if link.held != 0 else (link.known - v) / h
     if bent and link.held == 0:
         c = (s - (v - link.before) / past.h1) / (h + past.h1)
         s += -h * c
-    return _seen(past, v, s, c, bent)
+    return (v, s, c) if slow is None else _seen(past, v, s, c, bent)
 
 
 @part
@@ -118,8 +119,9 @@ def _degree(unit, pasts):
 
 
 @part
-def _drive(unit, links, pasts, signals, buffer, h):
+def _drive(unit, slow, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
+    past = pasts[unit.first_past]
     first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
     degree = _degree(unit, pasts)
     held, smooth = degree == 0, unit.smoothing == SMOOTH
@@ -127,11 +129,13 @@ def _drive(unit, links, pasts, signals, buffer, h):
         degree = max(degree, 1)
     for i in range(first, behind):
         link = links[i]
+        if slow is not None:
+            past = pasts[link.past]
         if i < extrapolated:
-            v, s, c = _ahead(pasts[link.past], link)
+            v, s, c = _ahead(past, link, slow)
         else:
             link.known = _given(link, signals)
-            v, s, c = _towards(pasts[link.past], link, h)
+            v, s, c = _towards(past, link, slow, h)
         if smooth and link.held == 0:
             back = (v - link.reached) / h
             v, s = link.reached, back if held else s + back
@@ -254,12 +258,12 @@ def _update(unit, links, outputs_at, signals, buffer):
 
 
 @part
-def _push(unit, links, pasts, signals, h):
+def _push(unit, slow, links, pasts, signals, h):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped."""
     for i in range(unit.first_link, unit.first_link + unit.links):
         link = links[i]
         link.now = _given(link, signals)
-        if pasts[link.past].left == 0:
+        if slow is None or pasts[link.past].left == 0:
             link.earlier = link.before
             link.before = link.present
             link.present = link.now
@@ -277,13 +281,14 @@ def _push(unit, links, pasts, signals, h):
 
 
 @part
-def _step_slow(unit, own, seen, links, pasts, signals, buffer, t, h):
-    """As `MultirateUnit.step` and what its `drive` does; `own`: the unit that steps, `seen`: its outputs between its steps."""
+def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
+    """As `MultirateUnit.step` and what its `drive` does."""
+    own, seen = slow[unit.slow], slow[unit.slow + 1]  # the unit that steps, and its outputs between its steps
     if unit.count == 0:
         for k in range(unit.links):
             signals[links[own.first_link + k].source] = links[unit.first_link + k].value
-        _push(own, links, pasts, signals, unit.length)
-        _push(seen, links, pasts, signals, unit.length)
+        _push(own, slow, links, pasts, signals, unit.length)
+        _push(seen, slow, links, pasts, signals, unit.length)
         unit.start = t
     unit.count += 1
     unit.length = unit.count * h
@@ -292,18 +297,19 @@ def _step_slow(unit, own, seen, links, pasts, signals, buffer, t, h):
     unit.count = 0
     for k in range(unit.links):
         signals[links[own.first_link + k].source] = links[unit.first_link + k].reached
-    status = _drive(own, links, pasts, signals, buffer, unit.length) if unit.links > 0 else 0
+    status = _drive(own, slow, links, pasts, signals, buffer, unit.length) if unit.links > 0 else 0
     return _step(own, unit.start, unit.length) if status <= WARNING else status
 
 
 @part
-def _show(unit, seen, links, pasts, signals):
+def _show(unit, slow, links, pasts, signals):
     """As the end of `MultirateUnit.get`: what others go by."""
+    seen = slow[unit.slow + 1]
     for k in range(seen.links):
         link = links[seen.first_link + k]
         v = signals[link.source]
         if unit.count > 0:
-            v, s, c = _ahead(pasts[link.past], link)
+            v, s, c = _ahead(pasts[link.past], link, slow)
             v = _end(v, s, c, pasts[link.past].samples - 1, unit.length)
         signals[seen.first_signal + k] = v
 
@@ -311,17 +317,17 @@ def _show(unit, seen, links, pasts, signals):
 @part
 def _read_all(unit, slow, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status of an FMU."""
-    if unit.way != NOTED:
+    if slow is None or unit.way != NOTED:
         return _read(unit, outputs_at, signals)
     status = _read(slow[unit.slow], outputs_at, signals) if unit.count == 0 else 0
-    _show(unit, slow[unit.slow + 1], links, pasts, signals)
+    _show(unit, slow, links, pasts, signals)
     return status
 
 
 @part
 def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
-    if unit.way != NOTED:
+    if slow is None or unit.way != NOTED:
         return _update(unit, links, outputs_at, signals, buffer)
     status = 0
     if unit.count == 0:
@@ -329,14 +335,15 @@ def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
         for k in range(unit.links):
             links[own.first_link + k].known = links[unit.first_link + k].known
         status = _update(own, links, outputs_at, signals, buffer)
-    _show(unit, slow[unit.slow + 1], links, pasts, signals)
+    _show(unit, slow, links, pasts, signals)
     return status
 
 
 @kernel
 def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h,
               limit, halt, looks, rows, given, inputs, outputs):
-    """Macro steps of length h from each of `times` (n,), for U `UNIT`s, of those with rates of their own two more in `slow`.
+    """Macro steps of length h from each of `times` (n,), for U `UNIT`s, of those with rates of their own two more in `slow`,
+    which is None without: then there is no code for them.
 
     links: of the units first, L of them, then of the slow ones; following: (P,) units whose outputs follow their inputs within an
     instant; outputs_at: (S,) addresses of components' outputs; inverse: (S,) 1 / nominal of every signal; bonded: (B,) links
@@ -354,9 +361,9 @@ def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded,
     for step in range(times.size):
         for k in range(units.size):
             unit = units[k]
-            status = _drive(unit, links, pasts, signals, buffer, h) if unit.links > 0 else 0
-            if status <= WARNING and unit.way == NOTED:
-                status = _step_slow(unit, slow[unit.slow], slow[unit.slow + 1], links, pasts, signals, buffer, times[step], h)
+            status = _drive(unit, slow, links, pasts, signals, buffer, h) if unit.links > 0 else 0
+            if slow is not None and status <= WARNING and unit.way == NOTED:
+                status = _step_slow(unit, slow, links, pasts, signals, buffer, times[step], h)
             elif status <= WARNING:
                 status = _step(unit, times[step], h)
             if status <= WARNING and sequential:
@@ -377,7 +384,7 @@ def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded,
                     return step, k, status
                 updated = True
         for k in range(units.size):
-            _push(units[k], links, pasts, signals, h)
+            _push(units[k], slow, links, pasts, signals, h)
         if look < looks.size and looks[look] == step:
             for i in range(inputs.shape[2]):
                 inputs[look, 0, i], inputs[look, 1, i] = links[i].now, links[i].reached
