@@ -12,8 +12,10 @@ from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
 from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter, text
-from .contact import at_contact, contact_compliance, heights_around, hung_around, in_range, wire_height
+from .contact import at_contact, contact_compliance, element_at, heights_around, hung_around, in_range, wire_height
 from .explicit import PAD, explicit_steps, move_window
+from .gust_loads import empty_gust_state, gust_state, load_at, start_gusts
+from .gusts import ACROSS, Gusts
 from .implicit import implicit_steps
 from .line.dropper_table import line_of
 from .line.form import Form, form_of
@@ -255,6 +257,7 @@ class Catenary(Component):
     temperature = Temperature
     second_wire = SecondWire
     stagger = Stagger
+    gusts = Gusts
     wire_profile = WireProfile
     line_profile = LineProfile
 
@@ -319,6 +322,9 @@ class Catenary(Component):
                            "The window moves through the wires; a factorised matrix does not.")
         line = self._line(p, e)
         self.mesh, self._packed = line.mesh, line.packed
+        if line.buffeting is not None:  # with a workspace of its own
+            gusts = line.buffeting._replace(at_station=np.zeros_like(line.buffeting.at_station))
+            self.arguments = p, e = p, e._replace(gusts=gusts)
         if p.substep > line.limit:
             raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {line.limit:.3g} s, the explicit method's limit",
                            "Reduce substep, enlarge element, or set method = 'implicit'.")
@@ -334,7 +340,8 @@ class Catenary(Component):
         # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
         contacts = [value for position, *_ in loads for value in (position, 0.0)]
         edges = [1.0, N // W - 2.0] if e.moving_window is not None else []
-        self.x = np.concatenate((q, np.zeros(2 * N), contacts, taut if implicit else [], edges))
+        of_gusts = empty_gust_state(self.mesh) if e.gusts is not None else np.zeros(0)
+        self.x = np.concatenate((q, np.zeros(2 * N), contacts, of_gusts, taut if implicit else [], edges))
         if e.moving_window is not None:
             positions = [position for position, *_ in loads]
             _, hi = move_window(max(positions), min(positions), self.x, self.mesh, e.moving_window)
@@ -350,23 +357,29 @@ class Catenary(Component):
             self._prepared = np.zeros(1)
         return DONE
 
+    def _start(self, t: float) -> int:
+        _, e = self.arguments
+        if e.gusts is not None:
+            start_gusts(t, self._points, self.x, *self._packed, e.moving_window, e.gusts)
+        return DONE
+
     def _step(self, t: float, h: float) -> int:
         p, e = self.arguments
         n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
         watched = p.first_watched_support
         if self.parameters["method"] == "explicit":
-            return advance_explicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed,
+            return advance_explicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed,
                                     self._stiffness, self._work, self.counts, watched, e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.moving_window, e.stagger, e.wire_profile, e.line_profile)
-        return advance_implicit(h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
+                                    e.damping, e.moving_window, e.gusts, e.stagger, e.wire_profile, e.line_profile)
+        return advance_implicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
                                 self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
                                 self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping,
-                                e.stagger, e.wire_profile, e.line_profile)
+                                e.gusts, e.stagger, e.wire_profile, e.line_profile)
 
     def _outputs(self, t: float) -> None:
         p, e = self.arguments
-        refresh_outputs(self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support, e.stagger,
-                        e.wire_profile, e.line_profile)
+        refresh_outputs(t, self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support,
+                        e.gusts, e.stagger, e.wire_profile, e.line_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -400,6 +413,8 @@ class Catenary(Component):
         reasons = super().unused(names)
         if "spectral_radius" in names and self.parameters["method"] == "explicit":
             reasons["spectral_radius"] = "method 'explicit' has none"
+        if "gusts" in self.on and self.parameters["gusts.lift_coefficient"] == 0.0:
+            reasons |= dict.fromkeys(ACROSS.intersection(names), "without gusts.lift_coefficient only vertical gusts act")
         if "first_watched_support" in names:
             last = self.get("spans") if "line_table" not in self.on else (
                 support_positions(line_of(self.parameters, self.name)).size - 1)
@@ -461,8 +476,8 @@ def lateral_position(position, wire, lateral):
 
 
 @kernel
-def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile, hung):
-    """Outputs for the state x and the present inputs u, (m,)."""
+def catenary_outputs(t, x, u, y, points, lateral, mesh, watched, gusts, stagger, profile, hung):
+    """Outputs for the state x at the time t and the present inputs u, (m,)."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
     q, v = x[:N], x[N : 2 * N]
     for k in range(points.shape[0]):
@@ -475,6 +490,9 @@ def catenary_outputs(x, u, y, points, lateral, mesh, watched, stagger, profile, 
         y[UPLIFT + k] = q[j]
         if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
             y[UPLIFT + k] = max(q[j], q[j + 2])
+    if gusts is not None:
+        position = u[points[0, 0]]
+        y[gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, gusts)
     if stagger is not None:
         for wire in range(2):
             y[stagger.y + wire] = lateral_position(u[POSITION], wire, lateral)
@@ -504,29 +522,30 @@ def follow_contacts(h, x, u, points, mesh):
 
 
 @kernel
-def refresh_outputs(x, u, y, points, lateral, numbers, indices, watched, stagger, profile, hung):
+def refresh_outputs(t, x, u, y, points, lateral, numbers, indices, watched, gusts, stagger, profile, hung):
     """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(x, u, y, points, lateral, unpacked(numbers, indices), watched, stagger, profile, hung)
+    catenary_outputs(t, x, u, y, points, lateral, unpacked(numbers, indices), watched, gusts, stagger, profile, hung)
 
 
 @kernel
-def advance_explicit(h, n, x, u, y, points, lateral, numbers, indices, stiffness, work, counts, watched, slack, bending, damping,
-                     window, stagger, profile, hung):
+def advance_explicit(t, h, n, x, u, y, points, lateral, numbers, indices, stiffness, work, counts, watched, slack, bending,
+                     damping, window, gusts, stagger, profile, hung):
     """One macro step with the explicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = explicit_steps(h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window)
+    status = explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window,
+                            gusts)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile, hung)
+    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
     return status
 
 
 @kernel
-def advance_implicit(h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness, band,
-                     factors, factored, slack, bending, damping, stagger, profile, hung):
+def advance_implicit(t, h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness,
+                     band, factors, factored, slack, bending, damping, gusts, stagger, profile, hung):
     """One macro step with the implicit method, then the outputs."""
     mesh = unpacked(numbers, indices)
-    status = implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
-                            bending, damping)
+    status = implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored,
+                            slack, bending, damping, gusts)
     follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(x, u[0], y, points, lateral, mesh, watched, stagger, profile, hung)
+    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
     return status

@@ -6,6 +6,7 @@ import math
 
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
+from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_state
 from .wires import WHISPER, dropper_tension, first_at_or_after
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
@@ -86,10 +87,10 @@ def follow_clamped(values, first, end, mesh):
 
 
 @kernel
-def explicit_steps(h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window):
-    """n equal velocity-Verlet steps over h.
+def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window, gusts):
+    """n equal velocity-Verlet steps over h from the time t.
 
-    x: displacement, velocity, acceleration, (N,) each, contacts[, window (2,)].  work: (2, N + 2 PAD W).
+    x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].  work: (2, N + 2 PAD W).
     points: (p, 5), as of `contact_points`.  stiffness: as of `diagonals_of_wires`.
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
@@ -149,6 +150,11 @@ def explicit_steps(h, n, x, u, points, mesh, stiffness, work, counts, slack, ben
             position = u[0, i] + s * (u[1, i] + s * u[2, i])
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(position, load, force, points[k, 4], mesh)
+        if gusts is not None:
+            moving, loads = slice(W * lo, W * hi + W), x[gust_state(points, mesh) :]
+            share = follow_gusts(t + s, lo, hi, loads, mesh, gusts)
+            add_gusts(share, loads[LOADS : LOADS + N][moving], loads[LOADS + N : LOADS + 2 * N][moving], force[moving])
+            add_air_damping(d, v[moving], a[moving], gusts.push[0][moving], force[moving])
         add_clamped(padded, force, first_clamp, end_clamp, stiffness, mesh)
         kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, bending)
     counts[0] += n

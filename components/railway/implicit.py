@@ -8,6 +8,7 @@ from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import generalized_alpha
 from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
+from .gust_loads import LOADS, add_gusts, follow_gusts, gust_state
 from .wires import WHISPER, add_jumps, tension_and_bending
 
 RIGID_CLAMP = 1e10  # N/m, of a clamp between two wires; 1e5 times the stiffness of an element
@@ -15,7 +16,7 @@ MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
 
 
 @kernel
-def effective_band(method, stiffness, mesh, alpha, beta, band):
+def effective_band(method, stiffness, mesh, alpha, beta, gusts, band):
     """Band of the matrix that every step solves with, without droppers, into band (N, w); stiffness: of the wires, (N, w)."""
     h = method.step
     k = 1.0 - method.alpha_f
@@ -25,6 +26,8 @@ def effective_band(method, stiffness, mesh, alpha, beta, band):
             band[i, j] = (c * beta + k) * stiffness[i, j]
         mass = 0.0 if math.isinf(mesh.mass[i]) else mesh.mass[i]
         band[i, 0] += (m + c * alpha) * mass + c * mesh.ground_damping[i] + k * mesh.ground[i]
+        if gusts is not None:
+            band[i, 0] += c * gusts.push[0, i]
     for i in range(mesh.clamped.size):
         a, b = mesh.clamped[i], mesh.clamp[i]
         band[a, 0] += k * RIGID_CLAMP
@@ -50,9 +53,11 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 
 @kernel
-def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack, bending,
-                   damping):
-    """n equal generalised-alpha steps over h.  x: displacement, velocity, acceleration, (N,) each, contacts, taut (d,).
+def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
+                   bending, damping, gusts):
+    """n equal generalised-alpha steps over h from the time t.
+
+    x: displacement, velocity, acceleration, (N,) each, contacts[, gusts], taut (d,).
 
     points: as of `contact_points`.  radius: spectral, of `generalized_alpha`.
     prepared: (1,) the step that `band` was computed for, s.
@@ -69,7 +74,7 @@ def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, sti
     if damping is not None:
         alpha, beta = damping.alpha, damping.beta
     if d != prepared[0]:
-        effective_band(method, stiffness, mesh, alpha, beta, band)
+        effective_band(method, stiffness, mesh, alpha, beta, gusts, band)
         prepared[0] = d
         factored[:] = -1.0
     v_v, v_a = af + (1.0 - af) * (1.0 - gamma / beta_n), (1.0 - af) * d * (1.0 - 0.5 * gamma / beta_n)
@@ -85,6 +90,8 @@ def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, sti
             velocity = v_v * v[j] + v_a * a[j]
             inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
             base[j] = WHISPER - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
+            if gusts is not None:
+                base[j] -= gusts.push[0, j] * velocity
             z[j] = q[j] + beta * velocity
         tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
         for j in range(W, N - W):
@@ -98,6 +105,11 @@ def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, sti
             i, f = points[k, 0], points[k, 1]
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(u[0, i] + s * (u[1, i] + s * u[2, i]), load, base, points[k, 4], mesh)
+
+        if gusts is not None:
+            loads = x[gust_state(points, mesh) :]
+            share = follow_gusts(t + s, 0, N // W - 1, loads, mesh, gusts)
+            add_gusts(share, loads[LOADS : LOADS + N], loads[LOADS + N : LOADS + 2 * N], base)
 
         for _ in range(MAX_ITERATIONS):
             first = N
@@ -136,6 +148,8 @@ def implicit_steps(h, n, x, u, points, mesh, work, counts, radius, prepared, sti
             v[j] = gamma / (beta_n * d) * b[j] + (1.0 - gamma / beta_n) * v_old + d * (1.0 - 0.5 * gamma / beta_n) * a_old
             a[j] = b[j] / (beta_n * d * d) - v_old / (beta_n * d) - (0.5 / beta_n - 1.0) * a_old
     counts[0] += n
+    if gusts is not None:  # the outputs are those at t + h
+        follow_gusts(t + h, 0, N // W - 1, x[gust_state(points, mesh) :], mesh, gusts)
     if not math.isfinite(q[W * element_at(position, mesh)]):
         return NOT_FINITE
     return DONE

@@ -39,10 +39,10 @@ from .pantograph_effects import (
     WireUnevenness,
     fluctuation_sines,
     measured_heights,
-    sum_of_sines,
     uneven,
     unevenness_sines,
 )
+from .sines import sum_of_sines
 
 
 class Pantograph(OdeComponent):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +10,7 @@ from ..core.component import Effect
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
 from ..core.variables import input_, integer, output, parameter, text
-
-TURN = 2.0 * math.pi
+from .sines import Sines, random_sines, sum_of_sines
 
 
 class ContactLoss(Effect):
@@ -208,24 +206,6 @@ class OuterContact(Effect):
 
 
 @kernel_tuple
-class Sines(NamedTuple):
-    """sum amplitude[i] cos(number[i] s + phase[k, i]) over a distance or a time s; number: (n,) 1/m or 1/s, phase: (m, n)."""
-
-    amplitude: np.ndarray
-    number: np.ndarray
-    phase: np.ndarray
-
-
-@kernel
-def sum_of_sines(s, k, sines):
-    """Row k of `sines` at s."""
-    total = 0.0
-    for i in range(sines.amplitude.size):
-        total += sines.amplitude[i] * math.cos(sines.number[i] * s + sines.phase[k, i])
-    return total
-
-
-@kernel_tuple
 class Heights(NamedTuple):
     """Heights over positions, (n,) m each; positions rise."""
 
@@ -275,19 +255,6 @@ def measured_heights(table: str, where: str) -> Heights:
         k = int(np.argmax(np.diff(values[:, 0]) <= 0.0))
         raise BadInput(place, f"{values[k + 1, 0]:g} m behind {values[k, 0]:g} m", "positions that rise")
     return Heights(values[:, 0].copy(), values[:, 1].copy())
-
-
-def random_sines(lowest: float, highest: float, count: int, density, deviation: float, rows: int, seed: int) -> Sines:
-    """Sines in `count` bands of equal ratio between two frequencies, each at random within its band, with the band's energy.
-
-    density: of the energy over the frequency, to a factor; the sum has the standard deviation.
-    """
-    random = np.random.default_rng(int(seed))
-    edges = np.geomspace(lowest, highest, int(count) + 1)
-    number = edges[:-1] * (edges[1:] / edges[:-1]) ** random.random(int(count))
-    energy = density(np.sqrt(edges[1:] * edges[:-1])) * np.diff(edges)
-    amplitude = deviation * np.sqrt(2.0 * energy / energy.sum())
-    return Sines(amplitude, TURN * number, TURN * random.random((rows, int(count))))
 
 
 def unevenness_sines(effect, where: str) -> Sines:

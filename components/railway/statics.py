@@ -25,15 +25,16 @@ class Statics:
         self._by_column = np.asfortranarray(self.stiffness)  # of which `banded_product` takes column by column
         self._factors: dict[bytes, np.ndarray] = {}
 
-    def under(self, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
-        """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
+    def under(self, loads: Sequence[tuple], unilateral: bool,
+              nodal: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
+        """Displacements under point loads (position in m, force in N, contact wire: 0 if left out) and forces on nodes (N,), N.
 
         Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
         largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
         """
         mesh = self.mesh
         N, W = mesh.mass.size, mesh.bending_gradient.size
-        force = np.zeros(N)
+        force = np.zeros(N) + nodal
         for position, load, *wire in loads:
             add_contact(position, load, force, wire[0] if wire else 0, mesh)
         low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness

@@ -36,7 +36,8 @@ class CompiledLoop:
         following = np.array([master.nodes.index(node) for node in master.feedthrough_schedule], dtype=np.int64)
         self._weights = np.array(master.weights[: len(master.positions)])
         self._bonded, self._watched = np.array(self._places_of_bonds(), dtype=np.int64), np.zeros(0, dtype=np.int64)
-        self._layout = r.units, r.slow if self.rates else None, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
+        slow = r.slow if self.rates else None
+        self._layout = r.units, slow, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
         self._memory = r.signals, np.zeros(3 * r.links.size), isinstance(master, GaussSeidel)
         self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64))  # compiles it
 

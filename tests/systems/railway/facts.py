@@ -47,6 +47,7 @@ FACTS = {
             "bending_stiffness.messenger": ({"bending_stiffness.contact_wire": 0.0}, 1e-2),
             "steady_arm.stiffness": ({}, 10.0),
             "pre_sag.depth": ({}, 1e-4),
+            "gusts.density": ({"gusts.lift_coefficient": 0.3}, 1e-3),
             "second_pantograph.contact_force": ({"second_pantograph.contact_position": 50.0}, 1.0),
             "further_pantographs.contact_force[1]": ({"further_pantographs.contact_position[1]": 70.0}, 1.0),
         },
@@ -55,6 +56,10 @@ FACTS = {
         # a kink under a force is rounded over sqrt(EI / T)
         roots=frozenset({"bending_stiffness.contact_wire", "bending_stiffness.messenger"}),
         form=frozenset({"steady_arm.mass", "second_pantograph.contact_position", "further_pantographs.count",
-                        "further_pantographs.contact_position"}),
+                        "further_pantographs.contact_position",
+                        *(f"gusts.{n}" for n in ("speed", "intensity", "vertical_intensity", "length", "vertical_length", "decay",
+                                                 "contact_wire_diameter", "messenger_diameter", "drag_coefficient",
+                                                 "lift_coefficient", "lift_slope", "lowest", "highest", "shortest",
+                                                 "components", "seed"))}),
     ),
 }

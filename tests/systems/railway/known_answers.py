@@ -32,6 +32,7 @@ KNOWN: dict[str, dict[str, str]] = {
               moving_window="window_follows_the_contact_and_forgets_the_rest",
               wire_profile="profile_is_the_height_at_its_positions",
               line_profile="profile_of_what_the_wire_hangs_from"),
+        **in_file("railway/test_gusts.py", gusts="a_single_wire_answers_as_its_modes_do"),
         **in_file("railway/test_line_temperature.py", temperature="a_fixed_messenger_keeps_the_equation_of_state"),
         **in_file("railway/test_line.py", line_table="elasticity_of_a_table_is_that_of_the_network",
               stagger="lateral_position_is_that_of_the_table", second_wire="two_wires_share_a_force_as_in_the_network"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.pantograph import Pantograph, speed_at
-from cosimo.components.railway.pantograph_effects import sum_of_sines
+from cosimo.components.railway.sines import sum_of_sines
 
 pytestmark = pytest.mark.interpreted
 
