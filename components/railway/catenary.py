@@ -396,8 +396,10 @@ class Catenary(Component):
         """The contact points, their speeds, and the part of the wire on which they may be."""
         columns = dict.fromkeys(self._points[:, 0].tolist())
         points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
-        low, high = self.mesh.position[[1, -2]]
-        return f"{', '.join(points)}, expected from {low:g} to {high:g} m"
+        first = int(self.x[-2]) if "moving_window" in self.on and self.x.size else 1
+        low, high = self.mesh.position[[first, -2]]
+        back = "; the moving window does not go back (moving_window.behind)" if first > 1 else ""
+        return f"{', '.join(points)}, expected from {low:g} to {high:g} m{back}"
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""

@@ -118,6 +118,8 @@ def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, 
             front, rear = max(front, position), min(rear, position)
         if window is not None:
             lo, hi = move_window(front, rear, x, mesh, window)
+            if rear < mesh.position[lo]:  # the wire there was left behind and does not move any more
+                return OUT_OF_RANGE
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
             first_support = max(first_at_or_after(mesh.support, lo), 1)
             end_support = min(first_at_or_after(mesh.support, hi + 1), mesh.support.size - 1)

@@ -140,6 +140,20 @@ def test_window_spans_both_contact_points(first, second):
     assert np.abs(windowed - full).max() < 0.02 * np.ptp(full)  # what the edges do not send back within 1.5 s
 
 
+@pytest.mark.interpreted
+def test_a_contact_point_does_not_go_back_to_where_the_window_has_left():
+    """The wire there does not move any more; a little back, within the window, it may go."""
+    catenary = Catenary((*REFERENCE, "moving_window"), {"spans": 4, "moving_window.behind": 20.0, "moving_window.ahead": 20.0})
+    catenary.set("contact_position", 30.0)
+    catenary.initialize(0.0)
+    for position in (30.0, 90.0, 75.0):
+        catenary.u[:, 0] = position, 0.0, 0.0
+        catenary.step(0.0, 1e-3)
+    catenary.u[0, 0] = 60.0
+    with pytest.raises(StepFailed, match=r"60 m .* expected from \d+\.?\d* to .* does not go back"):
+        catenary.step(0.0, 1e-3)
+
+
 def test_window_needs_the_explicit_method():
     with pytest.raises(BadInput, match="explicit"):
         Catenary(["moving_window"], {"method": "implicit"}).initialize(0.0)
