@@ -10,7 +10,7 @@ from cosimo.components.catalogue import CATALOGUE, component_class
 from cosimo.components.core.errors import BadInput
 from cosimo.fmus.build import build, built, sources
 from cosimo.fmus.check import check
-from cosimo.fmus.description import RELEASED
+from cosimo.fmus.description import RELEASED, initial_dependencies
 from cosimo.fmus.loader import same_sources, stable_copy
 from cosimo.tests.short_run import ONE_A_SYSTEM, full_but
 from fmpy.validation import validate_fmu
@@ -131,13 +131,9 @@ def test_outputs_at_the_start_name_what_they_depend_on(tmp_path):
     assert validate_fmu(str(tmp_path / "Pantograph.fmu")) == []
 
 
-def test_dependencies_at_the_start_that_are_not_declared_are_left_out(tmp_path):
-    unknowns = list(description(build("LumpedCatenary", tmp_path)).find("ModelStructure/InitialUnknowns"))
-    assert unknowns
-    assert all(u.get("dependencies") is None for u in unknowns)
-
-
 def test_who_computes_another_start_declares_its_inputs_anew():
+    """Dependencies at the start that are not declared are left out, which means all variables."""
+
     class Link(component_class("PlanarLink")):
         pass
 
@@ -146,6 +142,8 @@ def test_who_computes_another_start_declares_its_inputs_anew():
             return super().initial_state() + self.u[0, 0]
 
     assert (Link.start_inputs, Loaded.start_inputs) == ((), None)
+    assert initial_dependencies(Link(), {3, 1}, [2]) == {"dependencies": "1 2 3"}
+    assert initial_dependencies(Loaded(), {3, 1}, [2]) == {}
 
 
 def test_kinds_of_variables_and_effects(probe):

@@ -54,15 +54,20 @@ class Pool:
         before = set(multiprocessing.active_children())
         self._event = context.Event()
         self._executor = ProcessPoolExecutor(self.count, context, _start_worker, (self._event,))
-        for _ in range(self.count):  # all of them start now, not with their first batch
-            self._executor.submit(os.getpid)
+        self._up = [self._executor.submit(os.getpid) for _ in range(self.count)]  # all start now, not with their first batch
         self._processes = [p for p in multiprocessing.active_children() if p not in before]
 
     def submit(self, task: Task, points: Sequence[Point], folder: str) -> Future[BatchReport]:
         return self._executor.submit(_in_worker, task, points, folder)
 
     def crashed(self, error: BaseException) -> bool:
-        return isinstance(error, BrokenProcessPool)
+        if not isinstance(error, BrokenProcessPool):
+            return False
+        if not any(f.done() and not f.cancelled() and f.exception() is None for f in self._up):
+            raise BadInput("worker processes", "none that came as far as its first point", "processes that start",
+                           'Each imports the script that is run: keep its calls behind if __name__ == "__main__": there, '
+                           "or use jobs=1.")
+        return True
 
     def restart(self) -> None:
         self._executor.shutdown(wait=True, cancel_futures=True)

@@ -118,6 +118,16 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.full
+def test_a_script_that_each_process_would_run_again_is_one_message(tmp_path):
+    """Without `if __name__ == "__main__":` no worker comes as far as a point, and no point is to blame."""
+    (tmp_path / "script.py").write_text(SCRIPT.replace('if __name__ == "__main__":', "if True:"))
+    command = [sys.executable, tmp_path / "script.py", tmp_path / "out"]
+    done = subprocess.run(command, env={**os.environ}, capture_output=True, text=True, timeout=300)
+    assert "worker processes: none that came as far as its first point" in done.stderr
+    assert not parts(tmp_path / "out")
+
+
 def parts(directory):
     return list(directory.glob("points/*/*.arrow"))
 
