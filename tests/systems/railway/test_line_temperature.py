@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.line.table import read_line
 from cosimo.components.railway.line.temperature import line_at
-from cosimo.orchestrator.cli import app
+from cosimo.orchestrator.cli.application import app
 from typer.testing import CliRunner
 
 EA, ALPHA, WEIGHT, TENSION = 11.64e6, 1.7e-5, 24.84, 16e3
