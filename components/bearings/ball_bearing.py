@@ -326,8 +326,12 @@ def fastest(t: float, h: float, speed: float, slope: float, half: float, acceler
 
 def _sharing(p: Constants) -> float:
     """How many balls resist one direction at most: the largest sum of their squared cosines."""
-    n, (c, s) = p.balls.shape[1], p.balls[[COSINE, SINE]]
-    uneven = math.hypot(np.sum(c * c - s * s), np.sum(2.0 * c * s))  # 0 for three and more at equal distances
+    n, even, odd = p.balls.shape[1], 0.0, 0.0
+    for k in range(n):
+        c, s = p.balls[COSINE, k], p.balls[SINE, k]
+        even += c * c - s * s
+        odd += 2.0 * c * s
+    uneven = math.hypot(even, odd)  # 0 for three and more at equal distances
     return 0.5 * (n + uneven) if uneven > 1e-9 * n else 0.5 * n
 
 

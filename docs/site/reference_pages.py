@@ -9,7 +9,7 @@ from typing import Any, get_args
 import click
 import cosimo
 import typer
-from cosimo.orchestrator.cli import app
+from cosimo.orchestrator.cli.application import app
 from cosimo.orchestrator.settings import AnalysisKeys, Model, SceneSettings
 from cosimo.orchestrator.systems import SYSTEMS
 from prose import code, docstring, joined, plain, table, verbatim

@@ -41,7 +41,7 @@ def test_the_fmu_is_the_component_to_the_last_bit(name, wanted):
     chosen = {n: v for n, v in SMALL[name].items() if isinstance(v, str) or n == "element"}
     component = component_class(name)(effects, chosen)
     unit = Driven(built(name))
-    start = chosen | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep"}
+    start = chosen | {n: min(SUBSTEP, component[n]) for n in component.parameters if n == "substep" and not component.unused([n])}
     start |= {n: v for n, (v, _, _) in smooth(component, 0.0).items()}
     for n, v in start.items():
         component.set(n, v)
