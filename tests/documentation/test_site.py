@@ -128,6 +128,8 @@ class Visit:
     ("generated/reference/python.html", "dl.py", 30),
     ("tutorials/pantograph.html", ".plot .main-svg", 1),
     ("tutorials/bearing.html", ".plot .main-svg", 1),
+    ("tutorials/classifier.html", ".plot .main-svg", 1),
+    ("tutorials/force-and-speed.html", ".plot .main-svg", 1),
     ("tutorials/accuracy.html", ".plot .main-svg", 1),
     ("tutorials/component.html", "math", 1),
     ("tutorials/sweep.html", ".plot .main-svg", 1),
