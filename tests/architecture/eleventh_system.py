@@ -36,6 +36,7 @@ class SpringPendulum(OdeComponent):
     title = "Pendulum on a spring"
     system = "spring_pendulum"
     default_stop = 10.0
+    start_inputs = ()
 
     air_drag = AirDrag
 

@@ -140,6 +140,7 @@ def test_outputs_follow_their_declared_inputs_only(configuration):
 def test_the_start_follows_from_its_declared_inputs_only(configuration):
     """Initialized with another value of an input that is not declared, and given the usual one afterwards, nothing differs."""
     usual = configuration.make()
+    assert usual.start_inputs is not None, "a component of the catalogue declares start_inputs"
     excite(usual)
     usual.initialize(0.0)
     for name in usual.inputs:
