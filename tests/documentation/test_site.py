@@ -17,9 +17,9 @@ from cosimo.components.catalogue import CATALOGUE
 from cosimo.orchestrator.scene.scene import scene_files
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel")
+NEEDED = ("sphinx", "myst_nb", "sphinx_design", "furo", "latex2mathml", "ipykernel", "xarray", "zarr", "SALib", "sklearn")
 pytestmark = [pytest.mark.full, pytest.mark.skipif(bool(missing := [n for n in NEEDED if find_spec(n) is None]),
-                                                   reason=f"not installed: {', '.join(missing)} (extra 'docs')")]
+                                                   reason=f"not installed: {', '.join(missing)} (extras docs and test)")]
 PICTURES = [p.stem for p in (DOCS / "pictures" / "scenes").glob("*.png")]
 
 
@@ -71,7 +71,7 @@ def address(site):
 @pytest.fixture(scope="module")
 def browser():
     """A Chromium, the system's one where there is none of playwright."""
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extra 'docs')")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (extras docs and test)")
     program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     with sync_api.sync_playwright() as playwright:
         try:
