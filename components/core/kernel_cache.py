@@ -24,6 +24,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _Ca
 from numba.core.runtime.nrt import rtsys
 
 from .closure import closure
+from .dispatch import callable_from_python
 from .folders import cache_root
 
 DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
@@ -167,7 +168,12 @@ def load_array_functions() -> None:
 
 
 class KernelCache(FunctionCache):
-    """The cache of one kernel; nothing is read before it is needed. files: sources that decide on the machine code."""
+    """The cache of one kernel; nothing is read before it is needed. files: sources that decide on the machine code.
+
+    for_kernels: whether machine code is asked for that only kernels call; code that Python may call, too, serves them as well.
+    """
+
+    for_kernels = False
 
     def __init__(self, function, files: tuple[str, ...]):
         self._py_func, self._name, self._files = function, repr(function), files
@@ -186,14 +192,19 @@ class KernelCache(FunctionCache):
         return self._open().cache_path
 
     def load_overload(self, sig, target_context):
-        overload = self._open().load_overload(sig, target_context)
+        cache = self._open()
+        overload = None
+        for cache.for_kernels in (True, False) if self.for_kernels else (False,):
+            overload = overload or cache.load_overload(sig, target_context)
         if overload is None:  # it will be compiled
             load_array_functions()
         return overload
 
     def save_overload(self, sig, data):
+        cache = self._open()
+        cache.for_kernels = not callable_from_python(data)
         with suppress(OSError):
-            self._open().save_overload(sig, data)
+            cache.save_overload(sig, data)
 
     def enable(self):
         self._open().enable()
@@ -207,6 +218,8 @@ class KernelCache(FunctionCache):
 
 class _OpenCache(FunctionCache):
     """Numba's cache with the files above."""
+
+    for_kernels = False
 
     def __init__(self, function, root: Path, digest: str):
         self._py_func, self._name = function, repr(function)
@@ -222,6 +235,9 @@ class _OpenCache(FunctionCache):
         self._cache_path = str(folder)
         self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest)
         self.enable()
+
+    def _index_key(self, sig, codegen):
+        return self.for_kernels, *super()._index_key(sig, codegen)
 
     def load_overload(self, sig, target_context):
         """The machine code for a signature, or None.

@@ -13,14 +13,15 @@ from typing import Any
 from zlib import crc32
 
 try:
-    from numba import config, njit
+    from numba import config
 except ImportError:  # an FMU's host may lack Numba: slower, the same equations
-    njit = None  # type: ignore[assignment]
+    config = None  # type: ignore[assignment]
 
 # NUMBA_DISABLE_JIT=1: plain Python, without waiting for the compiler
-COMPILED = njit is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
+COMPILED = config is not None and not config.DISABLE_JIT  # type: ignore[attr-defined]
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 if COMPILED:
+    from .dispatch import KernelDispatcher
     from .kernel_cache import KernelCache
     from .pruning import KernelCompiler
 
@@ -35,15 +36,12 @@ REASONS = {
 }
 
 
-def kernel(function, *files: str, inner: bool = False):
-    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports.
-
-    `inner`: only other kernels call it, so that what Python would need to call it is not compiled.
-    """
+def kernel(function, *files: str):
+    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports."""
     if not COMPILED:
         return function
-    options = OPTIONS | {"no_cpython_wrapper": inner}
-    dispatcher = njit(**options)(function)
+    options = {"nopython": True, "boundscheck": None, **OPTIONS}
+    dispatcher = KernelDispatcher(function, targetoptions=options, pipeline_class=options.pop("pipeline_class"))
     dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
     return dispatcher
 

@@ -88,6 +88,39 @@ def test_where_nothing_can_be_written_kernels_run_all_the_same(package, tmp_path
         assert run(package, tmp_path / "file" / "cache", aside) == [11.0, 15.0, expected, expected]
 
 
+LATER = """
+import json
+from own.core.dispatch import callable_from_python
+from own.inner import inner
+from own.outer import outer
+
+seen = lambda: [callable_from_python(code) for code in inner.overloads.values()]
+counts = lambda: [inner.stats.cache_hits.total(), inner.stats.cache_misses.total()]
+print(json.dumps([outer(5.0), seen(), counts(), inner(5.0), seen(), counts()]))
+"""
+
+
+def test_what_only_kernels_call_has_no_code_for_python_before_python_calls_it(package, tmp_path):
+    def called() -> list:
+        environment = {**os.environ, "PYTHONPATH": str(package.parent), "COSIMO_CACHE": str(tmp_path / "cache")}
+        environment.pop("NUMBA_CACHE_DIR", None)
+        done = subprocess.run([sys.executable, "-c", LATER], env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    assert called() == [11.0, [False], [0, 1], 10.0, [True], [0, 2]]
+    assert called() == [11.0, [], [0, 0], 10.0, [True], [1, 0]]
+    (package / "outer.py").write_text(OUTER.replace("1.0", "2.0"))
+    assert called() == [12.0, [False], [1, 0], 10.0, [True], [2, 0]]
+    for folder in (tmp_path / "cache" / "kernels" / "own").glob("inner*"):
+        shutil.rmtree(folder)
+    assert called() == [12.0, [], [0, 0], 10.0, [True], [0, 1]]
+    (package / "outer.py").write_text(OUTER)
+    for folder in (tmp_path / "cache" / "kernels" / "own").glob("outer*"):
+        shutil.rmtree(folder)
+    assert called() == [11.0, [True], [1, 0], 10.0, [True], [1, 0]]  # code that Python may call serves kernels, too
+
+
 PRODUCT = """
 import numpy as np
 from .core.kernels import kernel

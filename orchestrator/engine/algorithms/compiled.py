@@ -9,8 +9,6 @@ that steps, whose inputs are where those of the first have been led to, and its 
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from ....components.core.kernels import kernel
@@ -22,7 +20,6 @@ FAILED = 16  # times the status of a component: larger than any of an FMU
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
 NOTED = IN_MEMORY + 1  # the way of inputs that a unit with a rate of its own gets when it steps
-part = partial(kernel, inner=True)
 
 INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "first_past", "pasts",
             "smoothing", "interpolates", "no_return", "taken", "held", "every", "count", "slow")
@@ -45,7 +42,7 @@ PAST = np.dtype([(name, np.int64) for name in ("degree", "samples", "every", "le
     (name, np.float64) for name in ("h1", "h2", "elapsed")])
 
 
-@part
+@kernel
 def _given(link, signals):
     """What a link hands over at this instant."""
     v = signals[link.source]
@@ -56,7 +53,7 @@ def _given(link, signals):
     return v
 
 
-@part
+@kernel
 def _ahead(past, link, slow):
     """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
     v = link.present
@@ -71,7 +68,7 @@ def _ahead(past, link, slow):
     return (v, s, c) if slow is None else _seen(past, v, s, c, past.samples > 2)
 
 
-@part
+@kernel
 def _towards(past, link, slow, h):
     """As `History.towards` the known value; the polynomial of a source that does not step goes on."""
     if slow is not None:
@@ -89,7 +86,7 @@ def _towards(past, link, slow, h):
     return (v, s, c) if slow is None else _seen(past, v, s, c, bent)
 
 
-@part
+@kernel
 def _seen(past, v, s, c, bent):
     """As `Part._seen`: the polynomial from the present instant instead of from the last sample."""
     e = past.elapsed
@@ -98,7 +95,7 @@ def _seen(past, v, s, c, bent):
     return (v + e * (s + e * c), s + 2.0 * e * c, c) if bent else (v + e * s, s, c)
 
 
-@part
+@kernel
 def _end(v, s, c, degree, h):
     """As `Rows.end`: where the polynomial is after h."""
     if degree == 2:
@@ -106,7 +103,7 @@ def _end(v, s, c, degree, h):
     return v + h * s if degree == 1 else v
 
 
-@part
+@kernel
 def _degree(unit, pasts):
     """Of the polynomials that a unit is given: that of its most bent input."""
     degree = 0
@@ -118,7 +115,7 @@ def _degree(unit, pasts):
     return degree
 
 
-@part
+@kernel
 def _drive(unit, slow, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
     past = pasts[unit.first_past]
@@ -153,7 +150,7 @@ def _drive(unit, slow, links, pasts, signals, buffer, h):
     return 0 if unit.way >= IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
 
 
-@part
+@kernel
 def _hold(unit, links, known):
     """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
     changed, at = False, unit.held_values
@@ -167,7 +164,7 @@ def _hold(unit, links, known):
     return call_hook(unit.hold, unit.time, 0.0, 0) if changed else 0
 
 
-@part
+@kernel
 def _drive_fmu(unit, links, buffer, degree, h, known):
     """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
     first, n, way = 3 * unit.first_link, unit.links - unit.held, unit.way
@@ -195,7 +192,7 @@ def _drive_fmu(unit, links, buffer, degree, h, known):
     return status
 
 
-@part
+@kernel
 def _step(unit, t, h):
     """Step one unit; returns its status."""
     unit.taken += 1
@@ -208,7 +205,7 @@ def _step(unit, t, h):
     return status
 
 
-@part
+@kernel
 def _read(unit, outputs_at, signals):
     """Outputs of a unit into the table of signals; returns the status of an FMU."""
     first, n = unit.first_signal, unit.signals
@@ -232,7 +229,7 @@ def _read(unit, outputs_at, signals):
     return 0
 
 
-@part
+@kernel
 def _stands(unit, links, signals):
     """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are noted as known."""
     stands = unit.interpolates == 0
@@ -244,7 +241,7 @@ def _stands(unit, links, signals):
     return stands
 
 
-@part
+@kernel
 def _update(unit, links, outputs_at, signals, buffer):
     """Bring the outputs of a unit up to date for its known inputs; returns the status."""
     first, n = unit.first_link, unit.links
@@ -257,7 +254,7 @@ def _update(unit, links, outputs_at, signals, buffer):
     return _read(unit, outputs_at, signals) if status <= WARNING else status
 
 
-@part
+@kernel
 def _push(unit, slow, links, pasts, signals, h):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped."""
     for i in range(unit.first_link, unit.first_link + unit.links):
@@ -280,7 +277,7 @@ def _push(unit, slow, links, pasts, signals, h):
         past.left -= 1
 
 
-@part
+@kernel
 def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     """As `MultirateUnit.step` and what its `drive` does."""
     own, seen = slow[unit.slow], slow[unit.slow + 1]  # the unit that steps, and its outputs between its steps
@@ -301,7 +298,7 @@ def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     return _step(own, unit.start, unit.length) if status <= WARNING else status
 
 
-@part
+@kernel
 def _show(unit, slow, links, pasts, signals):
     """As the end of `MultirateUnit.get`: what others go by."""
     seen = slow[unit.slow + 1]
@@ -314,7 +311,7 @@ def _show(unit, slow, links, pasts, signals):
         signals[seen.first_signal + k] = v
 
 
-@part
+@kernel
 def _read_all(unit, slow, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status of an FMU."""
     if slow is None or unit.way != NOTED:
@@ -324,7 +321,7 @@ def _read_all(unit, slow, links, pasts, outputs_at, signals):
     return status
 
 
-@part
+@kernel
 def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
     if slow is None or unit.way != NOTED:
