@@ -68,7 +68,8 @@ def native_fmus(scene: Scene) -> dict[str, NativeFmu]:
     that is no target.
     """
     if not own_target():
-        raise BadInput("--native", "this machine, which is no target", "Linux or Windows on x86-64", "Leave --native out.")
+        raise BadInput("--native", "this machine, which is no target", "Linux on x86-64 or ARM64, Windows on x86-64",
+                       "Leave --native out.")
     fmus = {}
     for unit, maker in makers(scene).items():
         component = maker()

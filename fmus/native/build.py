@@ -30,7 +30,7 @@ RUNTIME = Path(__file__).parent / "runtime"
 SOURCES = ("native.c", "fmi2.c", "fmi3.c")
 # contraction would form fused products, and other bits than those of the component in process
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared", "-s")
-HERE = {("Linux", "x86_64"): "linux64", ("Windows", "AMD64"): "win64"}
+HERE = {("Linux", "x86_64"): "linux64", ("Windows", "AMD64"): "win64", ("Linux", "aarch64"): "linux-arm64"}
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ def _contents(component: Any, targets: list[str]) -> str:
     versions = [f"{name} {version(name)}" for name in ("cosimo", "numpy", "scipy", "numba", "llvmlite")]
     total = hashlib.sha256()
     for part in (sources_digest(inspect.getsourcefile(cls), __file__), *((RUNTIME / f).read_text() for f in sorted(_files())),
-                 cls.__qualname__, component.on, sorted(component.parameters.items()), component.inputs, component.u[0].tolist(),
-                 sys.version, *versions, *(_compiler_version(target) for target in targets)):
+                 cls.__qualname__, targets, component.on, sorted(component.parameters.items()), component.inputs,
+                 component.u[0].tolist(), sys.version, *versions, *(_compiler_version(target) for target in targets)):
         total.update(f"{part!r}\0".encode())
     return total.hexdigest()
 
@@ -159,7 +159,14 @@ def pack(done: Library, directory: Path, fmi: int, derivatives: bool = True) -> 
         "documentation/index.html": documentation(done.name, component, scalars, HOST),
         **shared_files(done.name, component, ends, fmi),
     }
-    for target, content in done.binaries.items():
-        folder = TARGETS[target].folder2 if fmi == 2 else TARGETS[target].folder3
+    for folder, (target, content) in _folders(done.binaries, fmi).items():
         members[f"binaries/{folder}/{done.name}{TARGETS[target].suffix}"] = content
     return write(members, Path(directory) / f"{done.name}{'.fmi3' if fmi == 3 else ''}.fmu")
+
+
+def _folders(binaries: dict[str, bytes], fmi: int) -> dict[str, tuple[str, bytes]]:
+    """Folder under binaries/ -> target and library."""
+    if fmi == 3:
+        return {TARGETS[target].folder3: (target, content) for target, content in binaries.items()}
+    also = {TARGETS[target].also2: (target, content) for target, content in binaries.items() if TARGETS[target].also2}
+    return also | {TARGETS[target].folder2: (target, content) for target, content in binaries.items()}

@@ -45,11 +45,15 @@ class Target:
     folder2: str  # under binaries/ of FMI 2
     folder3: str  # and of FMI 3
     suffix: str
+    also2: str = ""  # where hosts of FMI 2 look that know no other name; taken unless a target owns it
 
 
 TARGETS = {
     "linux64": Target("x86_64-unknown-linux-gnu", "x86_64-linux-gnu.2.17", "x86-64", "linux64", "x86_64-linux", ".so"),
     "win64": Target("x86_64-pc-windows-gnu", "x86_64-windows-gnu", "x86-64", "win64", "x86_64-windows", ".dll"),
+    # FMI 2.0 names no folder for it and refers, since 2.0.5, to those of FMI 3.0
+    "linux-arm64": Target("aarch64-unknown-linux-gnu", "aarch64-linux-gnu.2.17", "generic", "aarch64-linux", "aarch64-linux",
+                          ".so", "linux64"),
 }
 
 

@@ -97,7 +97,8 @@ def build(
         autocompletion=component_names, help="components, or module:Class; without it the catalogue")] = None,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the FMUs.")] = Path(),
     native: Annotated[bool, typer.Option("--native", help="FMUs without Python; effects and parameters are constants.")] = False,
-    target: Annotated[str, typer.Option(help="With --native: linux64, win64 or both; default: this machine.")] = "",
+    target: Annotated[str, typer.Option(help=(
+        "With --native: linux64, win64, linux-arm64, separated by commas; default: this machine."))] = "",
     fmi: Annotated[str, typer.Option(help="With --native: 2, 3 or both; default: 2.")] = "",
     effects: Annotated[str, typer.Option(help="With --native: effects that are on, separated by commas.")] = "",
     values: Annotated[list[str] | None, typer.Option("--set", metavar="PARAMETER=VALUE", help=(

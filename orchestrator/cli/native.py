@@ -11,6 +11,7 @@ from ...components.catalogue import CATALOGUE, component_class
 from ...components.core.component import Component
 from ...components.core.errors import BadInput, nearest
 from ...fmus.native.build import build_native, own_target
+from ...fmus.native.machine_code import TARGETS
 from .common import listed, parameters_of, preset_of, scene_of
 
 
@@ -19,7 +20,7 @@ def build_native_fmus(names: Sequence[str], output: Path, target: str, fmi: str,
     """Build native FMUs and print their paths; arguments as of the command `build`."""
     targets = listed("--target", [target]) if target else [own_target()]
     if not targets[0]:
-        raise BadInput("build --native", "this machine, which is no target", "linux64 or win64", "Give --target.")
+        raise BadInput("build --native", "this machine, which is no target", "one of " + ", ".join(TARGETS), "Give --target.")
     versions = listed("--fmi", [fmi]) if fmi else ["2"]
     if unknown := [v for v in versions if v not in ("2", "3")]:
         raise BadInput("--fmi", repr(unknown[0]), "2, 3 or 2,3")

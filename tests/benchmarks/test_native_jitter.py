@@ -4,15 +4,15 @@ A minute of macro steps of 1 ms: passes over the part of the line that the scene
 """
 
 import pytest
-from cosimo.tests.fmus.native.railway_pair import arguments, host, possible, run_host
+from cosimo.tests.fmus.native.machines import possible
+from cosimo.tests.fmus.native.railway_pair import run_host
 
 pytestmark = [pytest.mark.benchmark, pytest.mark.skipif(not possible, reason="needs Linux and a C compiler")]
 STEP, STEPS, MINUTE = 1e-3, 6000, 60.0
 
 
 def test_longest_step_of_a_minute(tmp_path):
-    words, program = arguments(tmp_path), host(tmp_path)
-    _, durations = run_host(program, words, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
+    _, durations = run_host(tmp_path, STEP, STEPS, round(MINUTE / (STEP * STEPS)))
     print("\nnative railway pair, macro step of 1 ms, a minute: duration of a step in us")
     print(f"{'':12}{'mean':>10}{'99.99 %':>10}{'longest':>10}")
     for name, values in zip(("clock", "processor"), durations, strict=True):

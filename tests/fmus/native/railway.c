@@ -7,16 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-#include "fmi2FunctionTypes.h"
-#ifdef _WIN32
-#include <windows.h>
-enum { RTLD_NOW, RTLD_LOCAL };
-static void *dlopen(const char *path, int mode) { (void)mode; return LoadLibraryA(path); }
-static void *dlsym(void *library, const char *name) { return (void *)GetProcAddress(library, name); }
-static const char *dlerror(void) { return "the library was not loaded"; }
-#else
-#include <dlfcn.h>
-#endif
+#include "dynamic.h"
 
 typedef struct {
     fmi2Component instance;
@@ -29,28 +20,11 @@ typedef struct {
     fmi2FMUstate begin;
 } Unit;
 
-static void logger(void *e, fmi2String n, fmi2Status s, fmi2String c, fmi2String text, ...) {
-    (void)e; (void)s; (void)c;
-    fprintf(stderr, "%s: %s\n", n, text);
-}
-static const fmi2CallbackFunctions CALLBACKS = {logger, NULL, NULL, NULL, NULL};
-static void check(int status, const char *call) {
-    if (status > fmi2Warning) { fprintf(stderr, "%s: status %d\n", call, status); exit(1); }
-}
-static void *symbol(void *library, const char *name) {
-    void *found = dlsym(library, name);
-    if (!found) { fprintf(stderr, "no %s\n", name); exit(1); }
-    return found;
-}
 static Unit opened(char **arguments) {
     Unit u;
-    void *library = dlopen(arguments[0], RTLD_NOW | RTLD_LOCAL);
-    if (!library) { fprintf(stderr, "%s\n", dlerror()); exit(1); }
-    u.instance = ((fmi2InstantiateTYPE *)symbol(library, "fmi2Instantiate"))(arguments[0], fmi2CoSimulation, arguments[1], "", &CALLBACKS, 0, 0);
-    if (!u.instance || sscanf(arguments[2], "%u,%u,%u", u.references, u.references + 1, u.references + 2) != 3) exit(1);
-    check(((fmi2SetupExperimentTYPE *)symbol(library, "fmi2SetupExperiment"))(u.instance, 0, 0.0, 0.0, 0, 0.0), "SetupExperiment");
-    check(((fmi2EnterInitializationModeTYPE *)symbol(library, "fmi2EnterInitializationMode"))(u.instance), "EnterInitializationMode");
-    check(((fmi2ExitInitializationModeTYPE *)symbol(library, "fmi2ExitInitializationMode"))(u.instance), "ExitInitializationMode");
+    void *library;
+    u.instance = instance(arguments[0], arguments[1], &library);
+    if (sscanf(arguments[2], "%u,%u,%u", u.references, u.references + 1, u.references + 2) != 3) exit(1);
     u.get = symbol(library, "fmi2GetReal"), u.set = symbol(library, "fmi2SetReal"), u.step = symbol(library, "fmi2DoStep");
     u.save = symbol(library, "fmi2GetFMUstate"), u.restore = symbol(library, "fmi2SetFMUstate");
     u.begin = NULL;

@@ -1,23 +1,19 @@
 """The railway pair as native FMUs in a host that is a C program, and the same calls of the components in process."""
 
-import shutil
 import subprocess
 import zipfile
 from pathlib import Path
 
-import fmpy
-from cosimo.fmus.native.build import built, compiler, own_target
+from cosimo.fmus.native.build import built
 from cosimo.fmus.native.machine_code import TARGETS
 from cosimo.orchestrator.native import makers
 from cosimo.orchestrator.systems import load_scene
+from cosimo.tests.fmus.native.machines import environment, program
 from fmpy import read_model_description
 
-HEADERS = Path(fmpy.__file__).parent / "c-code"
 SCENE = "en50318-2002"
 PORTS = {"pantograph": ("wire_height", "contact_force", "contact_position"),
          "catenary": ("contact_force", "contact_position", "wire_height")}
-WINE = next((path for path in (shutil.which("wine64"), "/usr/lib/wine/wine64") if path and Path(path).exists()), None)
-possible = own_target() == "linux64" and shutil.which("cc") is not None
 
 
 def arguments(folder: Path, target: str = "linux64") -> list[str]:
@@ -28,28 +24,17 @@ def arguments(folder: Path, target: str = "linux64") -> list[str]:
         path = str(built(type(make[unit]()).__name__, make[unit], [target]))
         description = read_model_description(path)
         references = {v.name: v.valueReference for v in description.modelVariables}
-        suffix = TARGETS[target].suffix
+        name = description.coSimulation.modelIdentifier + TARGETS[target].suffix
         with zipfile.ZipFile(path) as file:
-            library = file.extract(f"binaries/{target}/{description.coSimulation.modelIdentifier}{suffix}", folder / unit)
+            library = file.extract(f"binaries/{TARGETS[target].folder2}/{name}", folder / unit)
         words += [library, description.guid, ",".join(str(references[p]) for p in ports)]
     return words
 
 
-def host(folder: Path, target: str = "linux64") -> list[str]:
-    """The command of the compiled program of railway.c."""
-    source, program = Path(__file__).with_name("railway.c"), folder / ("railway" if target == "linux64" else "railway.exe")
-    flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(HEADERS)]
-    own = target == own_target()
-    subprocess.run([*(["cc"] if own else compiler(target)), *flags, str(source), "-o", str(program), *(["-ldl"] if own else [])],
-                   check=True)
-    return [str(program)] if own else [str(WINE), str(program)]
-
-
-def run_host(program: list[str], words: list[str], h: float, steps: int, passes: int,
-             **environment: str) -> tuple[list[float], list[list[float]]]:
+def run_host(folder: Path, h: float, steps: int, passes: int, target: str = "linux64") -> tuple[list[float], list[list[float]]]:
     """(last outputs, durations in us: mean, 99.99th percentile, longest, of the clock and of the processor), PATH empty."""
-    command = [*program, *words, repr(h), str(steps), str(passes)]
-    done = subprocess.run(command, capture_output=True, text=True, env={"PATH": ""} | environment, check=False)
+    command = [*program("railway.c", folder, target), *arguments(folder, target), repr(h), str(steps), str(passes)]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment(target, folder), check=False)
     assert done.returncode == 0, done.stderr
     outputs, *durations = done.stdout.splitlines()
     return [float.fromhex(word) for word in outputs.split()], [[float(word) for word in line.split()] for line in durations]

@@ -1,0 +1,71 @@
+"""Libraries for other machines: where they lie in an FMU, and that their machine code keeps the operations of the kernels."""
+
+import re
+import zipfile
+from dataclasses import replace
+from importlib.util import find_spec
+
+import pytest
+from cosimo.fmus.native.build import library, own_target, pack
+from cosimo.fmus.native.image import compiled_with_image
+from cosimo.fmus.native.machine_code import TARGETS, _machine, _optimize
+from cosimo.tests.fmus.native.support import compiled, maker
+
+NAME = "ServoMotor"
+FUSED = re.compile(r"^\t(fn?m(?:add|sub)|fml[as])\t", re.M)
+PAIRED = """
+define double @model_f(double %x, double %y) {
+ %p = fmul contract double %x, %y
+ %s = fadd contract double %p, %y
+ ret double %s
+}
+"""
+pytestmark = pytest.mark.skipif(own_target() != "linux64", reason="runs on Linux")
+
+
+@pytest.mark.parametrize(("fmi", "targets", "folders"), [
+    (2, ["linux64", "win64"], {"linux64": "linux64", "win64": "win64"}),
+    (2, ["linux-arm64", "win64"], {"aarch64-linux": "linux-arm64", "linux64": "linux-arm64", "win64": "win64"}),
+    (2, ["linux-arm64", "linux64"], {"aarch64-linux": "linux-arm64", "linux64": "linux64"}),
+    (3, ["linux-arm64", "linux64"], {"aarch64-linux": "linux-arm64", "x86_64-linux": "linux64"}),
+    (3, ["linux-arm64"], {"aarch64-linux": "linux-arm64"}),
+])  # fmt: skip
+def test_each_library_lies_where_hosts_look_for_it(fmi, targets, folders, tmp_path):
+    found = replace(compiled(NAME), binaries={target: target.encode() for target in targets})
+    with zipfile.ZipFile(pack(found, tmp_path, fmi)) as file:
+        members = {m.split("/")[1]: (m, file.read(m).decode()) for m in file.namelist() if m.startswith("binaries/")}
+    assert {folder: content for folder, (_, content) in members.items()} == folders
+    assert {member for member, _ in members.values()} == {f"binaries/{f}/{NAME}{TARGETS[t].suffix}" for f, t in folders.items()}
+
+
+def assembly(text, target):
+    import llvmlite.binding as llvm
+
+    module = llvm.parse_assembly(text)
+    machine = _optimize(module, TARGETS[target])
+    return machine.emit_assembly(module)
+
+
+@pytest.mark.parametrize("name", [NAME, *(pytest.param(n, marks=pytest.mark.full) for n in ("RovHull", "Catenary", "BeamRotor"))])
+def test_products_and_sums_are_not_fused_for_arm(name):
+    """A fused product has other last digits; the instruction is there where code allows it."""
+    _machine(TARGETS["linux-arm64"])
+    assert FUSED.search(assembly(PAIRED, "linux-arm64"))
+    _, code, _ = compiled_with_image(maker(name))
+    made = assembly(code.text, "linux-arm64")
+    assert "\tfmul\t" in made
+    assert FUSED.findall(made) == []
+
+
+@pytest.mark.full
+@pytest.mark.skipif(find_spec("ziglang") is None, reason="needs the compiler of the extra `native`")
+def test_a_library_for_arm_is_small_and_reproducible():
+    first, second = (library(NAME, maker(NAME), ["linux-arm64"]) for _ in range(2))
+    content = first.binaries["linux-arm64"]
+    assert content == second.binaries["linux-arm64"]
+    assert content[:6] == b"\x7fELF\x02\x01"  # 64 bits, little-endian
+    assert int.from_bytes(content[18:20], "little") == 183  # AArch64
+    assert len(content) < 1_000_000
+    needed = set(re.findall(rb"[\w.+-]+\.so[.\d]*", content)) - {f"{NAME}.so".encode()}
+    assert needed <= {b"libc.so.6", b"libm.so.6", b"ld-linux-aarch64.so.1"}, needed
+    assert first.token == compiled(NAME).token  # one model for all targets
