@@ -9,6 +9,8 @@ that steps, whose inputs are where those of the first have been led to, and its 
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ....components.core.kernels import kernel
@@ -20,6 +22,7 @@ FAILED = 16  # times the status of a component: larger than any of an FMU
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
 NOTED = IN_MEMORY + 1  # the way of inputs that a unit with a rate of its own gets when it steps
+uncounted = partial(kernel, counted=False)
 
 INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "first_past", "pasts",
             "smoothing", "interpolates", "no_return", "taken", "held", "every", "count", "slow")
@@ -42,7 +45,7 @@ PAST = np.dtype([(name, np.int64) for name in ("degree", "samples", "every", "le
     (name, np.float64) for name in ("h1", "h2", "elapsed")])
 
 
-@kernel
+@uncounted
 def _given(link, signals):
     """What a link hands over at this instant."""
     v = signals[link.source]
@@ -53,7 +56,7 @@ def _given(link, signals):
     return v
 
 
-@kernel
+@uncounted
 def _ahead(past, link, slow):
     """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
     v = link.present
@@ -68,7 +71,7 @@ def _ahead(past, link, slow):
     return (v, s, c) if slow is None else _seen(past, v, s, c, past.samples > 2)
 
 
-@kernel
+@uncounted
 def _towards(past, link, slow, h):
     """As `History.towards` the known value; the polynomial of a source that does not step goes on."""
     if slow is not None:
@@ -86,7 +89,7 @@ def _towards(past, link, slow, h):
     return (v, s, c) if slow is None else _seen(past, v, s, c, bent)
 
 
-@kernel
+@uncounted
 def _seen(past, v, s, c, bent):
     """As `Part._seen`: the polynomial from the present instant instead of from the last sample."""
     e = past.elapsed
@@ -95,7 +98,7 @@ def _seen(past, v, s, c, bent):
     return (v + e * (s + e * c), s + 2.0 * e * c, c) if bent else (v + e * s, s, c)
 
 
-@kernel
+@uncounted
 def _end(v, s, c, degree, h):
     """As `Rows.end`: where the polynomial is after h."""
     if degree == 2:
@@ -103,24 +106,24 @@ def _end(v, s, c, degree, h):
     return v + h * s if degree == 1 else v
 
 
-@kernel
-def _degree(unit, pasts):
-    """Of the polynomials that a unit is given: that of its most bent input."""
-    degree = 0
-    for k in range(unit.first_past, unit.first_past + unit.pasts):
-        past = pasts[k]
-        degree = max(degree, past.samples - 1)
-        if unit.late < unit.links and past.degree > 0 and past.left == 0:
-            degree = max(degree, 2 if past.degree == 2 and past.samples > 1 else 1)
+@uncounted
+def _degree(unit, slow, past):
+    """Of the polynomials that a history gives a unit."""
+    degree = past.samples - 1
+    if unit.late < unit.links and past.degree > 0 and (slow is None or past.left == 0):
+        degree = max(degree, 2 if past.degree == 2 and past.samples > 1 else 1)
     return degree
 
 
-@kernel
+@uncounted
 def _drive(unit, slow, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
     past = pasts[unit.first_past]
     first, behind, extrapolated = unit.first_link, unit.first_link + unit.links, unit.first_link + unit.late
-    degree = _degree(unit, pasts)
+    degree = _degree(unit, slow, past)
+    if slow is not None:  # that of the most bent input
+        for k in range(1, unit.pasts):
+            degree = max(degree, _degree(unit, slow, pasts[unit.first_past + k]))
     held, smooth = degree == 0, unit.smoothing == SMOOTH
     if smooth:
         degree = max(degree, 1)
@@ -150,7 +153,7 @@ def _drive(unit, slow, links, pasts, signals, buffer, h):
     return 0 if unit.way >= IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
 
 
-@kernel
+@uncounted
 def _hold(unit, links, known):
     """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
     changed, at = False, unit.held_values
@@ -164,7 +167,7 @@ def _hold(unit, links, known):
     return call_hook(unit.hold, unit.time, 0.0, 0) if changed else 0
 
 
-@kernel
+@uncounted
 def _drive_fmu(unit, links, buffer, degree, h, known):
     """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
     first, n, way = 3 * unit.first_link, unit.links - unit.held, unit.way
@@ -192,7 +195,7 @@ def _drive_fmu(unit, links, buffer, degree, h, known):
     return status
 
 
-@kernel
+@uncounted
 def _step(unit, t, h):
     """Step one unit; returns its status."""
     unit.taken += 1
@@ -205,7 +208,7 @@ def _step(unit, t, h):
     return status
 
 
-@kernel
+@uncounted
 def _read(unit, outputs_at, signals):
     """Outputs of a unit into the table of signals; returns the status of an FMU."""
     first, n = unit.first_signal, unit.signals
@@ -229,7 +232,7 @@ def _read(unit, outputs_at, signals):
     return 0
 
 
-@kernel
+@uncounted
 def _stands(unit, links, signals):
     """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are noted as known."""
     stands = unit.interpolates == 0
@@ -241,7 +244,7 @@ def _stands(unit, links, signals):
     return stands
 
 
-@kernel
+@uncounted
 def _update(unit, links, outputs_at, signals, buffer):
     """Bring the outputs of a unit up to date for its known inputs; returns the status."""
     first, n = unit.first_link, unit.links
@@ -254,7 +257,16 @@ def _update(unit, links, outputs_at, signals, buffer):
     return _read(unit, outputs_at, signals) if status <= WARNING else status
 
 
-@kernel
+@uncounted
+def _note(past, h):
+    """Count a sample, h behind the last one."""
+    past.h2 = past.h1
+    past.h1 = h
+    if past.samples <= past.degree:
+        past.samples += 1
+
+
+@uncounted
 def _push(unit, slow, links, pasts, signals, h):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped."""
     for i in range(unit.first_link, unit.first_link + unit.links):
@@ -264,20 +276,21 @@ def _push(unit, slow, links, pasts, signals, h):
             link.earlier = link.before
             link.before = link.present
             link.present = link.now
+    if slow is None:
+        if unit.links > 0:
+            _note(pasts[unit.first_past], h)
+        return
     for k in range(unit.first_past, unit.first_past + unit.pasts):
         past = pasts[k]
         past.elapsed += h
         if past.left == 0:
-            past.h2 = past.h1
-            past.h1 = past.elapsed
+            _note(past, past.elapsed)
             past.elapsed = 0.0
             past.left = past.every
-            if past.samples <= past.degree:
-                past.samples += 1
         past.left -= 1
 
 
-@kernel
+@uncounted
 def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     """As `MultirateUnit.step` and what its `drive` does."""
     own, seen = slow[unit.slow], slow[unit.slow + 1]  # the unit that steps, and its outputs between its steps
@@ -298,7 +311,7 @@ def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     return _step(own, unit.start, unit.length) if status <= WARNING else status
 
 
-@kernel
+@uncounted
 def _show(unit, slow, links, pasts, signals):
     """As the end of `MultirateUnit.get`: what others go by."""
     seen = slow[unit.slow + 1]
@@ -311,7 +324,7 @@ def _show(unit, slow, links, pasts, signals):
         signals[seen.first_signal + k] = v
 
 
-@kernel
+@uncounted
 def _read_all(unit, slow, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status of an FMU."""
     if slow is None or unit.way != NOTED:
@@ -321,7 +334,7 @@ def _read_all(unit, slow, links, pasts, outputs_at, signals):
     return status
 
 
-@kernel
+@uncounted
 def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
     if slow is None or unit.way != NOTED:
@@ -336,7 +349,7 @@ def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     return status
 
 
-@kernel
+@uncounted
 def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h,
               limit, halt, looks, rows, given, inputs, outputs):
     """Macro steps of length h from each of `times` (n,), for U `UNIT`s, of those with rates of their own two more in `slow`,

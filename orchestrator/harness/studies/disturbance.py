@@ -180,7 +180,7 @@ class Disturbed:
                 self._steppable.step(t, h)
             for node in master.nodes:
                 node.alter = None
-            if self._stretch is not None and self._stretch.possible:
+            if self._stretch is not None and self._stretch.possible(h):
                 samples, failure = self._stretch.run(np.array(times[BEFORE + 1 :]), h, np.zeros(0, dtype=np.int64))
                 return samples, "" if failure is None else str(failure)
             for t in times[BEFORE + 1 :]:
