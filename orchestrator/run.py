@@ -162,7 +162,7 @@ class Run:
             self.resolution = StepResolution(master, steps)
             self.observers.append(self.resolution)
         if repeatable(scene) and self.pacing is None:  # steps made twice would be late
-            self.repeated = RepeatedSteps(master, self.stepping, steps)
+            self.repeated = RepeatedSteps(master, self.stepping, steps, self.account)
             self.observers.append(self.repeated)
         if any(len(group) > 1 for group in coupling.groups):
             self.observers.append(InstabilityMonitor(master, steps, self.account))

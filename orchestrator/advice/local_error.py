@@ -10,15 +10,16 @@ over the steps, or die out between them.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ...components.core.errors import StepFailed
+from ..engine.algorithms.energy import EnergyAccount
 from ..engine.algorithms.master import Master
 from ..engine.coupling.graph import Endpoint
-from ..engine.stepping.loop import Stepping
+from ..engine.stepping.loop import Steppable, Stepping
 from ..engine.stepping.observers import BatchObserver
 from ..scene.scene import Scene
 
@@ -29,20 +30,29 @@ APART = 3  # macro steps from one to the next, at least
 class RepeatedSteps(BatchObserver):
     """Keeps the state at some instants while the run goes on, which changes nothing; the steps are repeated when it has ended."""
 
-    def __init__(self, master: Master, stepping: Stepping, steps: int):
-        """`steps`: of the whole run, about."""
+    def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None):
+        """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them."""
         self._master, self._stepping = master, stepping
+        self._stepper: Steppable = account if account is not None and account.correction else master
         self._every, self._calls = max(steps // SAMPLES, APART), 0
         self._saved: list[tuple[int, float, Any]] = []
 
     def __call__(self, tick: int, t: float) -> None:
         self._calls += 1
-        if self._calls % self._every == 0 and tick + self._stepping.stride <= self._stepping.end:
-            self._saved.append((tick, t, self._stepping.master.save()))
+        if self._calls % self._every == 0 and self._fits(tick):
+            self._saved.append((tick, t, self._stepper.save()))
 
-    def steps_not_needed(self, tick: int, length: int) -> int:
+    def _fits(self, tick: int) -> bool:
+        """Whether another step from a tick ends before the run does."""
+        return tick + self._stepping.stride <= self._stepping.end
+
+    def keeps(self, n: int) -> range:
         """As in `BatchObserver`."""
-        return self._every - 1 - self._calls % self._every
+        return range(self._every - 1 - self._calls % self._every, n, self._every)
+
+    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
+        """As in `BatchObserver`; in batches, no account takes part in steps."""
+        self._saved += [one for one in saved if self._fits(one[0])]
 
     def observe_batch(self, ticks: range, times: object, rows: np.ndarray) -> None:
         """As in `BatchObserver`."""
@@ -53,7 +63,7 @@ class RepeatedSteps(BatchObserver):
 
         The units are not where the run has ended afterwards.
         """
-        master, stepper = self._master, self._stepping.master
+        master, stepper = self._master, self._stepper
         h = self._stepping.clock.seconds(self._stepping.stride)
         differences = []
         with warnings.catch_warnings():

@@ -25,8 +25,11 @@ class CompiledLoop:
 
     The nodes' histories are the only truth between stretches, so that faults, checkpoints and whatever else looks at or
     changes a master there need not know of this. Of the last stretch: `inputs` (m, 2, L), the inputs in the order of the nodes'
-    links behind the steps `looks` (m,), and where extrapolation has taken them; `outputs` (n, W), what `watch` has asked for.
+    links behind the steps `looks` (m,), and where extrapolation has taken them; `outputs` (n, W), what `watch` has asked for;
+    `kept`, what the master has saved behind each of the steps it was asked to.
     """
+
+    kept: Sequence[Any] = ()
 
     def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None,
                  trusted: Collection[str] = ()):
@@ -39,7 +42,7 @@ class CompiledLoop:
         slow = r.slow if self.rates else None
         self._layout = r.units, slow, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
         self._memory = r.signals, np.zeros(3 * r.links.size), isinstance(master, GaussSeidel)
-        self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64))  # compiles it
+        self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64), self._space(0, 0))  # compiles it
 
     def possible(self, h: float) -> bool:
         """Whether steps of this length may be taken so: their records can be made, and no unit has ended the simulation."""
@@ -51,18 +54,29 @@ class CompiledLoop:
         """Whether units have rates of their own; their last step may be a shorter one, and is not taken so."""
         return self._records.slow.size > 0
 
-    def run(self, times: np.ndarray, h: float, looks: np.ndarray) -> tuple[np.ndarray, BaseException | None]:
+    def run(self, times: np.ndarray, h: float, looks: np.ndarray, keep: Sequence[int] = ()
+            ) -> tuple[np.ndarray, BaseException | None]:
         """Steps from each of `times`, s, of length h: the signals behind every step that was completed, and why one was not.
 
-        looks: (m,), steps counted from 0 behind which `inputs` are wanted.
+        looks: (m,), steps counted from 0 behind which `inputs` are wanted; keep: those behind which the master is saved.
         """
         self.prepare(h)
         self._records.load()
-        (done, unit, status), (rows, given, self.inputs, self.outputs) = self._run(times, h, looks)
-        self._records.store(done, h)
+        rows, given, self.inputs, self.outputs = self._space(times.size, looks.size)
+        self.kept, done = [], 0
+        for end in (*(step + 1 for step in keep), times.size):
+            seen, first = np.searchsorted(looks, done), done
+            of_steps = rows[first:end], given[first:end], self.inputs[seen:], self.outputs[first:end]
+            done, unit, status = self._run(times[first:end], h, looks[seen:] - first, of_steps)
+            self._records.store(done, h)
+            for one, taken, reached in zip(self._units, *self._records.taken(), strict=True):
+                one.stepped(taken, reached)
+            done += first
+            if done < end or unit != -1:
+                break
+            if end < times.size:
+                self.kept.append(self._master.save())
         failure: BaseException | None = None
-        for one, taken, reached in zip(self._units, *self._records.taken(), strict=True):
-            one.stepped(taken, reached)
         if unit >= 0:
             one, t = self._units[unit], float(times[done])
             begin, length = self._records.last_step(unit, t, h)
@@ -113,12 +127,14 @@ class CompiledLoop:
         self._watched = np.array([*self._watched, *at], dtype=np.int64)
         return slice(first, first + len(at))
 
-    def _run(self, times: np.ndarray, h: float, looks: np.ndarray) -> tuple[tuple[int, int, int], tuple[np.ndarray, ...]]:
-        """What `run_steps` returns; and its signals, what bonded inputs were given, inputs with their ends, watched outputs."""
-        n = len(times)
-        space = (np.empty((n, self._weights.size)), np.empty((n, self._bonded.size, 4)),
-                 np.empty((looks.size, 2, self._records.driven)), np.empty((n, self._watched.size)))
-        return run_steps(*self._layout, self._watched, *self._memory, times, h, RUNAWAY, self._halt, looks, *space), space
+    def _run(self, times: np.ndarray, h: float, looks: np.ndarray, space: tuple[np.ndarray, ...]) -> tuple[int, int, int]:
+        """What `run_steps` returns; looks and `_space` are those of these steps."""
+        return run_steps(*self._layout, self._watched, *self._memory, times, h, RUNAWAY, self._halt, looks, *space)
+
+    def _space(self, n: int, looks: int) -> tuple[np.ndarray, ...]:
+        """For n steps: signals, what bonded inputs are given, inputs with their ends behind the looks, watched outputs."""
+        return (np.empty((n, self._weights.size)), np.empty((n, self._bonded.size, 4)),
+                np.empty((looks, 2, self._records.driven)), np.empty((n, self._watched.size)))
 
     def _places_of_bonds(self) -> list[int]:
         """Links of the account's inputs."""

@@ -105,8 +105,9 @@ class Records:
         return list(tables)
 
     def taken(self) -> tuple[list[int], list[float]]:
-        """Of each unit the steps since `load`, and the time that it has reached, of an FMU the start of its last step, s."""
+        """Of each unit the steps since the last call, and the time it has reached, of an FMU the start of its last step, s."""
         of_units = self._all[self._called]
+        self._all["taken"] = 0
         return of_units["taken"].tolist(), of_units["time"].tolist()
 
     def last_step(self, unit: int, t: float, h: float) -> tuple[float, float]:
@@ -121,7 +122,6 @@ class Records:
         self.signals[self._table] = self._master.signals
         pasts["samples"], pasts["h1"], pasts["h2"], pasts["elapsed"], pasts["left"] = zip(*[
             (past.count, past.h1, past.h2, elapsed, left) for past, _, _, elapsed, left in histories], strict=True)
-        self._all["taken"] = 0
         links["fault"] = UNALTERED
         for name in ("present", "before", "earlier"):
             rows = zip([getattr(past, name) for past, *_ in histories], self._none, strict=True)

@@ -75,7 +75,8 @@ class BatchStepping(Stepping):
         times = self.clock.times(ticks)
         begun = perf_counter()
         looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
-        rows, failure = self._stretch.run(times[:-1], h, looks)
+        kept = sorted({k for o in observers for k in o.keeps(n - 1)})
+        rows, failure = self._stretch.run(times[:-1], h, looks, kept)
         self._pace = max((perf_counter() - begun) / n, 1e-7)
         self._halt[0] = 0
         done = len(rows)
@@ -88,7 +89,9 @@ class BatchStepping(Stepping):
             self._advance(length, tick + (min(alarms) + 1) * length, observers)
             return
         if unseen > 0:
+            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(kept, self._stretch.kept, strict=False)]
             for observe in observers:
+                observe.observe_saved(saved)
                 observe.observe_ends(at, inputs, outputs)
                 observe.observe_batch(ticks[1 : unseen + 1], times[1 : unseen + 1], rows[:unseen])
         self.tick = ticks[done]

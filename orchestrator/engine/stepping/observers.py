@@ -29,6 +29,14 @@ class BatchObserver:
         """Of the coming n steps, counted from 0, those behind which it wants all inputs."""
         return range(0)
 
+    def keeps(self, n: int) -> range:
+        """Of the coming n steps, counted from 0, those behind which it wants the master saved."""
+        return range(0)
+
+    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
+        """Of steps it was not called at: ticks, times (s) and what the master has saved behind the `keeps` of all observers.
+        Called before `observe_batch`."""
+
     def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Of steps it was not called at: inputs behind those `at` (m,), the `looks` of all observers, and where they were led to,
         (m, 2, links); and what `Stepping.watch` was asked for, (n, columns). Called before `observe_batch`."""

@@ -7,7 +7,9 @@ from math import log2
 import cosimo.orchestrator.run as run_module
 import numpy as np
 import pytest
+from cosimo.orchestrator.advice.instability import InstabilityMonitor
 from cosimo.orchestrator.advice.local_error import SAMPLES, RepeatedSteps, repeatable
+from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 
@@ -36,6 +38,41 @@ def test_the_error_of_a_step_falls_with_its_order(degree, measured):
     coarse, fine = measured
     end = ("mass", "base_velocity_x")
     assert log2(coarse[end] / fine[end]) == pytest.approx(degree + 2, abs=0.3)
+
+
+@pytest.mark.parametrize("bonds", [[], ["spring.second_force_x * mass.base_velocity_x"]])
+@pytest.mark.parametrize("algorithm", ["jacobi", "gauss-seidel"])
+def test_states_that_are_kept_inside_of_batches_are_those_of_steps(algorithm, bonds, measured, monkeypatch):
+    """A batch goes on behind such an instant; a monitor that takes steps back leaves none of what it kept of them."""
+    changes = {"master.algorithm": algorithm, "master.bonds": bonds, "master.extrapolation": 2, "stop_time": 3.1}
+    scene = load_scene("mass-on-spring").with_changes(changes)
+    stretches: list[int] = []
+    monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, stretches))
+    run(scene, in_process=True)
+    assert 0 < len(stretches) < SAMPLES
+    alarm, alarms = InstabilityMonitor.alarm, []
+
+    def early(self, at, inputs):
+        found = alarm(self, at, inputs)
+        alarms.append(int(at[len(at) // 2]) if not alarms else found)
+        return alarms[-1]
+
+    monkeypatch.setattr(InstabilityMonitor, "alarm", early)
+    run(scene, in_process=True)
+    assert alarms[0] > 0
+    monkeypatch.setattr("cosimo.orchestrator.engine.stepping.adaptive.batch_loop_for", lambda *_: None)
+    run(scene, in_process=True)
+    together, taken_back, apart = measured
+    assert together == taken_back == apart
+    assert max(apart.values()) > 0.0
+
+
+def counted(function, calls: list[int]):
+    def call(self, *arguments):
+        calls.append(1)
+        return function(self, *arguments)
+
+    return call
 
 
 def test_steps_that_are_repeated_change_no_result(monkeypatch):
