@@ -5,15 +5,23 @@ Imports are read from the source, those inside functions too; nothing is execute
 
 from __future__ import annotations
 
-import ast
+import os
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import ast
+
+Imports = tuple[tuple[int, str, tuple[str, ...]], ...]
 
 
 @lru_cache(maxsize=1024)
-def imports(source: bytes) -> tuple[tuple[int, str, tuple[str, ...]], ...]:
+def imports(source: bytes) -> Imports:
     """(level, module, names) of every import statement; level 0: absolute, with no names for `import module`."""
+    import ast
+
     result: list[tuple[int, str, tuple[str, ...]]] = []
     for node in _statements(ast.parse(source).body):
         if isinstance(node, ast.Import):
@@ -31,29 +39,35 @@ def _statements(nodes: Iterable[ast.AST]) -> Iterator[ast.AST]:
             yield from _statements(getattr(node, field, ()))
 
 
-def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None) -> dict[Path, bytes]:
+def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: None,
+            imports: Callable[[bytes], Imports] = imports) -> dict[Path, bytes]:
     """The file and all that it imports, contents by path.
 
-    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it.
+    `absolute` gives the file of a module that is imported by its full name, or None for one that does not belong to it;
+    `imports` the import statements of a source, for a caller that has kept them.
     """
-    contents: dict[Path, bytes] = {}
-    pending = [file]
+    contents: dict[str, bytes] = {}
+    pending = [str(file)]
     while pending:
         path = pending.pop()
         if path in contents:
             continue
-        contents[path] = path.read_bytes()
+        with open(path, "rb") as source:
+            contents[path] = source.read()
         for level, module, names in imports(contents[path]):
             if level:
-                base = path.parents[level - 1].joinpath(*filter(None, module.split(".")))
-                wanted = [base, *(base / name for name in names)]
+                base = path
+                for _ in range(level):
+                    base = os.path.dirname(base)
+                base = os.path.join(base, *filter(None, module.split(".")))
+                wanted = [base, *(os.path.join(base, name) for name in names)]
                 pending += [f for place in wanted if (f := _module_file(place)) is not None]
             else:
-                pending += [f for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
-    return contents
+                pending += [str(f) for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
+    return {Path(path): source for path, source in contents.items()}
 
 
-def _module_file(place: Path) -> Path | None:
+def _module_file(place: str) -> str | None:
     """The file of the module or package at a place; None where there is neither."""
-    file = place / "__init__.py" if place.is_dir() else place.with_name(place.name + ".py")
-    return file if file.is_file() else None
+    file = os.path.join(place, "__init__.py") if os.path.isdir(place) else place + ".py"
+    return file if os.path.isfile(file) else None

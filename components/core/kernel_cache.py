@@ -26,6 +26,7 @@ from numba.core.runtime.nrt import rtsys
 from .closure import closure
 from .dispatch import callable_from_python
 from .folders import cache_root
+from .import_index import ImportIndex
 
 DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 _PROCESS = uuid4().hex[:8]
@@ -44,13 +45,20 @@ def _own_module(name: str) -> Path | None:
 @lru_cache(maxsize=1024)
 def sources_digest(*files: str) -> str:
     """Digest of the import closures of source files; the same for a copy of them in another place."""
-    total = hashlib.sha256()
+    total, index = hashlib.sha256(), _import_index()
     for file in files:
         start = Path(file).resolve()
-        contents = closure(start, _own_module)
+        contents = closure(start, _own_module, index.imports)
         for path in sorted(contents, key=lambda p: os.path.relpath(p, start.parent)):
             total.update(f"{path.name}\0{len(contents[path])}\0".encode() + contents[path])
+    index.save()
     return total.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _import_index() -> ImportIndex:
+    root = private_root()
+    return ImportIndex(None if root is None else root / "imports.json")
 
 
 @lru_cache(maxsize=1)

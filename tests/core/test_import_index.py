@@ -1,0 +1,82 @@
+"""What sources import, kept on disk: found by contents, healed where damaged, complete where two processes write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from cosimo.components.core import import_index
+from cosimo.components.core.closure import imports
+from cosimo.components.core.import_index import ImportIndex
+
+SOURCE, EDITED = b"from . import one\nimport two\n", b"from .. import one, three\n"
+
+
+@pytest.fixture
+def parsed(monkeypatch) -> list[bytes]:
+    """The sources that were parsed."""
+    sources: list[bytes] = []
+
+    def parse(source):
+        sources.append(source)
+        return imports(source)
+
+    monkeypatch.setattr(import_index, "imports", parse)
+    return sources
+
+
+def keep(file: Path | None, *sources: bytes) -> list:
+    """What another process finds of sources, which it then keeps."""
+    index = ImportIndex(file)
+    found = [index.imports(source) for source in sources]
+    index.save()
+    return found
+
+
+def test_a_source_is_parsed_once_and_an_edited_one_again(tmp_path, parsed):
+    file = tmp_path / "imports.json"
+    for expected in ([SOURCE], [SOURCE]):
+        assert keep(file, SOURCE) == [imports(SOURCE)]
+        assert parsed == expected
+    assert keep(file, SOURCE, EDITED) == [imports(SOURCE), imports(EDITED)]
+    assert parsed == [SOURCE, EDITED]
+    assert [path.name for path in tmp_path.iterdir()] == ["imports.json"]
+
+
+@pytest.mark.parametrize("damage", [lambda c: c[:-9], lambda c: c[:50] + bytes([c[50] ^ 1]) + c[51:], lambda c: b""])
+def test_a_damaged_index_counts_as_missing_and_is_written_anew(tmp_path, parsed, damage):
+    file = tmp_path / "imports.json"
+    keep(file, SOURCE)
+    whole = file.read_bytes()
+    file.write_bytes(damage(whole))
+    assert keep(file, SOURCE) == [imports(SOURCE)]
+    assert parsed == [SOURCE, SOURCE]
+    assert file.read_bytes() == whole
+
+
+def test_what_another_process_has_kept_meanwhile_stays(tmp_path, parsed):
+    file = tmp_path / "imports.json"
+    one = ImportIndex(file)
+    one.imports(SOURCE)
+    keep(file, EDITED)
+    one.save()
+    keep(file, SOURCE, EDITED)
+    assert parsed == [SOURCE, EDITED]
+
+
+def test_where_nothing_can_be_written_sources_are_parsed(tmp_path, parsed):
+    for file in (None, tmp_path / "missing" / "imports.json"):
+        for _ in range(2):
+            assert keep(file, SOURCE) == [imports(SOURCE)]
+    assert parsed == 4 * [SOURCE]
+
+
+def test_the_oldest_go(tmp_path, parsed, monkeypatch):
+    monkeypatch.setattr(import_index, "MOST", 1)
+    file = tmp_path / "imports.json"
+    keep(file, SOURCE)
+    keep(file, EDITED)
+    keep(file, EDITED)
+    assert parsed == [SOURCE, EDITED]
+    keep(file, SOURCE)
+    assert parsed == [SOURCE, EDITED, SOURCE]
