@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache, partial
-from importlib.metadata import version
 from time import perf_counter, process_time
 from typing import Any
 
@@ -20,7 +19,16 @@ from .units.walls import walls_of
 PACKAGES = ("cosimo", "numpy", "scipy", "numba", "fmpy", "pythonfmu")
 COMPILATION = "numba:compile"  # event of Numba's, around what is not in its cache on disk
 
-_version = cache(version)  # it parses a file each time, which for a short run takes longer than the run
+
+@cache
+def _version(package: str) -> str:
+    """Of an installed package. The line of its file is read: to parse all of the file takes longer than a short run."""
+    from importlib.metadata import distribution
+
+    found = distribution(package)
+    head = (found.read_text("METADATA") or "").partition("\n\n")[0]
+    lines = [line for line in head.splitlines() if line.startswith("Version:")]
+    return lines[0].partition(":")[2].strip() if lines else found.version
 
 
 class CompileTime:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-from contextlib import suppress
 from pathlib import Path
-from uuid import uuid4
 
 from .closure import Imports, imports
+from .kept import read_kept, write_kept
 
-DIGEST = hashlib.sha256().digest_size  # bytes at the start of the file
 MOST = 4096  # sources; the oldest go
 
 
@@ -36,25 +33,14 @@ class ImportIndex:
         if self._file is None or not self._new:
             return
         whole = {**_read(self._file), **self._new}
-        kept = dict(list(whole.items())[-MOST:])
         self._new = {}
-        content = json.dumps(kept).encode()
-        part = self._file.with_name(f"{self._file.name}.tmp.{uuid4().hex[:16]}")
-        with suppress(OSError):
-            try:
-                part.write_bytes(hashlib.sha256(content).digest() + content)
-                os.replace(part, self._file)
-            except OSError:
-                part.unlink(missing_ok=True)
-                raise
+        write_kept(self._file, json.dumps(dict(list(whole.items())[-MOST:])).encode())
 
 
 def _read(file: Path | None) -> dict[str, Imports]:
-    """Import statements by the digest of the source; nothing is looked at before the file's digest fits."""
-    with suppress(OSError, ValueError):
-        if file is not None:
-            content = file.read_bytes()
-            if hashlib.sha256(content[DIGEST:]).digest() == content[:DIGEST]:
-                return {key: tuple((level, module, tuple(names)) for level, module, names in found)
-                        for key, found in json.loads(content[DIGEST:]).items()}
-    return {}
+    """Import statements by the digest of the source."""
+    content = read_kept(file) if file is not None else None
+    if content is None:
+        return {}
+    return {key: tuple((level, module, tuple(names)) for level, module, names in found)
+            for key, found in json.loads(content).items()}

@@ -78,6 +78,14 @@ def private_root() -> Path | None:
     return None
 
 
+def private_folder(name: str) -> Path | None:
+    """A folder in `private_root`; None where there is none, or others may write it."""
+    with suppress(OSError):
+        if (root := private_root()) is not None and _private(root / name):
+            return root / name
+    return None
+
+
 def _temporary() -> Path:
     return Path(tempfile.gettempdir()) / f"cosimo-kernels-{os.getuid() if hasattr(os, 'getuid') else os.getlogin()}"
 

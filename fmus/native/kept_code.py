@@ -12,14 +12,12 @@ import sys
 import types
 import zlib
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..files import replaced
+from ...components.core.kept import read_kept, write_kept
 
-DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
 
 
@@ -68,27 +66,20 @@ def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any
 
 
 def _file(digest: str) -> Path | None:
-    from ...components.core.kernel_cache import private_root
+    from ...components.core.kernel_cache import private_folder
 
-    root = private_root()
-    return None if root is None else root / "native" / f"{digest}.ll"
+    folder = private_folder("native")
+    return None if folder is None else folder / f"{digest}.ll"
 
 
 def load(digest: str) -> str | None:
     """The code of a digest; None where it is missing or damaged."""
-    with suppress(OSError, zlib.error):
-        if (file := _file(digest)) is not None:
-            content = file.read_bytes()
-            if hashlib.sha256(content[DIGEST:]).digest() == content[:DIGEST]:
-                return zlib.decompress(content[DIGEST:]).decode()
-    return None
+    file = _file(digest)
+    content = None if file is None else read_kept(file)
+    return None if content is None else zlib.decompress(content).decode()
 
 
 def save(digest: str, text: str) -> None:
     """Keep code by its digest; not done where nothing can be written."""
-    with suppress(OSError):
-        if (file := _file(digest)) is not None:
-            file.parent.mkdir(mode=0o700, exist_ok=True)
-            content = zlib.compress(text.encode(), 1)
-            with replaced(file, "wb") as whole:
-                whole.write(hashlib.sha256(content).digest() + content)
+    if (file := _file(digest)) is not None:
+        write_kept(file, zlib.compress(text.encode(), 1))

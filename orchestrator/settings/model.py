@@ -24,4 +24,4 @@ Sweep = Annotated[dict[str, Annotated[tuple[Number, ...], Field(min_length=1)]],
 class Model(BaseModel):
     """Frozen, and closed to keys it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)

@@ -15,16 +15,14 @@ from os.path import isfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fmpy import read_model_description
-from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange, ModelVariable
-from lxml import etree
-
 from ...components.core.errors import BadInput, nearest
 from ..loading import MOST_ELEMENTS, MOST_REFERENCE, MOST_VARIABLES, MOST_XML, check_archive
 from .interface import Kind
 from .solvers import METHODS
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # a run without FMUs loads no FMPy
+    from fmpy.model_description import CoSimulation, ModelDescription, ModelExchange, ModelVariable
+
     from ..settings import UnitSettings
 
 DESCRIPTION = "modelDescription.xml"
@@ -131,6 +129,9 @@ def read(path: str, where: str) -> Description:
 
 @lru_cache(maxsize=64)
 def _read(path: str, _changed: int, where: str) -> Description:
+    from fmpy import read_model_description
+    from lxml import etree
+
     try:
         with zipfile.ZipFile(path) as file:
             root = etree.fromstring(_checked(file, path))

@@ -2,12 +2,13 @@
 
 A kernel that Numba has compiled is called where it lies, with arguments that stand in cells of eight bytes: numbers, and of
 arrays address, shape and strides. Functions that load arguments of the same types are one function, which takes milliseconds to
-make; nothing is compiled again, and so nothing of them is kept on disk.
+make and is kept on disk: nothing in it depends on the process or on the kernels.
 """
 
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import inspect
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -20,7 +21,6 @@ from .hook_calls import KernelCall, PythonInHook, Symbol
 
 HOOK = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 RAISED = 99  # status of an error inside a kernel that is no status
-_engines: list[Any] = []  # what owns the machine code
 
 
 class Entry:
@@ -133,17 +133,40 @@ def _function(shapes: tuple[Any, ...]) -> int:
     """The address of a function that makes calls of these types: (types, symbols, checked) of each."""
     import llvmlite.binding as llvm
 
+    from ...components.core.kept import read_kept, write_kept
+    from ...components.core.kernel_cache import private_folder
+
+    body = "\n".join(_lines(shapes))
+    name = "entry_" + hashlib.sha256(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}".encode()).hexdigest()
+    folder = private_folder("entries")
+    code = None if folder is None else read_kept(folder / f"{name}.o")
+    engine = _engine()
+    if code is None:
+        code = _machine().emit_object(llvm.parse_assembly(f"define i32 @{name}(double %t, double %h, ptr %cells) {{\n{body}\n}}"))
+        if folder is not None:
+            write_kept(folder / f"{name}.o", code)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine.get_function_address(name)
+
+
+@lru_cache(maxsize=1)
+def _engine() -> Any:
+    """What owns the machine code, as long as the process lives."""
+    import llvmlite.binding as llvm
+
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+
+
+def _machine() -> Any:
+    import llvmlite.binding as llvm
+
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly("\n".join(_lines(shapes))), machine)
-    engine.finalize_object()
-    _engines.append(engine)
-    return engine.get_function_address("entry")
+    return llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)
 
 
 def _lines(shapes: tuple[Any, ...]) -> Iterator[str]:
-    yield "define i32 @entry(double %t, double %h, ptr %cells) {"
     yield "%result = alloca i64\n%raised = alloca ptr\n%end = fadd double %t, %h"
     cell = 0
     for c, (kinds, symbols, checked) in enumerate(shapes):
@@ -160,4 +183,4 @@ def _lines(shapes: tuple[Any, ...]) -> Iterator[str]:
         if checked:
             yield f"%v{c} = load i64, ptr %result\n%w{c} = trunc i64 %v{c} to i32\n%d{c} = icmp ne i32 %w{c}, 0"
             yield f"br i1 %d{c}, label %stop{c}, label %next{c}\nstop{c}:\nret i32 %w{c}\nnext{c}:"
-    yield f"ret i32 0\nraise:\nret i32 {RAISED}\n}}"
+    yield f"ret i32 0\nraise:\nret i32 {RAISED}"

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fmpy.model_description import ModelDescription, ModelVariable
-
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import BASES, parse
 from ...components.core.measure import Unit as Measure
@@ -15,6 +13,8 @@ from .interface import Interface, Signal
 from .values import checked_values
 
 if TYPE_CHECKING:
+    from fmpy.model_description import ModelDescription, ModelVariable
+
     from ..settings import UnitSettings
 
 RECORDABLE = ("local", "calculatedParameter")  # causalities of variables that are computed and are no outputs

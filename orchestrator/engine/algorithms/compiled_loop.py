@@ -9,7 +9,6 @@ import numpy as np
 
 from ....components.core.errors import StepFailed
 from ...units.component import ComponentUnit
-from ...units.fmi2 import Fmi2CoSimulation
 from ..coupling import Endpoint
 from .compiled import FAILED, run_steps
 from .compiled_records import Records, Unit
@@ -46,7 +45,7 @@ class CompiledLoop:
 
     def possible(self, h: float) -> bool:
         """Whether steps of this length may be taken so: their records can be made, and no unit has ended the simulation."""
-        ended = any(unit.ended for unit in self._units if isinstance(unit, Fmi2CoSimulation))
+        ended = any(unit.ended for unit in self._units if not isinstance(unit, ComponentUnit))
         return not ended and self._records.possible(h)
 
     @property

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from ...units.component import ComponentUnit
-from ...units.fmi2 import Fmi2CoSimulation
 from .compiled import JUMPED, LINK, NOTED, OVERRIDDEN, PAST, SHIFTED, SMOOTH, UNALTERED, UNIT
 from .gauss_seidel import GaussSeidel
 from .master import Master
@@ -16,7 +16,10 @@ from .multirate import Mixed, MultirateUnit
 from .node import Alteration, Node, SmoothNode
 from .polynomial import History
 
-Unit = ComponentUnit | Fmi2CoSimulation
+if TYPE_CHECKING:
+    from ...units.fmi2 import Fmi2CoSimulation
+
+Unit: TypeAlias = "ComponentUnit | Fmi2CoSimulation"
 
 
 class Records:
