@@ -62,7 +62,7 @@ def prepare() -> None:
     import pyarrow
     import pyarrow.parquet as parquet
 
-    table = pyarrow.table({TIME: [0.0], "text": ["a"]})
+    table = pyarrow.table({TIME: arrow_array(np.zeros(1)), "text": arrow_array(np.array(["a"], dtype=object))})
     parquet.write_table(table, pyarrow.BufferOutputStream(), compression="zstd", use_dictionary=["text"],
                         use_byte_stream_split=[TIME])
 
@@ -120,8 +120,7 @@ class StoredTable:
             return
         schema = self._schema()
         columns = [time, *values.T, *texts.T]
-        arrays = [pyarrow.array(np.ascontiguousarray(c) if c.dtype != object else c.tolist(), field.type)
-                  for c, field in zip(columns, schema, strict=True)]
+        arrays = [arrow_array(c) for c in columns]
         path = self.folder / PART.format(self._parts)
         part = path.with_name(path.name + INTERNAL)
         try:
@@ -188,7 +187,7 @@ class StoredTable:
         for k in range(self._parts):
             with parquet.ParquetFile(self.folder / PART.format(k)) as file:
                 part = file.read(list(names), use_threads=False)  # more than those where one name starts another
-            yield [part.column(n).to_numpy() for n in names]
+            yield [_values(part.column(n), n in self.texts) for n in names]
 
     def column(self, name: str) -> np.ndarray:
         """A column, (rows,)."""
@@ -214,6 +213,30 @@ class StoredTable:
         for (values,) in self._each([name]):
             low, high, last = np.minimum(low, values.min()), np.maximum(high, values.max()), values[-1]
         return float(low), float(high), float(last)
+
+
+def arrow_array(values: np.ndarray) -> Any:
+    """Numbers as floats, objects as texts, (n,), for Arrow. What Arrow has for it imports pandas, half a second."""
+    import pyarrow
+
+    if values.dtype != object:
+        return pyarrow.Array.from_buffers(pyarrow.float64(), values.size, [None, pyarrow.py_buffer(np.ascontiguousarray(values))])
+    texts = [text.encode() for text in values]
+    ends = np.cumsum([0, *map(len, texts)])
+    if ends[-1] >= 2**31:  # Arrow makes chunks of them
+        return pyarrow.array(values.tolist(), pyarrow.string())
+    buffers = [None, pyarrow.py_buffer(ends.astype(np.int32)), pyarrow.py_buffer(b"".join(texts))]
+    return pyarrow.Array.from_buffers(pyarrow.string(), values.size, buffers)
+
+
+def _values(column: Any, texts: bool) -> np.ndarray:
+    """What a column of Arrow holds, (n,), without its own way over pandas."""
+    if texts:
+        return np.array(column.to_pylist(), dtype=object)
+    if column.null_count:
+        return column.to_numpy()
+    pieces = [np.frombuffer(part.buffers()[1], count=len(part), offset=8 * part.offset) for part in column.chunks if len(part)]
+    return np.concatenate([np.zeros(0), *pieces])
 
 
 def _linked(chain: bytes, path: Path) -> bytes:
