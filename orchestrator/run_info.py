@@ -25,10 +25,10 @@ def _version(package: str) -> str:
     """Of an installed package. The line of its file is read: to parse all of the file takes longer than a short run."""
     from importlib.metadata import distribution
 
-    found = distribution(package)
-    head = (found.read_text("METADATA") or "").partition("\n\n")[0]
+    installed = distribution(package)
+    head = (installed.read_text("METADATA") or "").partition("\n\n")[0]
     lines = [line for line in head.splitlines() if line.startswith("Version:")]
-    return lines[0].partition(":")[2].strip() if lines else found.version
+    return lines[0].partition(":")[2].strip() if lines else installed.version
 
 
 class CompileTime:

@@ -23,10 +23,10 @@ class ImportIndex:
     def imports(self, source: bytes) -> Imports:
         """The import statements of a source."""
         digest = hashlib.sha256(source).hexdigest()
-        found = self._known.get(digest)
-        if found is None:
-            found = self._known[digest] = self._new[digest] = imports(source)
-        return found
+        statements = self._known.get(digest)
+        if statements is None:
+            statements = self._known[digest] = self._new[digest] = imports(source)
+        return statements
 
     def save(self) -> None:
         """Write what is new, beside what other processes have written meanwhile; not done where nothing can be written."""
@@ -42,5 +42,5 @@ def _read(file: Path | None) -> dict[str, Imports]:
     content = read_kept(file) if file is not None else None
     if content is None:
         return {}
-    return {key: tuple((level, module, tuple(names)) for level, module, names in found)
-            for key, found in json.loads(content).items()}
+    return {key: tuple((level, module, tuple(names)) for level, module, names in statements)
+            for key, statements in json.loads(content).items()}
