@@ -58,10 +58,10 @@ def folders(tmp_path_factory):
     return lambda page: made.setdefault(page, tmp_path_factory.mktemp("page"))
 
 
-def shell(command: list[str] | str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """The command as a reader runs it, with this environment's programs."""
+def shell(command: list[str] | str, folder: Path, **more: str) -> subprocess.CompletedProcess[str]:
+    """The command as a reader runs it, with this environment's programs; `more`: of the environment."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env={**os.environ, "PATH": path},
+    return subprocess.run(command, shell=isinstance(command, str), cwd=folder, env={**os.environ, "PATH": path, **more},
                           capture_output=True, text=True, timeout=600)
 
 
@@ -86,7 +86,8 @@ def shown_commands() -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize(("page", "command"), full_but([(name_of(README), "cosimo list")], shown_commands()))
 def test_commands(page, command, folders):
-    done = shell(command, folders(page))
+    own = {"COSIMO_CACHE": str(folders(page) / "cache")} if command.startswith("cosimo cache") else {}  # not what others use
+    done = shell(command, folders(page), **own)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "Traceback" not in done.stderr
     for option in re.findall(r"(?:-o|--output|--output-file) (\S+)", command):
