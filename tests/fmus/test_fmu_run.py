@@ -10,7 +10,7 @@ from cosimo.tests.contract.configurations import SMALL, compatible, in_plain_pyt
 from cosimo.tests.fmus.driver import OK, Driven
 
 STEP = 1e-3  # s
-STEPS = 60
+STEPS = 25
 SUBSTEP = 2.5e-4  # s, small enough for every effect
 
 # smooth inputs, by the last part of their name, where a swing about the start value is not enough: value and derivatives at t
