@@ -1,5 +1,6 @@
 """What holds for all tests, and the fixtures that several folders share."""
 
+import gc
 import signal
 from collections import Counter
 from pathlib import Path
@@ -47,3 +48,10 @@ def pytest_collection_modifyitems(config, items):
     config.hook.pytest_deselected(items=elsewhere)
     out = set(elsewhere)
     items[:] = [item for item in items if item not in out]
+
+
+def pytest_collection_finish(session):
+    """The compiler makes millions of small objects, and thousands of tests stay: garbage is sought in what is new, seldom."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
