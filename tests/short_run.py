@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Collection, Iterable
 from typing import Any
 
+import numpy as np
 import pytest
 from cosimo.components.catalogue import CATALOGUE, component_class
-from cosimo.orchestrator.scene.scene import scene_files
+from cosimo.orchestrator.scene.scene import Scene, scene_files
 from cosimo.orchestrator.systems import load_scene
+from scipy.optimize import Bounds, LinearConstraint, milp
 
 ONE_A_SYSTEM = tuple({component_class(name).system: name for name in CATALOGUE}.values())
 
@@ -19,15 +22,20 @@ def full_but(kept: Collection[Any], cases: Iterable[Any]) -> list[Any]:
             for case in cases]
 
 
-def covering_scenes() -> list[str]:
-    """Scenes that together have every component and every master algorithm of the shipped ones, in the order of their names.
+def price(scene: Scene) -> float:
+    """What a scene asks of the compiler: one for each component and each effect of a combination; a little for each unit."""
+    combinations = {(unit.component, frozenset(unit.effects)) for unit in scene.units.values()}
+    return sum(1.0 + len(effects) for _, effects in combinations) + 0.1 * len(scene.units)
 
-    Each time that with most of what is still missing for its number of units is taken.
-    """
-    scenes = {name: load_scene(name) for name in scene_files()}
-    parts = {name: {scene.master.algorithm, *(u.component for u in scene.units.values())} for name, scene in scenes.items()}
-    missing, taken = set().union(*parts.values()), []
-    while missing:
-        taken.append(max(scenes, key=lambda name: len(parts[name] & missing) / (1 + len(parts[name]))))
-        missing -= parts[taken[-1]]
-    return sorted(taken)
+
+@functools.cache
+def covering_scenes() -> tuple[str, ...]:
+    """The cheapest scenes that together have every component and every master algorithm of the shipped ones, by their names."""
+    scenes = {name: load_scene(name) for name in sorted(scene_files())}
+    parts = [{scene.master.algorithm, *(u.component for u in scene.units.values())} for scene in scenes.values()]
+    wanted = sorted(set().union(*parts))
+    has = np.array([[part in own for own in parts] for part in wanted], dtype=float)
+    prices = [price(scene) for scene in scenes.values()]
+    found = milp(prices, constraints=LinearConstraint(has, lb=1.0), integrality=np.ones(len(scenes)), bounds=Bounds(0.0, 1.0))
+    assert found.success, found.message
+    return tuple(name for name, taken in zip(scenes, found.x, strict=True) if taken > 0.5)
