@@ -3,13 +3,19 @@
 Numba's own cache looks at the file of a function, or at its time, and not at the files of the functions that are inlined into it:
 an edit there goes unnoticed. Here the key is a digest of the import closure, so that touching a file costs nothing, an edit
 recompiles what depends on it and nothing else, and a copy of the sources elsewhere finds the same machine code.
+
+Each FMU made from Python has its sources in a package with a name of its own. Machine code of those with the same sources is
+shared. Its symbols keep the name of the package that compiled it, which is a digest of all in it: where two such packages are in
+one process, symbols of one name are the same code. What belongs to a package by name is looked up in the one that loads.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import pickle
+import re
 import sys
 import sysconfig
 import tempfile
@@ -20,6 +26,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from numba import config
+from numba.core import environment
 from numba.core.caching import FunctionCache, IndexDataCacheFile, NullCache, _CacheLocator
 from numba.core.runtime.nrt import rtsys
 
@@ -31,6 +38,8 @@ from .import_index import ImportIndex
 DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 _PROCESS = uuid4().hex[:8]
 _PACKAGE = __name__.partition(".")[0]
+BUNDLE = re.compile(r"bundle_[0-9a-f]{16}")  # the package of an FMU
+SHARED = "fmu-bundles"  # what stands for its name; no package can be called so
 _LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
 
 
@@ -113,6 +122,27 @@ class _Locator(_CacheLocator):
         return "kernel"
 
 
+def own_module(module: str, package: str) -> str:
+    """The module of an FMU's package in the place of another package's."""
+    first, dot, rest = module.partition(".")
+    return f"{package}{dot}{rest}" if BUNDLE.fullmatch(first) else module
+
+
+class _Reader(pickle.Unpickler):
+    """Reads what an FMU's package or another with the same sources has written; `package` is the one that reads."""
+
+    def __init__(self, content: bytes, package: str):
+        super().__init__(io.BytesIO(content))
+        self._package = package
+
+    def find_class(self, module, name):
+        found = super().find_class(own_module(module, self._package), name)
+        return self._environment if found is environment._rebuild_env else found
+
+    def _environment(self, module, constants, name):
+        return environment._rebuild_env(own_module(module, self._package), constants, name)
+
+
 class _Files(IndexDataCacheFile):
     """Index and machine code of a kernel, each behind its digest; what is damaged counts as missing, and is written anew.
 
@@ -122,8 +152,9 @@ class _Files(IndexDataCacheFile):
     the index of one then leads to the code of the other: here each process gives its files names of its own.
     """
 
-    def __init__(self, cache_path: str, filename_base: str, source_stamp: str):
+    def __init__(self, cache_path: str, filename_base: str, source_stamp: str, package: str):
         super().__init__(cache_path, filename_base, source_stamp)
+        self._package = package if BUNDLE.fullmatch(package) else ""
         self._data_name_pattern = f"{filename_base}.{{number:d}}-{_PROCESS}.nbc"
 
     def _load_index(self):
@@ -137,7 +168,10 @@ class _Files(IndexDataCacheFile):
         self._write(self._index_path, (self._version, self._source_stamp, overloads))
 
     def _load_data(self, name):
-        return self._read(self._data_path(name))
+        data = self._read(self._data_path(name))
+        if self._package:
+            data[1].modname = own_module(data[1].modname, self._package)
+        return data
 
     def _save_data(self, name, data):
         self._write(self._data_path(name), data)
@@ -146,7 +180,7 @@ class _Files(IndexDataCacheFile):
         content = Path(path).read_bytes()
         if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
             raise ValueError(path)
-        return pickle.loads(content[DIGEST:])
+        return _Reader(content[DIGEST:], self._package).load() if self._package else pickle.loads(content[DIGEST:])
 
     def _write(self, path, data):
         content = self._dump(data)
@@ -154,12 +188,16 @@ class _Files(IndexDataCacheFile):
             file.write(hashlib.sha256(content).digest() + content)
 
     def load(self, key):
-        try:
-            return super().load(key)
-        except Exception:
-            return None
+        for place in (key, (key, self._package)) if self._package else (key,):
+            with suppress(Exception):
+                if (data := super().load(place)) is not None:
+                    return data
+        return None
 
     def save(self, key, data):
+        _, _, (code, _) = data[0]
+        if self._package and f"{self._package}.".encode() in code:  # it makes objects of the package's classes
+            key = key, self._package
         with suppress(OSError):  # a full disk: the machine code is at hand, the next process compiles again
             super().save(key, data)
 
@@ -240,16 +278,19 @@ class _OpenCache(FunctionCache):
     def __init__(self, function, root: Path, digest: str):
         self._py_func, self._name = function, repr(function)
         module = f"{function.__module__}"
-        package = root / module.partition(".")[0]
+        own = module.partition(".")[0]
+        neutral = SHARED if BUNDLE.fullmatch(own) else own
+        package = root / neutral
         folder = package / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
         if not (_private(package) and _private(folder)):
             raise PermissionError(f"others may write {folder}")
         self._impl = object.__new__(self._impl_class)
         self._impl._lineno = function.__code__.co_firstlineno
         self._impl._locator = _Locator(folder, digest)
-        self._impl._filename_base = self._impl.get_filename_base(function.__qualname__, getattr(sys, "abiflags", ""))
+        name = function.__qualname__.replace(own, neutral)  # of one that is bound, it has the package in it
+        self._impl._filename_base = self._impl.get_filename_base(name, getattr(sys, "abiflags", ""))
         self._cache_path = str(folder)
-        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest)
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest, own)
         self.enable()
 
     def _index_key(self, sig, codegen):
