@@ -136,8 +136,8 @@ class _Reader(pickle.Unpickler):
         self._package = package
 
     def find_class(self, module, name):
-        found = super().find_class(own_module(module, self._package), name)
-        return self._environment if found is environment._rebuild_env else found
+        named = super().find_class(own_module(module, self._package), name)
+        return self._environment if named is environment._rebuild_env else named
 
     def _environment(self, module, constants, name):
         return environment._rebuild_env(own_module(module, self._package), constants, name)
