@@ -15,6 +15,7 @@ from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
+from cosimo.tests.interop.masters import surroundings
 
 pytestmark = pytest.mark.benchmark
 HERE = Path(__file__).parent
@@ -34,7 +35,8 @@ def rates(tmp_path_factory):
     found, reached = {}, {}
     for _ in range(TURNS):
         for who, python in PEERS.items():
-            done = subprocess.run([python, HERE / "peers.py", who, *fmus, str(STEPS)], capture_output=True, text=True)
+            done = subprocess.run([python, HERE / "peers.py", who, *fmus, str(STEPS)],
+                                  capture_output=True, text=True, env=surroundings())
             if done.returncode == 0 and done.stdout.strip():
                 rate, place = done.stdout.split()[-2:]
                 found[who], reached[who] = max(found.get(who, 0.0), float(rate)), float(place)

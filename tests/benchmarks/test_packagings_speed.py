@@ -1,8 +1,8 @@
 """Coupled macro steps a second of two pairs of units, by packaging and by master: one table, one run.
 
 Held inputs, all exchanged once per step, which every master can do. Each cell is a process of its own on one core; the best of
-several turns counts. COSIMO_INTEROP_PYTHON names a Python that has the extra `interop` (and the system's libtbb for Ecos) where
-the one of the tests has not. `pytest -m benchmark -n 0 -s tests/benchmarks/test_packagings_speed.py`; how evenly a native step
+several turns counts. COSIMO_INTEROP_PYTHON names a Python that has the extra `interop` where the one of the tests has not.
+`pytest -m benchmark -n 0 -s tests/benchmarks/test_packagings_speed.py`; how evenly a native step
 of the railway pair takes its time: test_native_jitter.py.
 """
 
@@ -94,13 +94,15 @@ def packages(tmp_path_factory):
 @pytest.fixture(scope="module")
 def rates(packages):
     """(pair, master, packaging) -> (steps a second, output at the end); without those that cannot run here."""
+    from cosimo.tests.interop.masters import surroundings
+
     best = {}
     for _ in range(TURNS):
         for pair in PAIRS:
             for master, how in PLACES:
                 python = sys.executable if master == "cosimo" else INTEROP
                 done = subprocess.run([python, __file__, master, pair, how, str(packages.get((pair, how), ""))],
-                                      capture_output=True, text=True)
+                                      capture_output=True, text=True, env=surroundings())
                 if done.returncode == 0 and done.stdout.strip():
                     rate, reached = map(float, done.stdout.split()[-2:])
                     best[pair, master, how] = max(best.get((pair, master, how), (0.0, reached)), (rate, reached))

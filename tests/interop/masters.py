@@ -1,6 +1,7 @@
 """Masters of other makers as functions: a package in, histories of its signals out. Each run is a process of its own.
 
-`COSIMO_INTEROP_PYTHON` names a Python that has libcosimpy, ecospy and what the FMUs need; without it, this one.
+`COSIMO_INTEROP_PYTHON` names a Python that has the extra `interop` and what the FMUs need; without it, this one. A master that is
+asked for, by this variable or by being installed, and cannot be imported is a failure; one that nobody installed is skipped.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -51,13 +53,19 @@ with EcosSimulation(ssp_path=package, step_size=step) as simulation:
 CLIENTS = {"libcosim": ("libcosimpy", LIBCOSIM), "Ecos": ("ecospy", ECOS)}
 
 
+def surroundings() -> dict[str, str]:
+    """Environment of a process in which ecospy finds libtbb, which the package `tbb` lays beside the Python libraries."""
+    folders = [str(Path(PYTHON).parent.parent / "lib"), *filter(None, [os.environ.get("LD_LIBRARY_PATH")])]
+    return {**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(folders)}
+
+
 def require(master: str) -> None:
-    """Skip the test where a master cannot be imported; Ecos needs libtbb of the system."""
+    """Skip the test where a master is not installed, fail it where one that should be there cannot be imported."""
     module = CLIENTS[master][0]
-    there = subprocess.run([PYTHON, "-c", f"import {module}"], capture_output=True, text=True)
-    if there.returncode:
-        reason = there.stderr.strip().splitlines()[-1] if there.stderr.strip() else f"code {there.returncode}"
-        pytest.skip(f"needs {module}: {reason}")
+    if "COSIMO_INTEROP_PYTHON" not in os.environ and find_spec(module) is None:
+        pytest.skip(f"needs {module}, of the extra interop")
+    there = subprocess.run([PYTHON, "-c", f"import {module}"], capture_output=True, text=True, env=surroundings())
+    assert there.returncode == 0, f"{PYTHON} cannot import {module}: {there.stderr[-2000:]}"
 
 
 def run_in(master: str, package: Path, step: float, looks: int, every: int, signals: Sequence[tuple[str, str]]) -> np.ndarray:
@@ -65,7 +73,7 @@ def run_in(master: str, package: Path, step: float, looks: int, every: int, sign
     require(master)
     numbers = [repr(step), str(looks), str(every), json.dumps(signals)]
     done = subprocess.run([PYTHON, "-c", CLIENTS[master][1], str(package), *numbers],
-                          capture_output=True, text=True, timeout=600)
+                          capture_output=True, text=True, timeout=600, env=surroundings())
     rows = [line.removeprefix("found ") for line in done.stdout.splitlines() if line.startswith("found ")]
     assert rows, f"{master} ended with {done.returncode}: {done.stderr[-2000:]}"
     return np.array(json.loads(rows[0]))

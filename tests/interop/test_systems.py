@@ -1,12 +1,17 @@
 """Shipped scenes in masters of other makers: they get the numbers that `cosimo ssp` announces, from the same package.
 
-What is announced is our own run with Jacobi's scheme and held inputs; the FMUs are the same, so that only rounding may differ.
+What is announced is our own run with Jacobi's scheme and held inputs; the equations are the same, so that only rounding may
+differ. The packages hold native FMUs, as of `cosimo ssp --native`, which are cheap to run from empty caches; one holds FMUs of
+pythonfmu. The announced run takes native FMUs, too: it then has every bit of the one in process (tests/run/test_native_run.py).
 """
+
+from functools import cache
 
 import numpy as np
 import pytest
+from cosimo.fmus.native.build import own_target
 from cosimo.orchestrator.harness.other_masters import as_other_masters
-from cosimo.orchestrator.native import initial_inputs
+from cosimo.orchestrator.native import initial_inputs, with_native_fmus
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import load_scene
@@ -14,8 +19,10 @@ from cosimo.tests.interop.masters import CLIENTS, require, run_in
 
 LOOKS = 10
 SCENES = {"en50318-2002": 0.5, "rov-station-keeping": 10.0, "rotor-run-up": 0.02, "wind-pump-start": 10.0}  # s
+PACKAGES = [*((name, "native") for name in SCENES), ("en50318-2002", "pythonfmu")]
 ROUNDING = 1e-10  # of a signal's range: rounding of sums of transformations and of time, over some hundred steps
-pytestmark = [pytest.mark.full, pytest.mark.filterwarnings("ignore")]
+pytestmark = [pytest.mark.full, pytest.mark.filterwarnings("ignore"),
+              pytest.mark.skipif(own_target() != "linux64", reason="the masters are installed and compared on Linux")]
 
 
 @pytest.fixture(scope="module", params=CLIENTS)
@@ -25,14 +32,22 @@ def master(request):
     return request.param
 
 
-@pytest.fixture(scope="module", params=SCENES)
+@cache
+def announced(name):
+    """(scene cut short, its announced run)."""
+    scene = load_scene(name).with_changes({"stop_time": SCENES[name], "record.interval": None})
+    result = run(as_other_masters(scene), native=True)
+    assert result.outcome == "done", result.message
+    return scene, result
+
+
+@pytest.fixture(scope="module", params=PACKAGES, ids="-".join)
 def packed(request, tmp_path_factory):
     """(scene, package, announced run) of a scene cut short."""
-    scene = load_scene(request.param).with_changes({"stop_time": SCENES[request.param], "record.interval": None})
-    announced = run(as_other_masters(scene), in_process=True)
-    assert announced.outcome == "done", announced.message
-    package = write(scene, tmp_path_factory.mktemp("packages") / f"{scene.name}.ssp", initial_inputs(scene))
-    return scene, package, announced
+    name, packaging = request.param
+    scene, result = announced(name)
+    content = with_native_fmus(scene) if packaging == "native" else scene
+    return scene, write(content, tmp_path_factory.mktemp("packages") / f"{name}.ssp", initial_inputs(scene)), result
 
 
 def test_other_masters_get_what_is_announced(master, packed):

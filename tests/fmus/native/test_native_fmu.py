@@ -205,10 +205,11 @@ def test_a_start_input_that_the_initial_state_was_not_computed_for_is_refused(tm
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()
     load = fmu.getReal([references["load"]])[0]
-    fmu.setReal([references["load"]], [load + 12.0])
-    with pytest.raises(FMICallException):
-        fmu.exitInitializationMode()
-    fmu.setReal([references["load"]], [load])
+    for change in (12.0, 1e-7 * load):
+        fmu.setReal([references["load"]], [load + change])
+        with pytest.raises(FMICallException):
+            fmu.exitInitializationMode()
+    fmu.setReal([references["load"]], [load * (1.0 + 1e-11)])  # as masters hand it over from another unit
     fmu.exitInitializationMode()
     fmu.freeInstance()
 
