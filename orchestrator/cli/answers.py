@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isnan
 from pathlib import Path
 from typing import Annotated
 
@@ -59,6 +60,7 @@ def uncertainty(
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
+    from ..harness.many.uncertainty import FOR_TOLERANCE
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
@@ -69,8 +71,10 @@ def uncertainty(
                                   scheduler=scheduler, progress=True, limits=limits, conditions=condition or ())
         stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
         written = [*answer.save(output), answers.for_uncertainty(answer, output)]
+    too_few = f"needs {FOR_TOLERANCE} samples"
     print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high"],
-                [(s.quantity, s.mean, s.deviation, *s.tolerance) for s in answer.spreads])
+                [(s.quantity, s.mean, s.deviation, *(too_few if isnan(end) else end for end in s.tolerance))
+                 for s in answer.spreads])
     if answer.limits:
         print_table("Probability of keeping the limits", ["limit", "low", "high", "standing", "samples", "probability", "95 %"],
                     answers.limit_rows(answer.limits))

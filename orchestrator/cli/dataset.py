@@ -26,7 +26,7 @@ def bearing_faults(
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the records, labels.csv and the runs.")] = Path(
         "bearing-faults"),
     individuals: Annotated[int, typer.Option("--individuals", help="Bearings of each class; each is in one part only.")] = 5,
-    duration: Annotated[float, typer.Option("--duration", help="Length of a record, s.")] = 1.0,
+    duration: Annotated[float, typer.Option("--duration", help="Length of a record, s; 0.25 or more.")] = 1.0,
     conditions: Annotated[int, typer.Option("--conditions", help="Of the four speeds and loads, how many.")] = 4,
     rate: Annotated[float, typer.Option("--rate", help="Samples a second.")] = 12_000.0,
     resonance: Annotated[float, typer.Option("--resonance", help="Of the structure between bearing and sensor, Hz.")] = 3_000.0,

@@ -29,6 +29,7 @@ from .plan import plan_settings, read_plan
 CONTENT, CONFIDENCE = 0.95, 0.95
 PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
 FEWEST = 8
+FOR_TOLERANCE = 93  # samples, the fewest with a tolerance interval of this content and confidence
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,8 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     if failed := sum(o != "done" for o in runs.outcomes):
         texts.append(f"{failed} of {len(runs.outcomes)} runs failed and are left out: the distributions are of what is left")
     if any(np.isnan(s.tolerance[0]) for s in spreads):
-        texts.append("too few samples for tolerance intervals of 95 % with 95 % confidence: they need 93")
+        texts.append("too few samples for tolerance intervals of 95 % with 95 % confidence: "
+                     f"they need {FOR_TOLERANCE}")
     elif method != "random":
         texts.append(f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
                      "even, so that it is not exact")

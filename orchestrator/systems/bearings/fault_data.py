@@ -40,6 +40,7 @@ OFFSET = (math.radians(3.0), math.radians(12.0))  # rad, of a ball, either way; 
 CLEARANCE = (2e-6, 10e-6)  # m, radial
 DAMPING = (800.0, 2500.0)  # N.s/m (our choice)
 STEP, TRANSIENT = 2e-5, 0.3  # s
+SHORTEST, LONGEST = 0.25, 600.0  # s, of a record: with bins of 4 Hz or less the lines of defects can be looked for
 SHARES = {"train": 0.6, "validation": 0.2, "test": 0.2}
 SIGNAL = "bearing.acceleration_x"
 LAYOUTS = ("cwru", "paderborn")
@@ -194,8 +195,8 @@ def _check(sensor: Sensor, layout: str, duration: float) -> None:
         raise BadInput("--rate", f"{sensor.rate:g} Hz", f"a whole number of Hz from 1000 to {rate:g}")
     if not 10.0 < sensor.resonance < 0.4 * rate:
         raise BadInput("--resonance", f"{sensor.resonance:g} Hz", f"between 10 and {0.4 * rate:g} Hz")
-    if not 0.05 <= duration <= 600.0:
-        raise BadInput("--duration", f"{duration:g} s", "0.05 to 600 s")
+    if not SHORTEST <= duration <= LONGEST:
+        raise BadInput("--duration", f"{duration:g} s", f"{SHORTEST:g} to {LONGEST:g} s")
 
 
 def _write(folder: Path, record: Record, x: np.ndarray, layout: str, sensor: Sensor) -> None:

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+import tomli_w
 from cosimo.components.core.errors import BadInput
+from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.many.design import design
 from cosimo.orchestrator.harness.many.fitting import fit
 from cosimo.orchestrator.harness.many.sensitivity import analyse, sample, sensitivity
@@ -82,6 +84,18 @@ def test_tolerance_ranks_are_those_of_wilks():
         x = np.sort(rng.random(93))
         inside += x[-1] - x[0] >= 0.95
     assert 0.94 < inside / 2000 < 0.97  # 0.9500 and three standard errors of 0.005 above
+
+
+def test_the_terminal_says_how_many_samples_a_tolerance_interval_needs(tmp_path, capsys):
+    (tmp_path / "s.toml").write_text(tomli_w.dumps(formula(a=1.0, b=3.0)))
+    (tmp_path / "plan.toml").write_text(tomli_w.dumps({"method": "random", "points": 20, "vary": {"f.a": UNIT}}))
+    with pytest.raises(SystemExit) as ended:
+        main(["uncertainty", str(tmp_path / "s.toml"), "--plan", str(tmp_path / "plan.toml"), "--quantity", "f.linear, end",
+              "--jobs", "1", "-o", str(tmp_path / "out")])
+    assert not ended.value.code
+    shown = capsys.readouterr().out
+    assert shown.count("needs 93 samples") == 2
+    assert "nan" not in shown
 
 
 def test_uncertainty_of_a_scene_and_the_effects_it_needs():

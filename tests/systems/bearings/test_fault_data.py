@@ -8,7 +8,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.analysis.records import component_of
 from cosimo.orchestrator.harness.many.plan import changes
 from cosimo.orchestrator.systems.bearings.fault_check import features
-from cosimo.orchestrator.systems.bearings.fault_data import CLASSES, Sensor, base_scene, fault_data, planned, point
+from cosimo.orchestrator.systems.bearings.fault_data import CLASSES, SHORTEST, Sensor, base_scene, fault_data, planned, point
 
 QUIET = 200.0  # dB: no noise to speak of
 
@@ -59,6 +59,21 @@ def test_what_is_above_half_the_sampling_rate_is_filtered_away_and_noise_has_its
     clean, noisy = (Sensor(snr=snr).record(x, rate, np.random.default_rng(0)) for snr in (QUIET, 10.0))
     ratio = clean.std() / (noisy - clean).std()
     assert 20.0 * np.log10(ratio) == pytest.approx(10.0, abs=0.3)  # five standard errors of 24 000 samples
+
+
+@pytest.mark.parametrize("duration", [0.24, 601.0, float("nan")])
+def test_records_without_lines_to_look_for_are_refused_before_anything_runs(duration, tmp_path):
+    with pytest.raises(BadInput, match=r"--duration.*0\.25 to 600 s"):
+        fault_data(tmp_path, individuals=3, duration=duration)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("rpm", [1730.0, 1797.0])
+def test_the_shortest_record_has_every_feature(rpm):
+    component = component_of(base_scene(1.0), "bearing")
+    frequencies = component.geometry.defect_frequencies(rpm / 60.0)
+    x = np.random.default_rng(3).standard_normal(round(SHORTEST * Sensor().rate))
+    assert all(np.isfinite(v) for v in features(x, Sensor(), frequencies).values())
 
 
 def test_features_of_known_signals():
