@@ -186,12 +186,20 @@ def changes_of(scene: Scene, values: Sequence[str] | None, presets: Sequence[str
     return with_presets(scene, presets or []) | dict(change(scene, text) for text in values or [])
 
 
+def loaded_scene(name: str) -> Scene:
+    """A scene as `load_scene` reads it, for a person: with a warning where the schema of its editor is stale."""
+    from ..systems import load_scene
+    from .schema_file import stale
+
+    scene = load_scene(name)
+    warn(stale(name, [unit.component for unit in scene.units.values()]))
+    return scene
+
+
 def scene_of(name: str, values: Sequence[str] | None, presets: Sequence[str] | None,
              more: Mapping[str, Any] | None = None) -> Scene:
     """A scene with the changes of the command line; more: those of other options."""
-    from ..systems import load_scene
-
-    loaded = load_scene(name)
+    loaded = loaded_scene(name)
     return changed(loaded, {**changes_of(loaded, values, presets), **(more or {})})
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...components.core.errors import BadInput
-from .common import app, listed, parameters_of, print_table, share, status_spinner, warn
+from .common import app, listed, loaded_scene, parameters_of, print_table, share, status_spinner, warn
 
 if TYPE_CHECKING:
     from ...components.railway.line.form import Form
@@ -34,10 +34,9 @@ def lumped(
 ) -> None:
     """Derive a lumped catenary from a line, with its error over the speed. Example: cosimo railway lumped en50318-2002 -o out"""
     from ..output import ensure_directory
-    from ..systems import load_scene
     from ..systems.railway.lumped_domain import ERRORS, domain_text, lumped_domain, report
 
-    allowed, loaded = share("--tolerance", tolerance), load_scene(scene)
+    allowed, loaded = share("--tolerance", tolerance), loaded_scene(scene)
     try:
         values = [float(text) for text in listed("--speeds", [speeds])]
     except ValueError:

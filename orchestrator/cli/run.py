@@ -26,6 +26,7 @@ from .common import (
     changed,
     changes_of,
     listed,
+    loaded_scene,
     print_table,
     share,
     status_spinner,
@@ -85,9 +86,8 @@ def run(
     """
     from ..output import ensure_directory, locked
     from ..run import run as run_scene
-    from ..systems import load_scene
 
-    loaded = load_scene(scene)
+    loaded = loaded_scene(scene)
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
              "record.signals": listed("--record", record) if record else None}
     changes = {place: value for place, value in given.items() if value is not None}

@@ -8,13 +8,10 @@ from typing import Annotated
 
 import typer
 
-from ...components.core.errors import BadInput
 from ...fmus.files import replaced
 from .common import app
 from .completion import scene_files
-
-LINE = "#:schema"  # the first line of a scene, as Taplo and Even Better TOML read it
-NAME = "scene.schema.json"
+from .schema_file import place_of
 
 
 @app.command()
@@ -30,7 +27,7 @@ def schema(
     """
     from ..systems.scene_schema import scene_schema
 
-    places = dict.fromkeys([*map(_place, files or ()), *([output] if output else [])])
+    places = dict.fromkeys([*map(place_of, files or ()), *([output] if output else [])])
     text = json.dumps(scene_schema(), indent=1)
     if not places:
         print(text)
@@ -38,22 +35,3 @@ def schema(
         with replaced(place) as file:
             file.write(text + "\n")
         print(f"wrote {place}")
-
-
-def _place(scene: Path) -> Path:
-    """Where an editor looks for the schema of a scene file, which gets the line that says so if it has none."""
-    if scene.suffix != ".toml" or not scene.is_file():
-        raise BadInput("schema", repr(str(scene)), "a scene file, .toml")
-    try:
-        content = scene.read_bytes().decode("utf-8")
-    except UnicodeDecodeError:
-        raise BadInput("schema", repr(str(scene)), "a text in UTF-8") from None
-    first = content.partition("\n")[0].strip().removeprefix("\ufeff")
-    if not first.startswith(LINE):
-        with replaced(scene, "wb") as file:
-            file.write(f"{LINE} {NAME}\n{content.removeprefix(chr(0xFEFF))}".encode())
-        return scene.with_name(NAME)
-    name = first.removeprefix(LINE).strip()
-    if "://" in name or not name:
-        raise BadInput("schema", f"{scene}: first line {first!r}", "the path of a file", f"Such as {LINE} {NAME}")
-    return scene.parent / name

@@ -20,6 +20,7 @@ from .common import (
     app,
     changes_of,
     listed,
+    loaded_scene,
     parameters_of,
     preset_of,
     print_table,
@@ -181,9 +182,8 @@ def _reference(name: str) -> list[dict[str, Any]]:
 def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None
            ) -> tuple[dict[str, Any], Drawing]:
     from ..advice.stepping_path import stepping_path
-    from ..systems import load_scene
 
-    scene = load_scene(name)
+    scene = loaded_scene(name)
     scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})
     try:
         path = stepping_path(scene)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
+from importlib.metadata import version
 from math import isfinite
 from typing import Any
 
@@ -34,7 +36,21 @@ def scene_schema() -> dict[str, Any]:
         keys = model.model_json_schema()
         definitions |= keys.pop("$defs", {})
         definitions[f"analysis.{name}"] = keys
-    return {"$schema": DIALECT, **schema}
+    return {"$schema": DIALECT, "$comment": _writer(), **schema}
+
+
+def is_stale(schema: Mapping[str, Any], components: Iterable[str]) -> bool:
+    """Whether a schema that was written once is of another version, or of another list of components, or says something else of
+    one of these components. Cheap: of all others nothing is imported, and nothing of the scene's own tables is generated."""
+    definitions = schema.get("$defs", {})
+    written = [name.removeprefix("component.") for name in definitions if name.startswith("component.")]
+    return schema.get("$comment") != _writer() or written != list(CATALOGUE) or any(
+        definitions[f"component.{name}"] != json.loads(json.dumps(_component(component_class(name))))
+        for name in set(components) & CATALOGUE.keys())
+
+
+def _writer() -> str:
+    return f"written by cosimo {version('cosimo')}"
 
 
 def _where(key: str, value: str, definition: str) -> dict[str, Any]:

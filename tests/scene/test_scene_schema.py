@@ -106,6 +106,53 @@ def test_it_is_written_where_the_editor_of_a_scene_looks_for_it(tmp_path, capsys
     assert shipped.read_bytes() == scene_files()["mass-on-spring"].read_bytes()
 
 
+@pytest.fixture
+def beside(tmp_path):
+    """A scene with a schema beside it, and a function that changes what the schema says."""
+    scene = tmp_path / "own scene.toml"
+    scene.write_bytes(scene_files()["mass-on-spring"].read_bytes().replace(b"../", b""))
+    assert schema_for(scene) == 0
+
+    def change(edit):
+        file = tmp_path / "scene.schema.json"
+        content = json.loads(file.read_text())
+        edit(content)
+        file.write_text(json.dumps(content))
+
+    return scene, change
+
+
+def warnings_of(capsys, *arguments):
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as done:
+        main([*map(str, arguments)])
+    assert not done.value.code
+    return [line for line in capsys.readouterr().err.splitlines() if "schema" in line]
+
+
+@pytest.mark.parametrize("edit", [
+    lambda schema: schema.update({"$comment": "written by cosimo 0.0.1"}),
+    lambda schema: schema.pop("$comment"),  # as before there was a mark
+    lambda schema: schema["$defs"].pop("component.Catenary"),
+    lambda schema: schema["$defs"]["component.PlanarLink"]["properties"]["parameters"]["properties"].pop("mass"),
+], ids=["version", "no mark", "list of components", "a component of the scene"])
+def test_a_person_is_told_of_a_stale_schema_and_how_to_mend_it(beside, edit, capsys):
+    scene, change = beside
+    assert warnings_of(capsys, "show", scene) == []
+    change(edit)
+    (line,) = warnings_of(capsys, "show", scene)
+    assert f"Write it anew: cosimo schema '{scene}'" in line
+    assert warnings_of(capsys, "run", scene, "--dry-run") == [line]
+    assert schema_for(scene) == 0
+    assert warnings_of(capsys, "show", scene) == []
+
+
+@pytest.mark.parametrize("content", [b"{", b"[]", b'{"title": "of another program"}', b"\xff"])
+def test_a_file_that_is_no_schema_of_scenes_is_left_alone(beside, content, capsys, tmp_path):
+    (tmp_path / "scene.schema.json").write_bytes(content)
+    assert warnings_of(capsys, "show", beside[0]) == []
+
+
 @pytest.mark.parametrize(("name", "content", "message"), [
     ("missing.toml", None, "a scene file"), ("scene.ssd", b"<a/>", "a scene file"), ("latin.toml", b"title = '\xb5'", "UTF-8"),
     ("far.toml", b"#:schema https://example.org/a.json\n", "the path of a file"),
