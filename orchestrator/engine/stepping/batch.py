@@ -10,6 +10,7 @@ import numpy as np
 
 from ....components.core.kernels import COMPILED
 from ...units.component import ComponentUnit
+from ...units.fmu import called_by_address
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount, Meter
 from ..algorithms.gauss_seidel import GaussSeidel
@@ -117,13 +118,6 @@ def inner(node: Node) -> Any:
     return node.unit.unit if isinstance(node.unit, (Meter, MultirateUnit)) else node.unit
 
 
-def _called_by_address(unit: Any) -> bool:
-    """Whether a unit that is no component is an FMU that compiled code can call."""
-    from ...units.fmi2 import Fmi2CoSimulation  # loads FMPy
-
-    return isinstance(unit, Fmi2CoSimulation) and unit.call_table() is not None
-
-
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
     """What of a scene keeps its steps out of the compiled loop, in the scene's own words."""
     present = {"Numba, which is missing or switched off": not COMPILED, "connections of texts": master.texts is not None,
@@ -134,5 +128,5 @@ def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[
         yield f"the algebraic loop {solver.loop.text}"
     for node in master.nodes:
         unit = inner(node)
-        if not (isinstance(unit, ComponentUnit) or _called_by_address(unit)):
+        if not (isinstance(unit, ComponentUnit) or called_by_address(unit)):
             yield f"units.{unit.name}, a {unit.kind}" + (" that a fault can take away" if hasattr(unit, "lost") else "")
