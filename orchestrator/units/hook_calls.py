@@ -186,7 +186,7 @@ class _Reader:
             return scope[node.id]
         if isinstance(node, ast.BinOp) and _text(node) == "t + h" and scope.get("t") is Symbol.TIME:
             return Symbol.END
-        for part in ast.walk(node):
+        for part in _parts(node):
             self._allow(part, scope)
         return _evaluated(node, scope)
 
@@ -222,6 +222,11 @@ def _is_self(node: Any) -> bool:
 @lru_cache(maxsize=4096)  # hooks of many components are one source, which is read for each of them
 def _text(node: ast.AST) -> str:
     return ast.unparse(node)
+
+
+@lru_cache(maxsize=4096)
+def _parts(node: ast.AST) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(node))
 
 
 @lru_cache(maxsize=4096)

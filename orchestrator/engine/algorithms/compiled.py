@@ -260,8 +260,7 @@ def _update(unit, links, outputs_at, signals, buffer):
 @uncounted
 def _note(past, h):
     """Count a sample, h behind the last one."""
-    past.h2 = past.h1
-    past.h1 = h
+    past.h2, past.h1 = past.h1, h
     if past.samples <= past.degree:
         past.samples += 1
 
@@ -277,8 +276,7 @@ def _push(unit, slow, links, pasts, signals, h):
             link.before = link.present
             link.present = link.now
     if slow is None:
-        if unit.links > 0:
-            _note(pasts[unit.first_past], h)
+        _note(pasts[unit.first_past], h)
         return
     for k in range(unit.first_past, unit.first_past + unit.pasts):
         past = pasts[k]

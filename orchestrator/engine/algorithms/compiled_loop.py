@@ -28,8 +28,6 @@ class CompiledLoop:
     `kept`, what the master has saved behind each of the steps it was asked to.
     """
 
-    kept: Sequence[Any] = ()
-
     def __init__(self, master: Master, units: Sequence[Unit], halt: np.ndarray, account: EnergyAccount | None = None,
                  trusted: Collection[str] = ()):
         self._master, self._units, self._halt, self._account, self._trusted = master, units, halt, account, trusted
@@ -62,7 +60,7 @@ class CompiledLoop:
         self.prepare(h)
         self._records.load()
         rows, given, self.inputs, self.outputs = self._space(times.size, looks.size)
-        self.kept, done = [], 0
+        done, self.kept = 0, list[Any]()
         for end in (*(step + 1 for step in keep), times.size):
             seen, first = np.searchsorted(looks, done), done
             of_steps = rows[first:end], given[first:end], self.inputs[seen:], self.outputs[first:end]

@@ -109,9 +109,9 @@ class Records:
 
     def taken(self) -> tuple[list[int], list[float]]:
         """Of each unit the steps since the last call, and the time it has reached, of an FMU the start of its last step, s."""
-        of_units = self._all[self._called]
+        taken, reached = (self._all[name][self._called].tolist() for name in ("taken", "time"))
         self._all["taken"] = 0
-        return of_units["taken"].tolist(), of_units["time"].tolist()
+        return taken, reached
 
     def last_step(self, unit: int, t: float, h: float) -> tuple[float, float]:
         """Start and length, s, of a unit's step that ends with the macro step from t over h."""

@@ -34,8 +34,7 @@ class BatchObserver:
         return range(0)
 
     def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
-        """Of steps it was not called at: ticks, times (s) and what the master has saved behind the `keeps` of all observers.
-        Called before `observe_batch`."""
+        """Ticks, times (s) and what the master has saved behind the `keeps` of all observers; before `observe_batch`."""
 
     def observe_ends(self, at: np.ndarray, inputs: np.ndarray, outputs: np.ndarray) -> None:
         """Of steps it was not called at: inputs behind those `at` (m,), the `looks` of all observers, and where they were led to,
