@@ -1,11 +1,12 @@
-"""How Numba comes to the machine code of a kernel: what only kernels call has nothing of what Python would need to call it.
+"""How Numba comes to the machine code of a kernel, with nothing in it that the kernel does not need.
 
-The function that takes a kernel's arguments out of Python objects is a sixth of what a kernel costs to compile, and most kernels
-are called by kernels alone.
+What only kernels call has no function that takes arguments out of Python objects: a sixth of what a kernel costs to compile.
+Kernels that neither make arrays nor give any back count no references to them, which would be locked instructions at every call.
 """
 
 from __future__ import annotations
 
+from numba.core.errors import NumbaError
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 
@@ -14,6 +15,7 @@ class KernelDispatcher(CPUDispatcher):
     """Compiles for Python where Python calls first, else for kernels; a second time where Python calls after all."""
 
     _for_kernels = False  # whether a kernel asks for the machine code
+    _counts = False  # references to arrays
 
     def get_call_template(self, args, kws):
         """A kernel that calls this one is being compiled."""
@@ -29,7 +31,17 @@ class KernelDispatcher(CPUDispatcher):
         if known is not None and not self._for_kernels and not callable_from_python(known):
             del self.overloads[args]
         self.targetoptions["no_cpython_wrapper"] = self._cache.for_kernels = self._for_kernels
-        return super().compile(sig)
+        self.targetoptions["_nrt"] = self._counts
+        try:
+            return super().compile(sig)
+        except NumbaError:
+            if self._counts:
+                raise
+            self._counts = True  # what makes arrays cannot be compiled without
+            self._compiler._failed_cache.clear()  # Numba does not try again what has failed
+            if self._for_kernels:
+                raise  # what calls it has failed, too, and tries again
+        return self.compile(sig)
 
     def add_overload(self, cres):
         if callable_from_python(cres):
