@@ -36,15 +36,11 @@ REASONS = {
 }
 
 
-def kernel(function, *files: str, counted: bool = True):
-    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports.
-
-    `counted`: False where no array may be made, nor one kept: references to arrays are not counted then, which costs two locked
-    instructions a call.
-    """
+def kernel(function, *files: str):
+    """Compile `function` on first use and keep the machine code on disk, by the contents of its file, `files` and imports."""
     if not COMPILED:
         return function
-    options = {"nopython": True, "boundscheck": None, **OPTIONS} | ({} if counted else {"_nrt": False})
+    options = {"nopython": True, "boundscheck": None, **OPTIONS}
     dispatcher = KernelDispatcher(function, targetoptions=options, pipeline_class=options.pop("pipeline_class"))
     dispatcher._cache = KernelCache(function, (function.__code__.co_filename, *files))
     return dispatcher

@@ -9,8 +9,6 @@ that steps, whose inputs are where those of the first have been led to, and its 
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from ....components.core.kernels import kernel
@@ -22,7 +20,6 @@ FAILED = 16  # times the status of a component: larger than any of an FMU
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
 NOTED = IN_MEMORY + 1  # the way of inputs that a unit with a rate of its own gets when it steps
-uncounted = partial(kernel, counted=False)
 
 INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "first_past", "pasts",
             "smoothing", "interpolates", "no_return", "taken", "held", "every", "count", "slow")
@@ -45,7 +42,7 @@ PAST = np.dtype([(name, np.int64) for name in ("degree", "samples", "every", "le
     (name, np.float64) for name in ("h1", "h2", "elapsed")])
 
 
-@uncounted
+@kernel
 def _given(link, signals):
     """What a link hands over at this instant."""
     v = signals[link.source]
@@ -56,7 +53,7 @@ def _given(link, signals):
     return v
 
 
-@uncounted
+@kernel
 def _ahead(past, link, slow):
     """As `History.ahead`: (value, slope, half of the second derivative) over the coming step."""
     v = link.present
@@ -71,7 +68,7 @@ def _ahead(past, link, slow):
     return (v, s, c) if slow is None else _seen(past, v, s, c, past.samples > 2)
 
 
-@uncounted
+@kernel
 def _towards(past, link, slow, h):
     """As `History.towards` the known value; the polynomial of a source that does not step goes on."""
     if slow is not None:
@@ -89,7 +86,7 @@ def _towards(past, link, slow, h):
     return (v, s, c) if slow is None else _seen(past, v, s, c, bent)
 
 
-@uncounted
+@kernel
 def _seen(past, v, s, c, bent):
     """As `Part._seen`: the polynomial from the present instant instead of from the last sample."""
     e = past.elapsed
@@ -98,7 +95,7 @@ def _seen(past, v, s, c, bent):
     return (v + e * (s + e * c), s + 2.0 * e * c, c) if bent else (v + e * s, s, c)
 
 
-@uncounted
+@kernel
 def _end(v, s, c, degree, h):
     """As `Rows.end`: where the polynomial is after h."""
     if degree == 2:
@@ -106,7 +103,7 @@ def _end(v, s, c, degree, h):
     return v + h * s if degree == 1 else v
 
 
-@uncounted
+@kernel
 def _degree(unit, slow, past):
     """Of the polynomials that a history gives a unit."""
     degree = past.samples - 1
@@ -115,7 +112,7 @@ def _degree(unit, slow, past):
     return degree
 
 
-@uncounted
+@kernel
 def _drive(unit, slow, links, pasts, signals, buffer, h):
     """Hand a unit its inputs over the coming step, and note where they will end; returns the status of an FMU."""
     past = pasts[unit.first_past]
@@ -150,10 +147,12 @@ def _drive(unit, slow, links, pasts, signals, buffer, h):
     unit.interpolates = unit.led
     if unit.smoothing == JUMPED:
         unit.smoothing = SMOOTH
-    return 0 if unit.way >= IN_MEMORY else _drive_fmu(unit, links, buffer, degree, h, False)
+    if buffer is None or unit.way >= IN_MEMORY:
+        return 0
+    return _drive_fmu(unit, links, buffer, degree, h, False)
 
 
-@uncounted
+@kernel
 def _hold(unit, links, known):
     """Hand an FMU its inputs that are apart, if one of them has changed, `known` or as of the step; returns the status."""
     changed, at = False, unit.held_values
@@ -167,7 +166,7 @@ def _hold(unit, links, known):
     return call_hook(unit.hold, unit.time, 0.0, 0) if changed else 0
 
 
-@uncounted
+@kernel
 def _drive_fmu(unit, links, buffer, degree, h, known):
     """Hand an FMU the polynomials of its links, or values that are `known`; returns its status."""
     first, n, way = 3 * unit.first_link, unit.links - unit.held, unit.way
@@ -195,7 +194,7 @@ def _drive_fmu(unit, links, buffer, degree, h, known):
     return status
 
 
-@uncounted
+@kernel
 def _step(unit, t, h):
     """Step one unit; returns its status."""
     unit.taken += 1
@@ -208,7 +207,7 @@ def _step(unit, t, h):
     return status
 
 
-@uncounted
+@kernel
 def _read(unit, outputs_at, signals):
     """Outputs of a unit into the table of signals; returns the status of an FMU."""
     first, n = unit.first_signal, unit.signals
@@ -232,7 +231,7 @@ def _read(unit, outputs_at, signals):
     return 0
 
 
-@uncounted
+@kernel
 def _stands(unit, links, signals):
     """Whether the outputs hold for the inputs as they are, as `Node.outputs_hold`; the inputs are noted as known."""
     stands = unit.interpolates == 0
@@ -244,11 +243,11 @@ def _stands(unit, links, signals):
     return stands
 
 
-@uncounted
+@kernel
 def _update(unit, links, outputs_at, signals, buffer):
     """Bring the outputs of a unit up to date for its known inputs; returns the status."""
     first, n = unit.first_link, unit.links
-    if unit.way == IN_MEMORY:
+    if buffer is None or unit.way == IN_MEMORY:
         for i in range(first, first + n):
             store(links[i].at, links[i].known)
         status = FAILED * call_hook(unit.outputs, unit.time, 0.0, unit.outputs_argument)
@@ -257,7 +256,7 @@ def _update(unit, links, outputs_at, signals, buffer):
     return _read(unit, outputs_at, signals) if status <= WARNING else status
 
 
-@uncounted
+@kernel
 def _note(past, h):
     """Count a sample, h behind the last one."""
     past.h2, past.h1 = past.h1, h
@@ -265,7 +264,7 @@ def _note(past, h):
         past.samples += 1
 
 
-@uncounted
+@kernel
 def _push(unit, slow, links, pasts, signals, h):
     """Keep the inputs of the new instant, h behind the last one, of those links whose source has stepped."""
     for i in range(unit.first_link, unit.first_link + unit.links):
@@ -288,7 +287,7 @@ def _push(unit, slow, links, pasts, signals, h):
         past.left -= 1
 
 
-@uncounted
+@kernel
 def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     """As `MultirateUnit.step` and what its `drive` does."""
     own, seen = slow[unit.slow], slow[unit.slow + 1]  # the unit that steps, and its outputs between its steps
@@ -309,7 +308,7 @@ def _step_slow(unit, slow, links, pasts, signals, buffer, t, h):
     return _step(own, unit.start, unit.length) if status <= WARNING else status
 
 
-@uncounted
+@kernel
 def _show(unit, slow, links, pasts, signals):
     """As the end of `MultirateUnit.get`: what others go by."""
     seen = slow[unit.slow + 1]
@@ -322,7 +321,7 @@ def _show(unit, slow, links, pasts, signals):
         signals[seen.first_signal + k] = v
 
 
-@uncounted
+@kernel
 def _read_all(unit, slow, links, pasts, outputs_at, signals):
     """Outputs of a unit of any rate into the table of signals; returns the status of an FMU."""
     if slow is None or unit.way != NOTED:
@@ -332,7 +331,7 @@ def _read_all(unit, slow, links, pasts, outputs_at, signals):
     return status
 
 
-@uncounted
+@kernel
 def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     """As `_update` for a unit of any rate: between its steps its outputs are what the polynomial says."""
     if slow is None or unit.way != NOTED:
@@ -347,7 +346,7 @@ def _update_all(unit, slow, links, pasts, outputs_at, signals, buffer):
     return status
 
 
-@uncounted
+@kernel
 def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded, watched, signals, buffer, sequential, times, h,
               limit, halt, looks, rows, given, inputs, outputs):
     """Macro steps of length h from each of `times` (n,), for U `UNIT`s, of those with rates of their own two more in `slow`,
@@ -357,9 +356,9 @@ def run_steps(units, slow, links, pasts, following, outputs_at, inverse, bonded,
     instant; outputs_at: (S,) addresses of components' outputs; inverse: (S,) 1 / nominal of every signal; bonded: (B,) links
     whose polynomials are noted for the energy account; watched: (W,) addresses of outputs of components that observers want of
     every step; signals: the table, S outputs, and behind them what slow units give to others and get; buffer: three numbers for
-    each of the links, what is handed to FMUs. The signals behind each step go to rows (n, S), what bonded inputs were given to
-    given (n, B, 4), `watched` to outputs (n, W); behind the steps `looks` (m,), all inputs and where they were led to go to
-    inputs (m, 2, L).
+    each of the links, what is handed to FMUs, None without FMUs, and no code for them. The signals behind each step go to rows
+    (n, S), what bonded inputs were given to given (n, B, 4), `watched` to outputs (n, W); behind the steps `looks` (m,), all
+    inputs and where they were led to go to inputs (m, 2, L).
 
     A number other than 0 in halt (1,) ends the march behind the present step. Returns (steps done, unit, status): a status above
     1 is that of the unit whose call failed; unit -2 says that the sum of the signals, each relative to its nominal value, has
