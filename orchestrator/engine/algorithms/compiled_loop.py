@@ -38,7 +38,7 @@ class CompiledLoop:
         self._bonded, self._watched = np.array(self._places_of_bonds(), dtype=np.int64), np.zeros(0, dtype=np.int64)
         slow = r.slow if self.rates else None
         self._layout = r.units, slow, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
-        buffer = np.zeros(3 * r.links.size) if any(isinstance(unit, Fmi2CoSimulation) for unit in units) else None
+        buffer = np.zeros(3 * r.links.size) if any(not isinstance(unit, ComponentUnit) for unit in units) else None
         self._memory = r.signals, buffer, isinstance(master, GaussSeidel)
         self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64), self._space(0, 0))  # compiles it
 
