@@ -6,6 +6,8 @@ Kernels that neither make arrays nor give any back count no references to them, 
 
 from __future__ import annotations
 
+from typing import Any
+
 from numba.core.errors import NumbaError
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
@@ -14,6 +16,7 @@ from numba.core.sigutils import normalize_signature
 class KernelDispatcher(CPUDispatcher):
     """Compiles for Python where Python calls first, else for kernels; a second time where Python calls after all."""
 
+    _cache: Any
     _for_kernels = False  # whether a kernel asks for the machine code
     _counts = False  # references to arrays
 

@@ -64,7 +64,7 @@ class CountedResult(FunctionPass):
 
 def _of_numbers(kind) -> bool:
     if isinstance(kind, types.BaseTuple):
-        return all(map(_of_numbers, kind.types))
+        return all(map(_of_numbers, kind))  # type: ignore[call-overload, arg-type]
     return isinstance(types.unliteral(kind), types.Number | types.Boolean | types.NoneType)
 
 
