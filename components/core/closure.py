@@ -61,7 +61,7 @@ def closure(file: Path, absolute: Callable[[str], Path | None] = lambda name: No
                     base = os.path.dirname(base)
                 base = os.path.join(base, *filter(None, module.split(".")))
                 wanted = [base, *(os.path.join(base, name) for name in names)]
-                pending += [file for place in wanted if (file := _module_file(place)) is not None]
+                pending += [there for place in wanted if (there := _module_file(place)) is not None]
             else:
                 pending += [str(f) for name in (module, *(f"{module}.{n}" for n in names)) if (f := absolute(name)) is not None]
     return {Path(path): source for path, source in contents.items()}
