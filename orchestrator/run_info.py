@@ -26,7 +26,7 @@ def _version(package: str) -> str:
     from importlib.metadata import distribution
 
     installed = distribution(package)
-    head = (installed.read_text("METADATA") or "").partition("\n\n")[0]
+    head = (installed.read_text("METADATA") or installed.read_text("PKG-INFO") or "").partition("\n\n")[0]
     lines = [line for line in head.splitlines() if line.startswith("Version:")]
     return lines[0].partition(":")[2].strip() if lines else installed.version
 

@@ -237,15 +237,13 @@ def test_repeated_runs_read_an_fmu_once(monkeypatch, tmp_path):
 
     https://github.com/CATIA-Systems/FMPy/issues/504, https://github.com/CATIA-Systems/FMPy/issues/727
     """
-    from cosimo.orchestrator.units import description
-
-    read = []
+    read, read_model_description = [], fmpy.read_model_description
 
     def noted(path, **options):
         read.append(path)
-        return fmpy.read_model_description(path, **options)
+        return read_model_description(path, **options)
 
-    monkeypatch.setattr(description, "read_model_description", noted)
+    monkeypatch.setattr(fmpy, "read_model_description", noted)
     fmu = str(shutil.copy(native_fmu("dahlquist", 2), tmp_path / "once.fmu"))
     for _ in range(5):
         result = run(read_scene({"stop_time": 1.0, "units": {"f": {"fmu": fmu}}, "master": {"step": 0.1}}))
