@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import NumbaError
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
@@ -28,7 +29,9 @@ class KernelDispatcher(CPUDispatcher):
         finally:
             self._for_kernels = before
 
+    @global_compiler_lock
     def compile(self, sig):
+        """As Numba's; under its lock from the beginning, for the flags hold for one compilation."""
         args = tuple(normalize_signature(sig)[0])
         known = self.overloads.get(args)
         if known is not None and not self._for_kernels and not callable_from_python(known):
