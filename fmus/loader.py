@@ -1,8 +1,8 @@
 """How an FMU finds its own code: the head of every generated slave script, and the place of the caches.
 
 All FMUs made with pythonfmu share one interpreter, and a host may have its own copy of a package. So an FMU's code is one
-package with a name of its own, bundle_<digest>, imported without `sys.path`, from a folder that stays the same, because
-Numba keeps its machine code by the path of the source.
+package with a name of its own, bundle_<digest>, imported without `sys.path`, from a folder that stays the same. Machine code is
+kept by the contents of the sources and shared between such packages.
 """
 
 import atexit

@@ -38,14 +38,13 @@ class CompiledLoop:
         self._bonded, self._watched = np.array(self._places_of_bonds(), dtype=np.int64), np.zeros(0, dtype=np.int64)
         slow = r.slow if self.rates else None
         self._layout = r.units, slow, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
-        buffer = np.zeros(3 * r.links.size) if any(not isinstance(unit, ComponentUnit) for unit in units) else None
-        self._memory = r.signals, buffer, isinstance(master, GaussSeidel)
+        self._fmus = [unit for unit in units if not isinstance(unit, ComponentUnit)]
+        self._memory = r.signals, np.zeros(3 * r.links.size) if self._fmus else None, isinstance(master, GaussSeidel)
         self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64), self._space(0, 0))  # compiles it
 
     def possible(self, h: float) -> bool:
         """Whether steps of this length may be taken so: their records can be made, and no unit has ended the simulation."""
-        ended = any(unit.ended for unit in self._units if not isinstance(unit, ComponentUnit))
-        return not ended and self._records.possible(h)
+        return not any(fmu.ended for fmu in self._fmus) and self._records.possible(h)
 
     @property
     def rates(self) -> bool:
