@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
     from .orchestrator.results import Result
-    from .orchestrator.run import run
+    from .orchestrator.judgement.verification import run
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene
@@ -66,7 +66,7 @@ _PLACES = {
     "orchestrator.harness.studies.stability": ("stability",),
     "orchestrator.systems.many": ("design", "fit", "sensitivity", "sweep", "uncertainty"),
     "orchestrator.results": ("Result",),
-    "orchestrator.run": ("run",),
+    "orchestrator.judgement.verification": ("run",),
     "orchestrator.scene.build": ("unit",),
     "orchestrator.scene.scene": ("Scene",),
     "orchestrator.scene.text": ("write_scene",),

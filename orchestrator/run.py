@@ -16,10 +16,6 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 from ..components.core.errors import BadInput, StepFailed
-from .advice.instability import InstabilityMonitor
-from .advice.limits import beyond_limit, remedy
-from .advice.local_error import RepeatedSteps, repeatable
-from .advice.resolution import SignalResolution, StepResolution, diverging, too_coarse, worth_a_limit
 from .checkpoint import Checkpoint, Checkpoints, Part, check_wish, read_checkpoint, restore
 from .engine.algorithms import master_of
 from .engine.algorithms.energy import EnergyAccount, metered
@@ -28,7 +24,10 @@ from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.loop import Observer
-from .engine.stepping.observers import ExtrapolationError
+from .judgement.energy import energy_warnings
+from .judgement.instability import InstabilityMonitor
+from .judgement.limits import remedy
+from .judgement.windows import Windows, WindowsWish, obstacle
 from .open_all import open_units, read_in_every_step
 from .output import UNFINISHED, locked, not_written
 from .pacing import Pacing
@@ -47,13 +46,13 @@ if TYPE_CHECKING:
     from .units.native import NativeFmu
 
 END = 1e-3  # of the macro step: a row so near to where a unit has ended the simulation is one of its end
-TOO_FAR = 1.0  # of an input's spread: the mean would have been the better guess
 
 
 def run(scene: Scene, *, in_process: bool = False, native: bool = False, progress: bool = False,
         checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None,
-        resume: str | Path | None = None, output: str | Path | None = None, real_time: bool = False) -> Result:
-    """Simulate a scene from 0 to its stop_time.
+        resume: str | Path | None = None, output: str | Path | None = None, real_time: bool = False,
+        windows: WindowsWish | None = None) -> Result:
+    """Simulate a scene from 0 to its stop_time, once: `judgement.verification.run` repeats it to find the errors of its numbers.
 
     Components run as FMUs, or in this process with `in_process`: bit-identical results, several times faster. With `native` they
     run as native FMUs, built for the scene where the cache has none, bit-identical as well. A step that fails gives a partial
@@ -67,10 +66,12 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     with the run; a result that was there is replaced when this one is whole. Where an FMU ends this process, what there is is
     saved; the exit code is 3 then. Raises `BadInput` where another run writes there.
     `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
+    `windows`: what of the run is to be repeated at its end, see `judgement.windows`.
     """
     with ExitStack() as stack:
         files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
-        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files, real_time=real_time)
+        current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files, real_time=real_time,
+                      windows=windows)
         check_wish(checkpoint_every, checkpoint_to, scene, current.coupling.interfaces)
         past = read_checkpoint(Path(resume), scene) if resume is not None else None
         current.prepare()
@@ -83,7 +84,9 @@ class Run:
     """One run of a scene, from `prepare` over `observe` and `execute` to `conclude`; `stack` closes what it opens."""
 
     def __init__(self, scene: Scene, stack: ExitStack, *, in_process: bool, native: bool, progress: bool,
-                 files: ResultFiles | None = None, real_time: bool = False):
+                 files: ResultFiles | None = None, real_time: bool = False, windows: WindowsWish | None = None):
+        self._wish = windows
+        self.windows: Windows | None = None
         self.scene, self.stack, self.in_process, self.native, self.progress = scene, stack, in_process, native, progress
         self.files = files
         self.pacing = Pacing() if real_time else None
@@ -94,8 +97,6 @@ class Run:
         self.coupling: Coupling = scene.coupling
         self.outcome, self.message, self.log = "failed", "", ""
         self.checkpoints: Checkpoints | None = None
-        self.resolution: StepResolution | None = None
-        self.repeated: RepeatedSteps | None = None
 
     def prepare(self) -> None:
         """Open the units and build master, faults and stepping on them."""
@@ -149,21 +150,17 @@ class Run:
             name, elements = f"{unit}.{array}", [f"{unit}.{n}" for n in names]
             table = self.files.snapshots(name, elements) if self.files else MemoryTable(elements)
             self.arrays[name] = Spool(recorder, table, beside=beside)
-        self.extrapolation = ExtrapolationError(master.nodes)
         self._interrupt = stack.enter_context(Interrupt(self.stepping.halt))
         recorders = [signals, *(spool.recorder for spool in self.arrays.values())]
         recorders[:0] = [texts] if texts else []  # first: an interrupt leaves them no row behind
-        self.observers: list[Observer] = [*recorders, self.extrapolation, self._interrupt]
+        self.observers: list[Observer] = [*recorders, self._interrupt]
         if self.files is not None:
             self.files.watch([self.signals, *self.arrays.values()])
             self.observers.append(self.files)
         steps = int(scene.stop_time / scene.master.step)
-        if scene.master.control is None:  # steps that follow an error estimate need no other
-            self.resolution = StepResolution(master, steps)
-            self.observers.append(self.resolution)
-        if repeatable(scene) and self.pacing is None:  # steps made twice would be late
-            self.repeated = RepeatedSteps(master, self.stepping, steps, self.account)
-            self.observers.append(self.repeated)
+        if self._wish is not None and not obstacle(scene):
+            self.windows = Windows(master, self.stepping, steps, self.account)
+            self.observers.append(self.windows)
         if any(len(group) > 1 for group in coupling.groups):
             self.observers.append(InstabilityMonitor(master, steps, self.account))
         if checkpoint_every is not None and checkpoint_to is not None:
@@ -194,9 +191,8 @@ class Run:
 
     def parts(self) -> dict[str, Part]:
         """All that has a state of its own beside the master, for checkpoints."""
-        parts: dict[str, Part] = {"signals": self.signals, "misses": self.extrapolation, "faults": self.faults,
+        parts: dict[str, Part] = {"signals": self.signals, "faults": self.faults,
                                   "stepping": self.stepping}
-        parts |= {"resolution": self.resolution} if self.resolution else {}
         return parts | {f"snapshots of {name}": spool for name, spool in self.arrays.items()}
 
     def execute(self, past: Checkpoint | None) -> None:
@@ -277,13 +273,6 @@ class Run:
                 self.files.flush()
         except OutputFailed as error:
             self.outcome, self.message = "failed", str(error)
-        resolved = self.resolution.judge() if self.resolution else []
-        if self.outcome == "done" and (worst := diverging(resolved, coupling)) is not None:
-            self.outcome = "unstable"
-            self.message = (f"the coupling is unstable: {worst.text} reaches {worst.peak:.3g} {worst.signal.unit}, its "
-                            f"extrapolation over a macro step is wrong by {100.0 * worst.extrapolation:.0f} % of its spread "
-                            f"(rms), {worst.growth:.2g} times as much in the last part of the run. {self._remedy()}")
-        errors = self.extrapolation.relative
         info = describe_run(self.scene, coupling, self.units, self.master)
         info |= {"outcome": self.outcome, "message": self.message, "timing": self._timing()}
         info |= {"traceback": self.log} if self.log else {}
@@ -293,7 +282,9 @@ class Run:
         info |= {"checkpoints": self.checkpoints.report()} if self.checkpoints else {}
         info |= {"resumed": {"at": past.t}} if past else {}
         info["counters"] |= {"stepping": self.stepping.report()} if isinstance(self.stepping, AdaptiveStepping) else {}
-        info |= {"input_misses": errors, "warnings": self._warnings(errors, resolved)}
+        info |= {"warnings": self._warnings()}
+        if self.outcome == "done" and self._wish is not None:
+            self._answer(self._wish, info["timing"]["cpu"])
         directory = None
         if self.files is not None:
             try:
@@ -346,28 +337,20 @@ class Run:
         """What would help a run that became unstable."""
         return self.master.delayed_feedthrough or remedy(self.scene)
 
-    def _warnings(self, errors: Mapping[str, float], resolved: list[SignalResolution]) -> list[str]:
-        """What a user should know; `errors`: of extrapolation, relative, by input. Units and account move: call it last."""
+    def _answer(self, wish: WindowsWish, cpu: float) -> None:
+        """Repeat windows of the run if it is too long to be repeated; units and account move: call it last."""
+        if self.windows is not None:
+            self.windows.answer(wish, cpu)
+        elif 2.0 * cpu > wish.budget:
+            wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"
+
+    def _warnings(self) -> list[str]:
+        """What a user should know."""
         caught = dict.fromkeys(str(w.message) for w in self._caught_warnings)
         texts = [*self.scene.remarks, *caught, *self.master.warnings(), *self.stepping.warnings()]
-        texts += self.account.warnings() if self.account else []
+        texts += energy_warnings(self.account) if self.account else []
         texts += ["a unit has changed the working directory of this process, which was set back"] if self._moved else []
-        texts += [self.message] if self.outcome == "done" and self.message else []
-        local = self.repeated.errors() if self.repeated and self.outcome == "done" else {}
-        of_step = []  # what the run shows of its macro step, and what a closed form says of it: one warning
-        worst = max(errors, key=errors.__getitem__, default="")
-        if worst and errors[worst] >= TOO_FAR:
-            reason = self.master.delayed_feedthrough or (
-                "the macro step is too long for this coupling. Reduce master.step, or raise master.extrapolation")
-            of_step.append(f"the values extrapolated for input {worst} were wrong by {100.0 * errors[worst]:.0f} % of its spread "
-                           f"(rms): {reason}")
-        elif self.outcome == "done" and (coarse := too_coarse(resolved, self.coupling, local)):
-            of_step.append(f"{'; '.join(coarse)}. {self._remedy()}")
-        ask, grows = worth_a_limit(resolved, self.coupling)
-        if self.outcome == "done" and ask:
-            of_step += beyond_limit(self.scene, grows=grows)
-        texts += [". ".join(of_step)] if of_step else []
-        return texts
+        return texts + ([self.message] if self.outcome == "done" and self.message else [])
 
 
 def _working_directory() -> str:

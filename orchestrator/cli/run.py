@@ -241,8 +241,8 @@ def _verified(scene: Scene, tolerance: float) -> bool:
 
 def _dry_run(scene: Scene, in_process: bool) -> None:
     from ...components.core.errors import StepFailed
-    from ..advice import advise
-    from ..advice.dry_run import lines, tables
+    from ..judgement import advise
+    from ..judgement.dry_run import lines, tables
 
     try:
         advice = advise(scene, in_process=in_process)

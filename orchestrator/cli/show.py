@@ -104,8 +104,8 @@ def show(
 def _component(name: str, effects: list[str], preset: str, parameters: Mapping[str, Any], timed: bool
                ) -> tuple[dict[str, Any], Drawing]:
     from ...components.catalogue import component_class
-    from ..advice.stepping_path import python_of
     from ..harness.component_page import component_page
+    from ..judgement.stepping_path import python_of
 
     cls = component_class(name, "show")
     component = cls(effects, parameters, preset=preset)
@@ -181,7 +181,7 @@ def _reference(name: str) -> list[dict[str, Any]]:
 
 def _scene(name: str, effects: list[str], values: list[str] | None, presets: list[str] | None
            ) -> tuple[dict[str, Any], Drawing]:
-    from ..advice.stepping_path import stepping_path
+    from ..judgement.stepping_path import stepping_path
 
     scene = loaded_scene(name)
     scene = scene.with_changes({**switched_on(scene, effects), **changes_of(scene, values, presets)})

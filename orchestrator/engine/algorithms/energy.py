@@ -21,8 +21,6 @@ from ..coupling import Coupling
 from .energy_steps import POINTS, WEIGHTS, enter_steps
 from .master import Master, Saved
 
-TOO_MUCH = 0.1  # of the energy exchanged: beyond it, amplitudes are off by several per cent
-
 
 class Meter:
     """A unit whose inputs are noted as they are given, and corrected where that is wished."""
@@ -180,13 +178,6 @@ class EnergyAccount:
         self.created, self.exchanged, self.elapsed = saved.created, saved.exchanged, saved.elapsed
         if self.correction:
             self._owe()
-
-    def warnings(self) -> list[str]:
-        """What a user should know of the account."""
-        return [f"the coupling made {created:.3g} J at the bond {bond.text}, {100.0 * abs(created) / exchanged:.0f} % of the "
-                "energy that went through it. Reduce master.step, or switch on master.energy_correction"
-                for bond, created, exchanged in zip(self.bonds, self.created, self.exchanged, strict=True)
-                if abs(created) > TOO_MUCH * exchanged]
 
     def report(self) -> dict[str, dict[str, float]]:
         """Energies by bond, J: what went through it in either direction, and what the coupling made of nothing on the way."""

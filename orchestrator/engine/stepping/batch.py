@@ -34,7 +34,7 @@ class BatchStepping(Stepping):
                  halt: np.ndarray):
         """`halt`: what ends a stretch early, see `batch_loop_for`."""
         super().__init__(master, clock, stride, end, stops)
-        self._stretch, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
+        self.loop, self._halt, self._pace = stretch, halt, PATIENCE  # s of a step, as the last stretch was
         self.watch = stretch.watch
 
     def halt(self) -> None:
@@ -55,8 +55,8 @@ class BatchStepping(Stepping):
     def _advance(self, length: int, last: int, observers: Sequence[Any]) -> None:
         """Steps of one length up to the next that has to be looked at, at most to the tick `last`."""
         tick, h = self.tick, self.clock.seconds(length)
-        whole = last - length if last == self.end and self._stretch.rates else last  # the last step in batches
-        if tick == whole or not self._stretch.possible(h):
+        whole = last - length if last == self.end and self.loop.rates else last  # the last step in batches
+        if tick == whole or not self.loop.possible(h):
             self.master.step(self.clock.seconds(tick), h)
             self.tick = tick + length
             return
@@ -65,10 +65,10 @@ class BatchStepping(Stepping):
         alarmed = [1 + o.steps_not_needed(tick, length) for o in alarming]
         n = min((whole - tick) // length, 1 + int(PATIENCE / self._pace), LONGEST, *unwatched)
         saved = None
-        self._stretch.prepare(h)
+        self.loop.prepare(h)
         if n > min(alarmed, default=n):
-            if self._stretch.saves:
-                saved = self._stretch.save()
+            if self.loop.saves:
+                saved = self.loop.save()
             else:
                 n = min(alarmed)
         ticks = range(tick, tick + (n + 1) * length, length)
@@ -76,20 +76,20 @@ class BatchStepping(Stepping):
         begun = perf_counter()
         looks = np.array(sorted({k for o in observers for k in o.looks(n)}), dtype=np.int64)
         kept = sorted({k for o in observers for k in o.keeps(n - 1)})
-        rows, failure = self._stretch.run(times[:-1], h, looks, kept)
+        rows, failure = self.loop.run(times[:-1], h, looks, kept)
         self._pace = max((perf_counter() - begun) / n, 1e-7)
         self._halt[0] = 0
         done = len(rows)
         unseen = done if failure is not None else done - 1
         at = looks[looks < unseen]
-        inputs, outputs = self._stretch.inputs[: at.size], self._stretch.outputs[:unseen]
+        inputs, outputs = self.loop.inputs[: at.size], self.loop.outputs[:unseen]
         steps = [o.alarm(at, inputs) for o in alarming] if saved is not None else []
         if alarms := [step for step in steps if step is not None]:
-            self._stretch.restore(saved)
+            self.loop.restore(saved)
             self._advance(length, tick + (min(alarms) + 1) * length, observers)
             return
         if unseen > 0:
-            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(kept, self._stretch.kept, strict=False)]
+            saved = [(ticks[k + 1], times[k + 1], state) for k, state in zip(kept, self.loop.kept, strict=False)]
             for observe in observers:
                 observe.observe_saved(saved)
                 observe.observe_ends(at, inputs, outputs)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...judgement.thresholds import ENERGY
 from ...settings import IterationSettings, SceneSettings
 from ..charts.blocks import Block, Cells, Facts, Text
 from ..charts.chart import Chart, Panel, Series
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from ...results import Result
 
 WIDE = 5.0  # longest over shortest step, from which the axis of the steps is logarithmic
-TOO_MUCH = 0.1  # of the energy exchanged, from which a run warns
 
 
 def blocks(result: Result) -> list[Block]:
@@ -144,7 +144,7 @@ def energy_table(energy: Mapping[str, Mapping[str, float]], scene: SceneSettings
         "Exchanged: what went through the bond, in both directions together. Created: what the units on both sides disagree by, "
         "as each takes its inputs from polynomials of the past. Above 0, the coupling has fed the system, as negative damping "
         "would; below 0, it has damped it. Residual: created over exchanged; it falls with the macro step, and above "
-        f"{100.0 * TOO_MUCH:g} % amplitudes are off by several per cent."
+        f"{100.0 * ENERGY:g} % amplitudes are off by several per cent."
     )
     if scene.master.energy_correction:
         text += " What a step has created is returned with the next ones; the numbers are what is left."

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
-from ...advice.probing import contacts
+from ...judgement.probing import contacts
 from ...output import write_table
 from ...scene.scene import Scene
 from ..journal import once

@@ -16,14 +16,11 @@ import numpy as np
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
 from ..engine.stepping.observers import BatchObserver
+from .thresholds import BEYOND, BLOCKS, MISSED, RISE
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
 SHORT = 160  # looks that even a short run has
-BLOCKS = 5  # in a row, each with a larger miss than the one before
-RISE = 1.5  # by so much at least
-MISSED = 0.1  # of the largest value in the last one: the extrapolation does not follow
-BEYOND = 300.0  # times the interface's scale: the nominal value, or what was reached before these blocks; a resonance gives 50
 
 
 class InstabilityMonitor(BatchObserver):

@@ -36,11 +36,11 @@ from ..units import Unit
 from ..units.interface import PortValues
 from .stability import longest_step, radii
 from .step_cost import StepCost, step_cost
+from .thresholds import TOLERABLE
 
 SPANS = (0.1, 1.0, 5.0)  # macro steps: lengths of probing steps, the first in which the motion answers
 NUDGE = 1e-4  # of a value or its nominal value
 NOISE = 1e-6  # of the largest entry: what probing does not resolve
-TOLERABLE = 0.01  # of critical damping that a coupling may take away before it is warned of
 WARM, MOST, ENOUGH = 2, 50, 0.3  # steps before the timed ones, most timed ones, s that are enough for them
 FORCES = [parse(unit).exponents[:7] for unit in ("N", "N.m", "W", "A", "V")]
 

@@ -8,9 +8,7 @@ from ...components.core.errors import BadInput, StepFailed
 from ..engine.algorithms import master_of
 from ..open_all import open_units
 from ..scene.scene import Scene
-from .probing import TOLERABLE, Contact, contacts, step_warnings
-
-HALF = 0.5  # of a pair's own damping: with less, a motion dies out in another time
+from .probing import Contact, contacts
 
 
 def remedy(scene: Scene) -> str:
@@ -24,14 +22,6 @@ def remedy(scene: Scene) -> str:
         return (f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
                 "unless something damps it elsewhere")
     return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
-
-
-def beyond_limit(scene: Scene, *, grows: bool) -> list[str]:
-    """Pairs of units from which the macro step takes more than half of their damping, or all, with their limits.
-
-    `grows`: the run has shown growth, and any loss of damping counts; else little may be made up for elsewhere in the scene.
-    """
-    return step_warnings(scene, _limits(scene), 0.0 if grows else TOLERABLE, HALF)
 
 
 def _limits(scene: Scene) -> tuple[Contact, ...]:

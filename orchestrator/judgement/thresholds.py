@@ -1,0 +1,34 @@
+"""The thresholds by which runs are judged, each with its reason. No other file has one."""
+
+from __future__ import annotations
+
+# -- numerical errors, as shares of a signal's scale, see `comparison.scale_of` ----------------------------------------------
+WARN = 0.05  # error from which a run warns: a twentieth of a signal's deviation is seen in its curve
+AIM = 0.01  # error that the suggested step is for: less is not seen in a curve
+ORDER_UNSURE = 0.02  # difference from which a third run is made: below it, twice the difference bounds an error of first order
+HARDLY = 1e-3  # deviation over rms below which a signal is judged by its size: it stands still, as a conserved quantity does
+
+# -- budget ------------------------------------------------------------------------------------------------------------------
+SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
+WINDOWS = 4  # of a run that is too long to repeat: the begin, two places within and the end
+WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
+PROBED = 0.02  # of a run that is made to see what it costs in process
+
+# -- what kind of difference it is ---------------------------------------------------------------------------------------------
+PARTS = 8  # of a run, whose differences are compared
+TOGETHER = 0.05  # largest difference in the first parts of a run whose histories part later
+APART = 0.3  # difference in the last part from which histories have parted
+SAME_SPREAD = 1.25  # factor that deviations of runs may differ by whose histories part while their statistics agree
+CONVERGING = 1.5  # factor by which differences fall with half the step, from which runs converge; first order has 2
+GROWN = 3.0  # deviation over that of the finest run from which the coupling makes a motion of its own: it is unstable
+LOST = 1.0  # error from which such a signal tells nothing
+
+# -- while a run goes on -------------------------------------------------------------------------------------------------------
+RISE = 1.5  # growth of a miss from block to block, in BLOCKS blocks: an instability grows in every one, a disturbance does not
+BLOCKS = 5
+MISSED = 0.1  # miss over the value: from there an extrapolation does not follow
+BEYOND = 300.0  # of an interface's scale, which is its nominal value or what it reached before; a resonance gives 50
+ENERGY = 0.1  # of the energy exchanged at a bond that the coupling makes: amplitudes are off by several per cent
+
+# -- closed-form limits, which are estimates -----------------------------------------------------------------------------------
+TOLERABLE = 0.01  # of critical damping that a coupling may take away before a dry run warns

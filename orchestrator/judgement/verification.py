@@ -1,0 +1,253 @@
+"""A run is judged by repeating it: every recorded signal and every figure of a run gets its numerical error.
+
+The run is repeated with half the macro step, and with a quarter of it where the two differ by much; a run that is too long for
+that is repeated over windows. All other settings stay, so that what shows is the error of the macro step; with "full", internal
+steps, tolerances and meshes of the units are halved as well, one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import isfinite, isnan, nan
+from pathlib import Path
+from time import process_time
+from typing import Any, Literal
+
+from ...components.core.errors import BadInput
+from ..results import Result
+from ..run import run as run_once
+from ..scene.scene import Scene
+from .comparison import SignalError, differences, figure_errors, needs_third, signal_errors, worst_of
+from .internal import finer_inside
+from .thresholds import AIM, GROWN, LOST, PROBED, SECONDS, WARN
+from .windows import WindowsWish
+
+Wish = Literal["auto", "whole", "full", "no"]
+WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
+NOT_ASKED = "not asked for"
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What repetition has shown of a run.
+
+    done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
+    "whole", "windows".  signals: by name.  figures: errors of the summary's figures, in their units.  windows: begins (s) and
+    length (s).  slower: signals slower than a window.  parts: place of an internal setting -> worst signal and its error.
+    seconds: CPU time that it took.
+    """
+
+    done: bool
+    why: str = ""
+    step: float = nan
+    how: str = ""
+    runs: int = 0
+    signals: Mapping[str, SignalError] = field(default_factory=dict)
+    figures: Mapping[str, float] = field(default_factory=dict)
+    windows: tuple[float, ...] = ()
+    length: float = nan
+    slower: tuple[str, ...] = ()
+    parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    seconds: float = 0.0
+
+    def to_json(self) -> dict[str, Any]:
+        """The object `verification` of run.json."""
+        if not self.done:
+            return {"done": False, "why": self.why}
+        return {
+            "done": True, "why": self.why, "step": self.step, "how": self.how, "runs": self.runs,
+            "signals": {name: error.to_json() for name, error in self.signals.items()},
+            "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
+            **({"windows": {"begins": list(self.windows), "length": self.length, "slower": list(self.slower)}}
+               if self.windows else {}),
+            **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
+            "seconds": self.seconds,
+        }
+
+
+def run(scene: Scene, *, verify: Wish = "auto", in_process: bool = False, native: bool = False, progress: bool = False,
+        checkpoint_every: float | None = None, checkpoint_to: str | Path | None = None, resume: str | Path | None = None,
+        output: str | Path | None = None, real_time: bool = False) -> Result:
+    """Simulate a scene from 0 to its stop_time, and find the numerical error of each number by repeating the run.
+
+    verify: "auto" repeats the whole run where that takes at most `SECONDS` of CPU time, else windows of it; "whole" the whole run
+    whatever it takes; "full" also halves internal steps and meshes of the units; "no" leaves the errors unknown.
+    The other arguments are those of `orchestrator.run.run`: packaging, progress, checkpoints, where the result is stored.
+    Raises `BadInput` for what cannot start. `result.info["verification"]` says what was found.
+    """
+    if verify not in WISHES:
+        raise BadInput("verify", repr(verify), f"one of {', '.join(WISHES)}")
+    wish = WindowsWish(SECONDS) if verify == "auto" and _here(scene, in_process) else None
+    result = run_once(scene, in_process=in_process, native=native, progress=progress, checkpoint_every=checkpoint_every,
+                      checkpoint_to=checkpoint_to, resume=resume, output=output, real_time=real_time, windows=wish)
+    verified = verified_result(result, verify, in_process=in_process, windows=wish)
+    if output is not None and verified is not result:
+        verified.save(output)
+    return verified
+
+
+def _here(scene: Scene, in_process: bool) -> bool:
+    """Whether a run has its units as a repetition would have them."""
+    return in_process or not any(unit.component for unit in scene.units.values())
+
+
+def verified_result(result: Result, wish: Wish = "auto", *, in_process: bool = False, windows: WindowsWish | None = None) -> Result:
+    """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable."""
+    if result.outcome != "done":
+        return _with(result, Verification(False, f"the run is {result.outcome}"))
+    if wish == "no":
+        return _with(result, Verification(False, NOT_ASKED))
+    if windows is not None and (windows.found or windows.why):
+        return _judged(result, _of_windows(result.scene, windows))
+    begun = process_time()
+    try:
+        found = _repeated(result, wish, in_process)
+    except BadInput as error:  # such as an FMU whose step is fixed
+        found = Verification(False, f"the run cannot be repeated with half its macro step: {error}")
+    return _judged(result, replace(found, seconds=process_time() - begun))
+
+
+def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
+    scene = result.scene
+    if not result.held or result.rows < 2:
+        return Verification(False, "too many rows to compare in memory" if result.rows > 1 else "no two rows to compare")
+    each = _cost(result, in_process)
+    if wish == "auto" and 2.0 * each > SECONDS:
+        if not _here(scene, in_process):
+            return _over_windows(scene)
+        return Verification(False, f"to repeat the run would take about {2.0 * each:.2g} s of CPU time: ask with --verify whole")
+    second = run_once(scene.with_changes(shorter(scene, 2)), in_process=True)
+    if second.outcome != "done":
+        return Verification(False, f"the run at half the macro step is {second.outcome}: {second.message}")
+    first_gap = differences(result, second)
+    third = None
+    if needs_third(first_gap) and (wish != "auto" or 6.0 * each <= SECONDS):
+        third = run_once(scene.with_changes(shorter(scene, 4)), in_process=True)
+    fine = third is not None and third.outcome == "done"
+    shown = [r for r in (result, second, third if fine else None) if r is not None]
+    signals = signal_errors(first_gap, differences(second, third) if third is not None and fine else None)
+    figures, parts = _figures(shown, unsure=needs_third(first_gap)), {}
+    for place, finer in finer_inside(result) if wish == "full" else ():
+        gaps, of_place = differences(result, finer), _figures([result, finer], unsure=False)
+        worst = max(gaps, key=lambda name: gaps[name].rms)
+        parts[place] = worst, gaps[worst].rms
+        signals = {name: replace(e, rms=e.rms + 2.0 * gaps[name].rms, largest=e.largest + 2.0 * gaps[name].largest)
+                   for name, e in signals.items()}
+        figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
+    return Verification(True, step=0.5 * scene.master.step, how="whole", runs=len(shown), signals=signals, figures=figures,
+                        parts=parts)
+
+
+def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
+    """Errors of the figures of a summary; none where there is no summary."""
+    try:
+        runs = [{row.name: row.value for row in result.summary} for result in results]
+    except BadInput:
+        return {}
+    return figure_errors(runs, unsure=unsure)
+
+
+def _cost(result: Result, in_process: bool) -> float:
+    """CPU time of stepping the run once in this process, s: of the run itself, or estimated from a short part of it."""
+    timing = result.info["timing"]
+    spent = max(timing["cpu"], timing["run"] if any(u.isolation != "none" for u in result.scene.units.values()) else 0.0)
+    if _here(result.scene, in_process) or 6.0 * spent <= SECONDS:
+        return float(spent)
+    share = max(PROBED, 16.0 * result.scene.master.step / result.scene.stop_time)
+    if share >= 0.5:
+        return float(spent)
+    probe = run_once(result.scene.with_changes({"stop_time": share * result.scene.stop_time, "faults": []}), in_process=True)
+    return float(probe.info["timing"]["cpu"] / share) if probe.outcome == "done" else float(spent)
+
+
+def _over_windows(scene: Scene) -> Verification:
+    """Of a run that was made of FMUs and is too long to repeat as a whole: it is run in process, which has the same bits."""
+    wish = WindowsWish(0.0)
+    again = run_once(scene, in_process=True, windows=wish)
+    return _of_windows(scene, wish) if again.outcome == "done" else Verification(False, again.message)
+
+
+def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
+    found = wish.found
+    if found is None:
+        return Verification(False, f"the run is too long to be repeated without being asked for (--verify whole), and {wish.why}")
+    recorded = {".".join(end) for end in scene.coupling.signals}
+    errors = signal_errors({name: d for name, d in found.differences.items() if name in recorded}, None)
+    return Verification(True, "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
+                        0.5 * scene.master.step, "windows", 2, errors, windows=found.begins, length=found.length,
+                        slower=found.slower)
+
+
+def shorter(scene: Scene, parts: int) -> dict[str, Any]:
+    """Changes to a macro step of one part in so many, recorded at the same times; with step control, to a tighter tolerance."""
+    step, control, record = scene.master.step, scene.master.control, scene.record
+    changes: dict[str, Any] = {"master.step": step / parts}
+    if control is not None:  # steps follow the root of the tolerance
+        changes |= {f"master.control.{key}": getattr(control, key) / parts**2 for key in ("relative", "absolute")}
+        changes |= {"master.control.min_step": control.min_step / parts} if control.min_step else {}
+        changes |= {"master.control.max_step": control.max_step / parts} if control.max_step else {}
+        return changes
+    changes |= {"record.interval": step} if record.interval is None else {}
+    return changes | ({"record.snapshot_interval": step} if record.snapshots and record.snapshot_interval is None else {})
+
+
+def _with(result: Result, found: Verification) -> Result:
+    return replace(result, info={**result.info, "verification": found.to_json()})
+
+
+def _judged(result: Result, found: Verification) -> Result:
+    """The result with what was found, and what follows for its outcome and its warnings."""
+    if not found.done:
+        return _with(result, found)
+    outcome, message = result.outcome, result.message
+    if unstable := [name for name, e in found.signals.items() if e.rms > LOST and e.grown > GROWN]:
+        worst = max(unstable, key=lambda name: found.signals[name].grown)
+        outcome = "unstable"
+        message = (f"the coupling is unstable: the deviation of {worst} is {found.signals[worst].grown:.2g} times that of a run "
+                   f"with a shorter macro step. {_suggestion(result.scene, found, worst)}")
+    texts = [] if outcome == "unstable" else warnings_of(result.scene, found)
+    info = {**result.info, "verification": found.to_json(), "outcome": outcome, "message": message,
+            "warnings": [*result.info["warnings"], *texts]}
+    return replace(result, info=info, outcome=outcome, message=message)
+
+
+def warnings_of(scene: Scene, found: Verification) -> list[str]:
+    """What a user should know of the errors that were found."""
+    parted = [name for name, e in found.signals.items() if e.parted]
+    wrong = {name: e for name, e in found.signals.items() if e.rms > WARN and not e.parted}
+    texts = []
+    if parted:
+        texts.append(f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the macro step, "
+                     "while their deviations agree. These histories are one of many; figures have their error")
+    if wrong and parted:  # what hangs on a history that has parted is no sign of a step that is too long
+        wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
+    if wrong:
+        worst = worst_of(wrong)
+        others = _listed([worst, *(name for name in wrong if name != worst)])
+        texts.append(f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
+                     f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
+                     f"{_suggestion(scene, found, worst)}")
+    return texts
+
+
+def _suggestion(scene: Scene, found: Verification, name: str) -> str:
+    """The macro step that would bring the error of a signal below what is aimed at."""
+    error, step = found.signals[name], scene.master.step
+    if found.runs > 2 and (isnan(error.order) or error.order < 0.3):
+        return "Shorter steps did not bring it down: see the report for the histories"
+    order = min(error.order, 2.0) if isfinite(error.order) else 1.0
+    wanted = step * min((AIM / error.rms) ** (1.0 / order), 0.5)
+    what = "tolerance of master.control" if scene.master.control else f"master.step = {wanted:.1g}"
+    seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if it falls with the step"
+    return f"Take {what} for an error below {_percent(AIM)}, {seen}"
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} other signal{'s' if len(names) > 2 else ''}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %" if share < 10.0 else f"{100.0 * share:.0f} %" if share < 1e4 else "more than 10000 %"
+
+

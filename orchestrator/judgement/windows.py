@@ -1,0 +1,146 @@
+"""Verification of a run that is too long to repeat: windows of it are repeated with the macro step and with half of it.
+
+Both start from a state that was saved on the way, so that what a window shows is what its steps do wrong, not what came before.
+That is the error of the run where the system forgets within a window: `slower` names the signals that do not return to their
+mean in one.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...components.core.errors import StepFailed
+from ..engine.algorithms.energy import EnergyAccount
+from ..engine.algorithms.master import Master
+from ..engine.stepping.batch import BatchStepping
+from ..engine.stepping.loop import Steppable, Stepping
+from ..engine.stepping.observers import BatchObserver
+from ..scene.scene import Scene
+from .comparison import Difference, difference
+from .thresholds import WINDOWS, WINDOWS_SHARE
+
+FEWEST = 8  # macro steps of a window
+FORGOTTEN = 0.5  # part of a window that is judged: its start has no difference yet
+
+
+class WindowsFound(NamedTuple):
+    """differences: by signal, over all windows.  length: s, of one.  begins: s.  slower: signals slower than a window."""
+
+    differences: dict[str, Difference]
+    length: float
+    begins: tuple[float, ...]
+    slower: tuple[str, ...]
+
+
+def obstacle(scene: Scene) -> str:
+    """Why windows of a scene cannot be repeated; "" where they can."""
+    coupling, master = scene.coupling, scene.master
+    present = {"step control": master.control, "located events": master.events, "faults": scene.faults,
+               "units with rates of their own": coupling.rates}
+    kept = [words for words, there in present.items() if there]
+    kept += [f"{name}, which cannot go back to an earlier state" for name, one in coupling.interfaces.items()
+             if not one.saves_state]
+    kept += [f"{name}, which ends its steps by itself" for name, one in coupling.interfaces.items() if one.may_return_early]
+    return ", ".join(kept)
+
+
+@dataclass
+class WindowsWish:
+    """Asks a run for its windows where repeating all of it takes more than `budget` s of CPU time; `found` and `why` answer."""
+
+    budget: float
+    found: WindowsFound | None = None
+    why: str = ""
+
+
+class Windows(BatchObserver):
+    """Keeps the state at some instants of a run, which changes nothing; when the run has ended, windows are repeated from there."""
+
+    def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None):
+        """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them."""
+        self._master, self._stepping = master, stepping
+        self._stepper: Steppable = account if account is not None and account.correction else master
+        # a window is one step at H and two at H/2, so that its cost is three times its share of the run
+        self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
+        self._every = max(steps // WINDOWS, self._steps)
+        self._saved: list[tuple[int, float, Any]] = []
+
+    def __call__(self, tick: int, t: float) -> None:
+        step, rest = divmod(tick, self._stepping.stride)
+        if step % self._every == 0 and rest == 0 and self._fits(tick):
+            self._saved.append((tick, t, self._stepper.save()))
+
+    def _fits(self, tick: int) -> bool:
+        """Whether a window from a tick ends before the run does."""
+        return tick + self._steps * self._stepping.stride <= self._stepping.end
+
+    def keeps(self, n: int) -> range:
+        """As in `BatchObserver`."""
+        return range(-(self._stepping.tick // self._stepping.stride + 1) % self._every, n, self._every)
+
+    def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
+        """As in `BatchObserver`; in batches, no account takes part in steps."""
+        self._saved += [one for one in saved if self._fits(one[0])]
+
+    def answer(self, wish: WindowsWish, cpu: float) -> None:
+        """Repeat the windows if the run, which took `cpu` s, is too long to be repeated; call it when the run has ended."""
+        if 2.0 * cpu <= wish.budget:
+            return
+        if not self._saved or not self._master.positions:
+            wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
+            return
+        try:
+            wish.found = self.compare()
+        except StepFailed as error:
+            wish.why = f"a repeated window failed: {error}"
+
+    def compare(self) -> WindowsFound:
+        """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""
+        master = self._master
+        h = self._stepping.clock.seconds(self._stepping.stride)
+        names = [".".join(end) for end in master.positions]
+        rows: list[tuple[np.ndarray, np.ndarray]] = []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                for _, t, saved in self._saved:
+                    one = self._stepped(saved, t, h, self._steps)
+                    two = self._stepped(saved, t, 0.5 * h, 2 * self._steps)[1::2]
+                    first = int(FORGOTTEN * self._steps)
+                    rows.append((one[first:], two[first:]))
+            finally:
+                for _, _, saved in self._saved:
+                    for node, state in zip(master.nodes, getattr(saved, "master", saved).units, strict=True):
+                        node.unit.release(state)
+        first, second = (np.concatenate([pair[k] for pair in rows]) for k in range(2))
+        slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
+        return WindowsFound({name: difference(first[:, k], second[:, k]) for k, name in enumerate(names)},
+                            self._steps * h, tuple(t for _, t, _ in self._saved), slower)
+
+    def _stepped(self, saved: Any, t: float, h: float, n: int) -> np.ndarray:
+        """The master's signals behind each of n steps from a saved state, (n, signals)."""
+        self._stepper.restore(saved)
+        times = t + h * np.arange(n)
+        loop = self._stepping.loop if isinstance(self._stepping, BatchStepping) else None
+        if loop is not None and loop.possible(h):
+            samples, failure = loop.run(times, h, np.zeros(0, dtype=np.int64))
+            if failure is not None:
+                raise failure
+            return samples
+        rows = []
+        for time in times.tolist():
+            self._stepper.step(time, h)
+            rows.append(list(self._master.sample()))
+        return np.array(rows)
+
+
+def _crossings(values: np.ndarray) -> int:
+    """How often a signal crosses its mean; many times for one that stands still."""
+    if np.ptp(values) <= 1e-9 * np.abs(values).max(initial=0.0):
+        return FEWEST
+    return int(np.count_nonzero(np.diff(values > values.mean())))
