@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from signal import Signals
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -38,6 +38,7 @@ from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.summary import Summary
+    from ..judgement.verification import Wish
     from ..results import Result
     from ..scene.scene import Scene
 
@@ -71,8 +72,10 @@ def run(
     ))] = False,
     accuracy: Annotated[str | None, typer.Option("--accuracy", metavar="SHARE", help=(
         "The quickest setting whose error stays within this, as in 1% or 0.01; measured first if nothing is known."))] = None,
-    verify: Annotated[bool, typer.Option("--verify", help=(
-        "With --accuracy: a second, finer run, and how far it differs."))] = False,
+    verify: Annotated[str | None, typer.Option("--verify", metavar="whole|full", help=(
+        "Find errors by repeating the whole run with half the macro step, whatever it costs; full: and with finer internal "
+        "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it."))] = None,
+    no_verify: Annotated[bool, typer.Option("--no-verify", help="Do not repeat the run: its numbers have no error.")] = False,
     real_time: Annotated[bool, typer.Option("--real-time", help=(
         "No macro step ends before its time on the clock; how late steps were is in the report and in summary.json."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
@@ -84,8 +87,9 @@ def run(
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
+    from ..harness.summary import verification_text, with_error
+    from ..judgement.verification import run as run_scene
     from ..output import ensure_directory, locked
-    from ..run import run as run_scene
 
     loaded = loaded_scene(scene)
     given = {"master.step": step, "stop_time": stop, "master.algorithm": algorithm,
@@ -102,11 +106,12 @@ def run(
             loaded, choice, messages = effects_within(loaded, within, on_message)
         print(messages[0])
         print(messages[1], file=sys.stderr)
-    asked, reason = _tolerance(accuracy, verify, step, algorithm), None
+    asked, reason = _tolerance(accuracy, step, algorithm), None
     if asked is not None:
         with status_spinner() as on_message:
             loaded, reason, messages = setting_within(loaded, asked, on_message, lambda text: print(text, file=sys.stderr))
         print(*messages, sep="\n")
+    wish = _wish(verify, no_verify)
     if in_process and native:
         raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
     for option, wanted in (("--in-process", in_process), ("--native", native)):
@@ -114,7 +119,7 @@ def run(
             raise BadInput(option, "a scene of FMUs only", "components; it would have no effect", "Remove it.")
     if dry_run:
         for option, value in (("--checkpoint-every", checkpoint_every), ("--resume", resume), ("--native", native or None),
-                              ("--real-time", real_time or None)):
+                              ("--real-time", real_time or None), ("--verify", verify), ("--no-verify", no_verify or None)):
             if value is not None:
                 raise BadInput(option, repr(str(value)), "none with --dry-run; it would have no effect", "Remove one of them.")
         _dry_run(loaded, in_process)
@@ -126,7 +131,7 @@ def run(
     with locked(output) if output is not None else nullcontext():  # now, not after a long run, and until its report is written
         checkpoint = None if output is None or checkpoint_every is None else output / CHECKPOINT
         # at the pace of the clock nothing is written or drawn between the steps
-        result = run_scene(loaded, in_process=in_process, native=native, progress=not real_time,
+        result = run_scene(loaded, verify=wish, in_process=in_process, native=native, progress=not real_time,
                            checkpoint_every=checkpoint_every, checkpoint_to=checkpoint, resume=resume,
                            output=None if real_time else output, real_time=real_time)
         unchanged = None if real_time else result
@@ -140,11 +145,15 @@ def run(
                 result.save(output)
             print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
                                                                        *_numbers(numbers, output), *_report(result, output))))
-    print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end"), [
-        (name, result.measures[name], *result.extremes(name)) for name in result.columns if result.rows
+    verification = result.info["verification"]
+    errors = {name: _share(error["rms"]) for name, error in verification.get("signals", {}).items()}
+    print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end", "error"), [
+        (name, result.measures[name], *result.extremes(name), errors.get(name, "")) for name in result.columns if result.rows
     ])
     if numbers:
-        print_table("In numbers", ("quantity", "unit", "value", ""), [(r.name, r.unit, r.value, r.text) for r in numbers])
+        print_table("In numbers", ("quantity", "unit", "value", ""),
+                    [(r.name, r.unit, with_error(r.value, r.error), r.text) for r in numbers])
+    print(verification_text(verification))
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
     print(f"{timing['simulated']:g} s simulated in {timing['run']:.3g} s, {timing['start']:.3g} s to start{compiling}")
@@ -152,7 +161,7 @@ def run(
     if result.outcome != "done":
         print(f"cosimo: {result.message}", file=sys.stderr)
         raise SystemExit(STOPPED + Signals[result.info["signal"]] if result.outcome == "stopped" else FAILED_RUN)
-    if verify and asked is not None and not _verified(loaded, asked):
+    if wish == "full" and asked is not None and not _verified(loaded, asked):
         raise SystemExit(FAILED_CHECK)
 
 
@@ -213,11 +222,25 @@ def _walled(scene: Scene) -> dict[str, str]:
     return {f"units.{name}.isolation": "restricted" for name in foreign}
 
 
-def _tolerance(accuracy: str | None, verify: bool, step: float | None, algorithm: str | None) -> float | None:
+def _share(error: float | None) -> str:
+    """An error in parts of a signal's deviation, as a cell of a table."""
+    if error is None or error < 1e-4:
+        return "" if error is None else "< 0.01 %"
+    return f"{100.0 * error:.2g} %" if error < 0.995 else f"{100.0 * error:.0f} %"
+
+
+def _wish(verify: str | None, no_verify: bool) -> Wish:
+    """How the run is to be verified; raises `BadInput`."""
+    if verify is not None and no_verify:
+        raise BadInput("--verify", f"{verify!r} and --no-verify", "one of them", "Remove one of them.")
+    if verify not in (None, "whole", "full"):
+        raise BadInput("--verify", repr(verify), "whole or full")
+    return "no" if no_verify else cast("Wish", verify or "auto")
+
+
+def _tolerance(accuracy: str | None, step: float | None, algorithm: str | None) -> float | None:
     """The share that --accuracy asks for; raises `BadInput` for what it does not go with."""
     if accuracy is None:
-        if verify:
-            raise BadInput("--verify", "no --accuracy", "both of them", "Without a tolerance there is nothing to verify.")
         return None
     for option, value in (("--step", step), ("--algorithm", algorithm)):
         if value is not None:
@@ -252,6 +275,6 @@ def _dry_run(scene: Scene, in_process: bool) -> None:
     coupling = scene.coupling
     for table in tables(scene, coupling, advice):
         print_table(*table)
-    for line in lines(scene, coupling, advice):
+    for line in lines(scene, coupling, advice, in_process=in_process):
         print(line)
     warn([*scene.remarks, *advice.warnings(scene)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from html import escape
-from math import isfinite
+from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from ...components.core.errors import BadInput, nearest
@@ -13,16 +13,41 @@ from ...components.core.errors import BadInput, nearest
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """One number of a run. name: "unit.quantity", unique in a run.  text: what it is, with how it was made where that matters."""
+    """One number of a run. name: "unit.quantity", unique in a run.  text: what it is, with how it was made where that matters.
+
+    error: its numerical error, in the same unit; NaN where the run was not verified, or the error is not known.
+    """
 
     name: str
     value: float
     unit: str
     text: str
+    error: float = nan
 
     def to_json(self) -> dict[str, Any]:
         """The row of summary.json; a number that is not finite is null."""
-        return {"value": self.value if isfinite(self.value) else None, "unit": self.unit, "text": self.text}
+        return {"value": self.value if isfinite(self.value) else None, "error": self.error if isfinite(self.error) else None,
+                "unit": self.unit, "text": self.text}
+
+
+def with_error(value: float, error: float) -> str:
+    """ "116.0 ± 0.3": a number to the digit of its error's leading one, of which two are kept where it is a 1.
+
+    Without a known error the number has six digits; with one that is smaller than the sixth, the error is said to be below it.
+    """
+    if not (isfinite(value) and isfinite(error)):
+        return f"{value:.6g}"
+    if error == 0.0:
+        return f"{value:.6g} ± 0"
+    sixth = 10.0 ** (floor(log10(abs(value))) - 5) if value else 0.0
+    if error < sixth:
+        return f"{value:.6g} ± <{sixth:.0g}"
+    digit = floor(log10(error))
+    digit -= error < 2.0 * 10.0**digit  # 0.14 rather than 0.1
+    shown = ceil(error / 10.0**digit * (1.0 - 1e-9)) * 10.0**digit  # never less than it is
+    if digit >= 0 or digit < -9:
+        return f"{value:.6g} ± {shown:.2g}" if digit < 5 and digit >= 0 and abs(value) < 1e6 else f"{value:.4g} ± {shown:.2g}"
+    return f"{value:.{-digit}f} ± {shown:.{-digit}f}"
 
 
 Summary = tuple[SummaryRow, ...]
@@ -41,10 +66,12 @@ class SummaryTable(Summary):
 
     def __repr__(self) -> str:
         width = max((len(row.name) for row in self), default=0)
-        return "\n".join(f"{row.name:{width}}  {row.value:.6g} {row.unit if row.unit != '1' else ''}".rstrip() for row in self)
+        return "\n".join(f"{row.name:{width}}  {with_error(row.value, row.error)} {row.unit if row.unit != '1' else ''}".rstrip()
+                         for row in self)
 
     def _repr_html_(self) -> str:
-        cells = "".join(f"<tr><td>{escape(r.name)}<td>{r.value:.6g}<td>{escape(r.unit)}<td>{escape(r.text)}" for r in self)
+        cells = "".join(f"<tr><td>{escape(r.name)}<td>{with_error(r.value, r.error)}<td>{escape(r.unit)}<td>{escape(r.text)}"
+                        for r in self)
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
 
 
@@ -68,3 +95,19 @@ def pacing_rows(info: Mapping[str, Any]) -> Summary:
 def to_json(summary: Summary) -> dict[str, Any]:
     """The object of summary.json, by the rows' names."""
     return {row.name: row.to_json() for row in summary}
+
+
+def verification_text(found: Mapping[str, Any]) -> str:
+    """How the errors of a run were found, or why there are none. found: `verification` of run.json."""
+    if not found.get("done"):
+        return f"Not verified: {found.get('why') or 'no run was repeated'}. The numbers have no known error."
+    step, runs = found["step"], "two runs" if found["runs"] == 2 else "three runs"
+    if windows := found.get("windows"):
+        slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
+        return (f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
+                f"repeated with a macro step of {step:g} s{slower}. {found['why'][:1].upper()}{found['why'][1:]}.")
+    text = (f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "
+            f"{step:g} s{f' and {0.5 * step:g} s' if found['runs'] > 2 else ''}.")
+    parts = [f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}" for place, part in found.get("parts", {}).items()
+             for name in [place.removeprefix("units.").replace(".parameters.", ".")]]
+    return f"{text} Refined inside, each by itself: {'; '.join(parts)}." if parts else text

@@ -10,6 +10,7 @@ from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Loop
 from ..scene.scene import Scene
 from .probing import Advice, Contact
+from .thresholds import SECONDS, WINDOWS_SHARE
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
@@ -39,8 +40,8 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
         yield "stability", columns, [_row(contact) for contact in advice.contacts]
 
 
-def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
-    """The remarks, one line each."""
+def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool = False) -> Iterator[str]:
+    """The remarks, one line each; `in_process`: how the run was probed."""
     master = scene.master
     circles = [", ".join(group) for group in coupling.groups if len(group) > 1]
     yield f"units that feed one another: {'; '.join(circles) or 'none'}"
@@ -64,6 +65,12 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[str]:
     compiling = f" and, in a first run, compiling once ({advice.compiling:.2g} s just now)" if advice.compiling else ""
     yield (f"{master.algorithm}: {steps}, {1e6 * advice.seconds:.3g} us each: about {whole:.2g} s for {scene.stop_time:g} s, "
            f"beside starting{compiling}")
+    if in_process and 2.0 * whole > SECONDS:
+        yield (f"verification: windows of the run with half the macro step, about {WINDOWS_SHARE * whole:.2g} s; the whole with "
+               f"--verify whole, {2.0 * whole:.2g} s")
+    else:
+        yield (f"verification: the run again with half the macro step, {'about' if in_process else 'in process, below'} "
+               f"{2.0 * whole:.2g} s; where the two differ by much, with a quarter of it as well")
 
 
 def _remarks(name: str, scene: Scene) -> str:

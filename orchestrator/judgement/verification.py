@@ -92,7 +92,8 @@ def _here(scene: Scene, in_process: bool) -> bool:
     return in_process or not any(unit.component for unit in scene.units.values())
 
 
-def verified_result(result: Result, wish: Wish = "auto", *, in_process: bool = False, windows: WindowsWish | None = None) -> Result:
+def verified_result(result: Result, wish: Wish = "auto", *, in_process: bool = False,
+                    windows: WindowsWish | None = None) -> Result:
     """A result with `info["verification"]`, the warnings that follow, and another outcome where the run was unstable."""
     if result.outcome != "done":
         return _with(result, Verification(False, f"the run is {result.outcome}"))
@@ -248,6 +249,5 @@ def _listed(names: list[str]) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share < 10.0 else f"{100.0 * share:.0f} %" if share < 1e4 else "more than 10000 %"
-
-
+    """Of two digits; large ones say no more than that."""
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %" if share < 100.0 else "more than 10000 %"

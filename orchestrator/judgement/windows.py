@@ -59,7 +59,7 @@ class WindowsWish:
 
 
 class Windows(BatchObserver):
-    """Keeps the state at some instants of a run, which changes nothing; when the run has ended, windows are repeated from there."""
+    """Keeps the state at some instants of a run, which changes nothing; windows are repeated from there when it has ended."""
 
     def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None):
         """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them."""

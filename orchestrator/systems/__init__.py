@@ -6,6 +6,7 @@ Adding a system: a folder here with an object `SYSTEM`, and its name in `NAMES`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -122,13 +123,16 @@ def validate(names: Iterable[str], directory: str | Path, in_process: bool = Fal
 def summary(result: Result) -> SummaryTable:
     """Figures of a run in numbers, as its system has them: EN 50317 statistics, errors, energies ...; none of an unknown system.
 
+    Each has its numerical error where the run was verified.
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
     from ..harness.summary import SummaryTable, pacing_rows
 
     system = result.scene.analysis.system
     of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
-    return SummaryTable((*of_system, *pacing_rows(result.info)))
+    errors = result.info.get("verification", {}).get("figures", {})
+    known = [row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in of_system]
+    return SummaryTable((*known, *pacing_rows(result.info)))
 
 
 def write_report(result: Result, directory: str | Path) -> Path:
