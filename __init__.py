@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from .orchestrator.harness.studies.accuracy import accuracy
     from .orchestrator.harness.studies.effects import effects
     from .orchestrator.harness.studies.stability import stability
-    from .orchestrator.results import Result
     from .orchestrator.judgement.verification import run
+    from .orchestrator.results import Result
     from .orchestrator.scene.build import unit
     from .orchestrator.scene.scene import Scene
     from .orchestrator.scene.text import write_scene

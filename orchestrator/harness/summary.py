@@ -97,17 +97,18 @@ def to_json(summary: Summary) -> dict[str, Any]:
     return {row.name: row.to_json() for row in summary}
 
 
-def verification_text(found: Mapping[str, Any]) -> str:
-    """How the errors of a run were found, or why there are none. found: `verification` of run.json."""
-    if not found.get("done"):
-        return f"Not verified: {found.get('why') or 'no run was repeated'}. The numbers have no known error."
-    step, runs = found["step"], "two runs" if found["runs"] == 2 else "three runs"
-    if windows := found.get("windows"):
+def verification_text(verification: Mapping[str, Any]) -> str:
+    """How the errors of a run were found, or why there are none. verification: of run.json."""
+    if not verification.get("done"):
+        return f"Not verified: {verification.get('why') or 'no run was repeated'}. The numbers have no known error."
+    step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"
+    if windows := verification.get("windows"):
         slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
         return (f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
-                f"repeated with a macro step of {step:g} s{slower}. {found['why'][:1].upper()}{found['why'][1:]}.")
+                f"repeated with a macro step of {step:g} s{slower}. {verification['why'][:1].upper()}{verification['why'][1:]}.")
     text = (f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "
-            f"{step:g} s{f' and {0.5 * step:g} s' if found['runs'] > 2 else ''}.")
-    parts = [f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}" for place, part in found.get("parts", {}).items()
+            f"{step:g} s{f' and {0.5 * step:g} s' if verification['runs'] > 2 else ''}.")
+    parts = [f"{name}: {100.0 * part['difference']:.2g} % of {part['signal']}"
+             for place, part in verification.get("parts", {}).items()
              for name in [place.removeprefix("units.").replace(".parameters.", ".")]]
     return f"{text} Refined inside, each by itself: {'; '.join(parts)}." if parts else text

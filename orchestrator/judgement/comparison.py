@@ -73,19 +73,19 @@ def differences(first: Result, second: Result) -> dict[str, Difference]:
     Signals that jump between values, and texts, differ by the share of rows in which they are not the same.
     """
     here, there = _common_rows(first.time, second.time)
-    found = {}
+    compared = {}
     for name in first.columns:
         a = first[name] if here is None else first[name][here]
-        if _jumps(first, name):
+        if _discrete(first, name):
             k = np.searchsorted(second.time, first.time, side="right") - 1 if there is None else there
-            found[name] = _compared(np.where(a == second[name][np.maximum(k, 0)], 0.0, 1.0), 1.0)
+            compared[name] = _in_parts(np.where(a == second[name][np.maximum(k, 0)], 0.0, 1.0), 1.0)
             continue
         b = np.interp(first.time, second.time, second[name]) if there is None else second[name][there]
-        found[name] = difference(a, b)
+        compared[name] = difference(a, b)
     for name in first.texts:
         k = np.maximum(np.searchsorted(second.time, first.time, side="right") - 1, 0)
-        found[name] = _compared(np.where(first[name] == second[name][k], 0.0, 1.0), 1.0)
-    return found
+        compared[name] = _in_parts(np.where(first[name] == second[name][k], 0.0, 1.0), 1.0)
+    return compared
 
 
 def difference(first: np.ndarray, second: np.ndarray) -> Difference:
@@ -95,10 +95,10 @@ def difference(first: np.ndarray, second: np.ndarray) -> Difference:
     gap[np.isnan(first) & np.isnan(second)] = 0.0
     gap[first == second] = 0.0  # infinities
     gap[~np.isfinite(gap)] = max(scale, own)
-    return _compared(gap, scale or own, own / scale if scale else 1.0)
+    return _in_parts(gap, scale or own, own / scale if scale else 1.0)
 
 
-def _compared(gap: np.ndarray, scale: float, spread: float = 1.0) -> Difference:
+def _in_parts(gap: np.ndarray, scale: float, spread: float = 1.0) -> Difference:
     if not gap.size or not gap.any():
         return Difference(0.0, 0.0, np.zeros(PARTS), spread)
     with np.errstate(over="ignore"):
@@ -115,16 +115,16 @@ def _common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | No
     return (np.flatnonzero(same), k[same]) if 2 * same.sum() >= first.size else (None, None)
 
 
-def _jumps(result: Result, name: str) -> bool:
+def _discrete(result: Result, name: str) -> bool:
     """Whether a recorded signal changes at instants only."""
     unit, output = result.scene.split(name)
     signal = result.scene.coupling.interfaces[unit].outputs.get(output) if unit in result.scene.coupling.interfaces else None
     return signal is not None and is_discrete(signal)
 
 
-def needs_third(found: Mapping[str, Difference]) -> bool:
+def needs_third(compared: Mapping[str, Difference]) -> bool:
     """Whether two runs differ too much for an error of their difference alone."""
-    return any(one.rms > ORDER_UNSURE for one in found.values())
+    return any(one.rms > ORDER_UNSURE for one in compared.values())
 
 
 def signal_errors(first: Mapping[str, Difference], second: Mapping[str, Difference] | None) -> dict[str, SignalError]:

@@ -99,14 +99,14 @@ def verified_result(result: Result, wish: Wish = "auto", *, in_process: bool = F
         return _with(result, Verification(False, f"the run is {result.outcome}"))
     if wish == "no":
         return _with(result, Verification(False, NOT_ASKED))
-    if windows is not None and (windows.found or windows.why):
+    if windows is not None and (windows.result or windows.why):
         return _judged(result, _of_windows(result.scene, windows))
     begun = process_time()
     try:
-        found = _repeated(result, wish, in_process)
+        verification = _repeated(result, wish, in_process)
     except BadInput as error:  # such as an FMU whose step is fixed
-        found = Verification(False, f"the run cannot be repeated with half its macro step: {error}")
-    return _judged(result, replace(found, seconds=process_time() - begun))
+        verification = Verification(False, f"the run cannot be repeated with half its macro step: {error}")
+    return _judged(result, replace(verification, seconds=process_time() - begun))
 
 
 def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
@@ -170,14 +170,14 @@ def _over_windows(scene: Scene) -> Verification:
 
 
 def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
-    found = wish.found
-    if found is None:
+    seen = wish.result
+    if seen is None:
         return Verification(False, f"the run is too long to be repeated without being asked for (--verify whole), and {wish.why}")
     recorded = {".".join(end) for end in scene.coupling.signals}
-    errors = signal_errors({name: d for name, d in found.differences.items() if name in recorded}, None)
+    errors = signal_errors({name: d for name, d in seen.differences.items() if name in recorded}, None)
     return Verification(True, "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
-                        0.5 * scene.master.step, "windows", 2, errors, windows=found.begins, length=found.length,
-                        slower=found.slower)
+                        0.5 * scene.master.step, "windows", 2, errors, windows=seen.begins, length=seen.length,
+                        slower=seen.slower)
 
 
 def shorter(scene: Scene, parts: int) -> dict[str, Any]:
@@ -193,30 +193,31 @@ def shorter(scene: Scene, parts: int) -> dict[str, Any]:
     return changes | ({"record.snapshot_interval": step} if record.snapshots and record.snapshot_interval is None else {})
 
 
-def _with(result: Result, found: Verification) -> Result:
-    return replace(result, info={**result.info, "verification": found.to_json()})
+def _with(result: Result, verification: Verification) -> Result:
+    return replace(result, info={**result.info, "verification": verification.to_json()})
 
 
-def _judged(result: Result, found: Verification) -> Result:
+def _judged(result: Result, verification: Verification) -> Result:
     """The result with what was found, and what follows for its outcome and its warnings."""
-    if not found.done:
-        return _with(result, found)
+    if not verification.done:
+        return _with(result, verification)
     outcome, message = result.outcome, result.message
-    if unstable := [name for name, e in found.signals.items() if e.rms > LOST and e.grown > GROWN]:
-        worst = max(unstable, key=lambda name: found.signals[name].grown)
+    if unstable := [name for name, e in verification.signals.items() if e.rms > LOST and e.grown > GROWN]:
+        worst = max(unstable, key=lambda name: verification.signals[name].grown)
         outcome = "unstable"
-        message = (f"the coupling is unstable: the deviation of {worst} is {found.signals[worst].grown:.2g} times that of a run "
-                   f"with a shorter macro step. {_suggestion(result.scene, found, worst)}")
-    texts = [] if outcome == "unstable" else warnings_of(result.scene, found)
-    info = {**result.info, "verification": found.to_json(), "outcome": outcome, "message": message,
+        grown = verification.signals[worst].grown
+        message = (f"the coupling is unstable: the deviation of {worst} is {grown:.2g} times that of a run with a shorter macro "
+                   f"step. {_suggestion(result.scene, verification, worst)}")
+    texts = [] if outcome == "unstable" else warnings_of(result.scene, verification)
+    info = {**result.info, "verification": verification.to_json(), "outcome": outcome, "message": message,
             "warnings": [*result.info["warnings"], *texts]}
     return replace(result, info=info, outcome=outcome, message=message)
 
 
-def warnings_of(scene: Scene, found: Verification) -> list[str]:
+def warnings_of(scene: Scene, verification: Verification) -> list[str]:
     """What a user should know of the errors that were found."""
-    parted = [name for name, e in found.signals.items() if e.parted]
-    wrong = {name: e for name, e in found.signals.items() if e.rms > WARN and not e.parted}
+    parted = [name for name, e in verification.signals.items() if e.parted]
+    wrong = {name: e for name, e in verification.signals.items() if e.rms > WARN and not e.parted}
     texts = []
     if parted:
         texts.append(f"the motion is chaotic: histories of {_listed(parted)} part from those of a run with half the macro step, "
@@ -228,14 +229,14 @@ def warnings_of(scene: Scene, found: Verification) -> list[str]:
         others = _listed([worst, *(name for name in wrong if name != worst)])
         texts.append(f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
                      f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
-                     f"{_suggestion(scene, found, worst)}")
+                     f"{_suggestion(scene, verification, worst)}")
     return texts
 
 
-def _suggestion(scene: Scene, found: Verification, name: str) -> str:
+def _suggestion(scene: Scene, verification: Verification, name: str) -> str:
     """The macro step that would bring the error of a signal below what is aimed at."""
-    error, step = found.signals[name], scene.master.step
-    if found.runs > 2 and (isnan(error.order) or error.order < 0.3):
+    error, step = verification.signals[name], scene.master.step
+    if verification.runs > 2 and (isnan(error.order) or error.order < 0.3):
         return "Shorter steps did not bring it down: see the report for the histories"
     order = min(error.order, 2.0) if isfinite(error.order) else 1.0
     wanted = step * min((AIM / error.rms) ** (1.0 / order), 0.5)

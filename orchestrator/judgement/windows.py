@@ -28,7 +28,7 @@ FEWEST = 8  # macro steps of a window
 FORGOTTEN = 0.5  # part of a window that is judged: its start has no difference yet
 
 
-class WindowsFound(NamedTuple):
+class WindowsResult(NamedTuple):
     """differences: by signal, over all windows.  length: s, of one.  begins: s.  slower: signals slower than a window."""
 
     differences: dict[str, Difference]
@@ -51,10 +51,10 @@ def obstacle(scene: Scene) -> str:
 
 @dataclass
 class WindowsWish:
-    """Asks a run for its windows where repeating all of it takes more than `budget` s of CPU time; `found` and `why` answer."""
+    """Asks a run for its windows where repeating all of it takes more than `budget` s of CPU time; `result` and `why` answer."""
 
     budget: float
-    found: WindowsFound | None = None
+    result: WindowsResult | None = None
     why: str = ""
 
 
@@ -95,11 +95,11 @@ class Windows(BatchObserver):
             wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
             return
         try:
-            wish.found = self.compare()
+            wish.result = self.compare()
         except StepFailed as error:
             wish.why = f"a repeated window failed: {error}"
 
-    def compare(self) -> WindowsFound:
+    def compare(self) -> WindowsResult:
         """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""
         master = self._master
         h = self._stepping.clock.seconds(self._stepping.stride)
@@ -119,7 +119,7 @@ class Windows(BatchObserver):
                         node.unit.release(state)
         first, second = (np.concatenate([pair[k] for pair in rows]) for k in range(2))
         slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
-        return WindowsFound({name: difference(first[:, k], second[:, k]) for k, name in enumerate(names)},
+        return WindowsResult({name: difference(first[:, k], second[:, k]) for k, name in enumerate(names)},
                             self._steps * h, tuple(t for _, t, _ in self._saved), slower)
 
     def _stepped(self, saved: Any, t: float, h: float, n: int) -> np.ndarray:

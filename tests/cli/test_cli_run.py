@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.judgement import advise
 from cosimo.orchestrator.systems import read_scene
 from pythonfmu.builder import FmuBuilder
 

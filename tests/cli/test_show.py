@@ -6,8 +6,8 @@ import pytest
 from cosimo.components.core.kernels import COMPILED, DONE, kernel
 from cosimo.components.core.stateless import StatelessComponent
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.advice.stepping_path import stepping_path
 from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.judgement.stepping_path import stepping_path
 from cosimo.orchestrator.systems import load_scene, read_scene
 
 compiled = pytest.mark.skipif(not COMPILED, reason="without Numba every step is Python")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.variables import output, parameter
-from cosimo.orchestrator.advice import advise
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.coupling import resolve_coupling
+from cosimo.orchestrator.judgement import advise
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.settings import UnitSettings
 from cosimo.orchestrator.systems import read_scene

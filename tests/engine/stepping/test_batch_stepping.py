@@ -5,10 +5,10 @@ import pytest
 from cosimo.components.core.component import Component
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output
-from cosimo.orchestrator.advice.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel
 from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
+from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.orchestrator.units.entries import Callback

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
-from cosimo.orchestrator.advice.stability import longest_step
 from cosimo.orchestrator.harness.studies.stability import schemes_of, stability
+from cosimo.orchestrator.judgement.stability import longest_step
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 
@@ -90,7 +90,7 @@ def test_two_masses_have_the_limits_of_their_own_spectral_radius():
 
 def test_bodies_that_drift_apart_are_not_unstable():
     """A spring and damper between two free bodies: both keep the push, the limit is that of the reduced mass."""
-    joint = "cosimo.tests.run.advice.test_advice:Between"
+    joint = "cosimo.tests.run.judgement.test_advice:Between"
     scene = read_scene({
         "stop_time": 20.0, "connections": ["s.f1 -> a.force", "s.f2 -> b.force", "a.x_out -> s.x1", "a.v_out -> s.v1",
                                            "b.x_out -> s.x2", "b.v_out -> s.v2"],

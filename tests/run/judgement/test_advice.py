@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.variables import input_, output, parameter
-from cosimo.orchestrator.advice import advise, step_cost
-from cosimo.orchestrator.advice.dry_run import lines
+from cosimo.orchestrator.judgement import advise, step_cost
+from cosimo.orchestrator.judgement.dry_run import lines
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import Linear, Mass, two_masses
@@ -75,7 +75,7 @@ class Wall(Linear):
 
 
 def component(cls, **parameters):
-    name = cls if isinstance(cls, str) else f"cosimo.tests.run.advice.test_advice:{cls.__name__}"
+    name = cls if isinstance(cls, str) else f"cosimo.tests.run.judgement.test_advice:{cls.__name__}"
     return {"component": name} | ({"parameters": parameters} if parameters else {})
 
 

@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.advice.instability import InstabilityMonitor
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
+from cosimo.orchestrator.judgement.instability import InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.scene import scene_files
 from cosimo.orchestrator.systems import load_scene, read_scene
