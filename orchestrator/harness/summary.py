@@ -104,6 +104,7 @@ def verification_text(verification: Mapping[str, Any]) -> str:
     step, runs = verification["step"], "two runs" if verification["runs"] == 2 else "three runs"
     if windows := verification.get("windows"):
         slower = f"; slower than a window: {', '.join(windows['slower'])}" if windows["slower"] else ""
+        slower += f"; taken to grow on as in a window: {', '.join(windows['growing'])}" if windows["growing"] else ""
         return (f"Errors of signals (rms, of the deviation) from {len(windows['begins'])} windows of {windows['length']:.3g} s, "
                 f"repeated with a macro step of {step:g} s{slower}. {verification['why'][:1].upper()}{verification['why'][1:]}.")
     text = (f"± and error (rms, of a signal's deviation) are numerical: from {runs}, with the macro step and with "

@@ -21,6 +21,9 @@ APART = 0.3  # difference in the last part from which histories have parted
 SAME_SPREAD = 1.25  # factor that deviations of runs may differ by whose histories part while their statistics agree
 CONVERGING = 1.5  # factor by which differences fall with half the step, from which runs converge; first order has 2
 GROWN = 3.0  # deviation over that of the finest run from which the coupling makes a motion of its own: it is unstable
+GROWING = 1.2  # factor from the third to the last quarter of a window from which a difference grows on: evenly, it would be 1.4
+NEGLIGIBLE = 1e-6  # of a signal's scale: a difference below it is rounding and what an iteration leaves
+UNRELATED = 2.0**0.5  # difference of two histories of the same deviation that have nothing to do with one another
 LOST = 1.0  # error from which such a signal tells nothing
 
 # -- while a run goes on -------------------------------------------------------------------------------------------------------

@@ -34,8 +34,9 @@ class Verification:
 
     done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
     "whole", "windows".  signals: by name.  figures: errors of the summary's figures, in their units.  windows: begins (s) and
-    length (s).  slower: signals slower than a window.  parts: place of an internal setting -> worst signal and its error.
-    seconds: CPU time that it took.
+    length (s).  slower: signals slower than a window.
+    growing: whose difference still grows there, see `windows`.  parts: place of an internal setting -> worst signal and how much
+    it changes.  seconds: CPU time that it took.
     """
 
     done: bool
@@ -48,6 +49,7 @@ class Verification:
     windows: tuple[float, ...] = ()
     length: float = nan
     slower: tuple[str, ...] = ()
+    growing: tuple[str, ...] = ()
     parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     seconds: float = 0.0
 
@@ -59,7 +61,8 @@ class Verification:
             "done": True, "why": self.why, "step": self.step, "how": self.how, "runs": self.runs,
             "signals": {name: error.to_json() for name, error in self.signals.items()},
             "figures": {name: error if isfinite(error) else None for name, error in self.figures.items()},
-            **({"windows": {"begins": list(self.windows), "length": self.length, "slower": list(self.slower)}}
+            **({"windows": {"begins": list(self.windows), "length": self.length, "slower": list(self.slower),
+                            "growing": list(self.growing)}}
                if self.windows else {}),
             **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
             "seconds": self.seconds,
@@ -177,7 +180,7 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
     errors = signal_errors({name: d for name, d in seen.differences.items() if name in recorded}, None)
     return Verification(True, "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
                         0.5 * scene.master.step, "windows", 2, errors, windows=seen.begins, length=seen.length,
-                        slower=seen.slower)
+                        slower=seen.slower, growing=seen.growing)
 
 
 def shorter(scene: Scene, parts: int) -> dict[str, Any]:

@@ -1,15 +1,16 @@
 """Verification of a run that is too long to repeat: windows of it are repeated with the macro step and with half of it.
 
 Both start from a state that was saved on the way, so that what a window shows is what its steps do wrong, not what came before.
-That is the error of the run where the system forgets within a window: `slower` names the signals that do not return to their
-mean in one.
+That is the error of the run where the system forgets within a window. Where a difference still grows at the end of a window, as
+a phase does that drifts away, it is taken to go on like that over the whole run. `slower` names the signals that do not return
+to their mean in a window.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,19 +23,23 @@ from ..engine.stepping.loop import Steppable, Stepping
 from ..engine.stepping.observers import BatchObserver
 from ..scene.scene import Scene
 from .comparison import Difference, difference
-from .thresholds import WINDOWS, WINDOWS_SHARE
+from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_SHARE
 
 FEWEST = 8  # macro steps of a window
-FORGOTTEN = 0.5  # part of a window that is judged: its start has no difference yet
+JUDGED = 0.5  # part of a window behind which it is judged: its start has no difference yet
 
 
 class WindowsResult(NamedTuple):
-    """differences: by signal, over all windows.  length: s, of one.  begins: s.  slower: signals slower than a window."""
+    """differences: by signal, over all windows.  length: s, of one.  begins: s.  slower: signals slower than a window.
+
+    growing: signals whose difference still grows there, and counts as many times as windows fit into the run.
+    """
 
     differences: dict[str, Difference]
     length: float
     begins: tuple[float, ...]
     slower: tuple[str, ...]
+    growing: tuple[str, ...]
 
 
 def obstacle(scene: Scene) -> str:
@@ -110,17 +115,25 @@ class Windows(BatchObserver):
             try:
                 for _, t, saved in self._saved:
                     one = self._stepped(saved, t, h, self._steps)
-                    two = self._stepped(saved, t, 0.5 * h, 2 * self._steps)[1::2]
-                    first = int(FORGOTTEN * self._steps)
-                    rows.append((one[first:], two[first:]))
+                    rows.append((one, self._stepped(saved, t, 0.5 * h, 2 * self._steps)[1::2]))
             finally:
                 for _, _, saved in self._saved:
                     for node, state in zip(master.nodes, getattr(saved, "master", saved).units, strict=True):
                         node.unit.release(state)
-        first, second = (np.concatenate([pair[k] for pair in rows]) for k in range(2))
         slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
-        return WindowsResult({name: difference(first[:, k], second[:, k]) for k, name in enumerate(names)},
-                            self._steps * h, tuple(t for _, t, _ in self._saved), slower)
+        differences, growing, first = {}, [], int(JUDGED * self._steps)
+        longer = (self._stepping.end // self._stepping.stride) / self._steps
+        for k, name in enumerate(names):
+            one, two = (np.concatenate([pair[i][first:, k] for pair in rows]) for i in range(2))
+            gap = difference(one, two)
+            third, last = (np.concatenate([(pair[0] - pair[1])[at, k] for pair in rows])
+                           for at in np.array_split(np.arange(first, self._steps), 2))
+            if np.square(last).mean() > GROWING**2 * np.square(third).mean() and gap.rms > NEGLIGIBLE:
+                growing.append(name)
+                factor = max(min(longer, UNRELATED / gap.rms), 1.0)
+                gap = replace(gap, rms=factor * gap.rms, largest=factor * gap.largest)
+            differences[name] = gap
+        return WindowsResult(differences, self._steps * h, tuple(float(t) for _, t, _ in self._saved), slower, tuple(growing))
 
     def _stepped(self, saved: Any, t: float, h: float, n: int) -> np.ndarray:
         """The master's signals behind each of n steps from a saved state, (n, signals)."""

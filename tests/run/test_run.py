@@ -242,17 +242,6 @@ def test_fmu_equals_in_process_to_the_last_bit(algorithm, degree):
     assert np.ptp(here["pantograph.contact_force"]) > 1.0  # N; something did move
 
 
-def test_missed_inputs_are_those_of_the_extrapolation():
-    """Free oscillation at 1 rad/s: a held input misses by the chord, 2 sin(h/2) of the amplitude, a linear one by its square."""
-    unit = {"component": "cosimo.tests.support:Mass", "parameters": {"k": 1.0, "v0": 1.0}}
-    for degree, power in ((0, 1), (1, 2), (2, 3)):
-        scene = {"stop_time": 400.0 * np.pi, "units": {"m": unit, "p": {"component": "cosimo.tests.support:Probe"}},
-                 "connections": ["m.x_out -> p.length"], "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": degree}}
-        missed = run(read_scene(scene)).info["input_misses"]
-        # whole periods, but one sample in 29 and a start of lower degree
-        assert missed["p.length"] == pytest.approx((2.0 * np.sin(0.05)) ** power, rel=0.05)
-
-
 class Forgetful(OfTime):
     """Counts its steps where `save` does not look."""
 

@@ -147,13 +147,6 @@ def test_smoothing_leaves_jumps_that_are_meant(described):
     assert result["b.sums[1]"][-1] == pytest.approx(STEP * 45.0, rel=1e-12)
 
 
-def test_held_signals_are_no_missed_guesses(described):
-    described(("c", "ticks"), discrete=True)
-    result = run(read_scene({**scene("jacobi", 1), "stop_time": 20.0}))
-    assert "b.jumps" not in result.info["input_misses"]
-    assert "b.moves" in result.info["input_misses"]
-
-
 @pytest.mark.parametrize("feedthrough", ["immediate", "delayed"])
 def test_a_discrete_algebraic_loop_is_refused_unless_its_values_may_be_stale(feedthrough, described):
     both = {"component": f"{HERE}:Both"}
