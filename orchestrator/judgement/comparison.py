@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite, log2, nan
+from math import inf, isfinite, log2, nan
 
 import numpy as np
 
 from ..engine.coupling.graph import is_discrete
 from ..results import Result
-from .thresholds import APART, CONVERGING, HARDLY, ORDER_UNSURE, PARTS, SAME_SPREAD, TOGETHER
+from ..units.interface import Signal
+from .thresholds import APART, CONVERGING, FEW, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
 SURE, UNSURE = 2.0, 3.0  # error over the difference of two runs: at first order, and where the order is not known
@@ -31,80 +32,112 @@ class Difference:
     """Of two runs in one signal, in parts of the signal's scale.
 
     rms, largest: over all rows.  parts: (PARTS,) rms in equal parts of the run.  spread: deviation of the first over the second.
+    rest: rms without the few rows in which most of it is; as large as `rms` where it is not in few rows.
     """
 
     rms: float
     largest: float
     parts: np.ndarray
     spread: float = 1.0
+    rest: float = inf
 
 
 @dataclass(frozen=True)
 class SignalError:
     """Estimated error of a signal, in parts of its scale: rms and largest. order: that was seen; NaN from two runs.
 
-    parted: whether histories have parted while statistics agree, as in a chaotic motion.  grown: deviation over that of the
-    finest run.
+    half: rms error of the run with half the step; NaN from two runs.  parted: whether histories have parted while statistics
+    agree, as in a chaotic motion.  shifted: whether the error is that of jumps at other instants, in few rows.  grown: deviation
+    over that of the finest run.
     """
 
     rms: float
     largest: float
     order: float = nan
+    half: float = nan
     parted: bool = False
+    shifted: bool = False
     grown: float = 1.0
 
     def to_json(self) -> dict[str, float | bool | None]:
         """The object of run.json; what is not known is null."""
         numbers = {"rms": self.rms, "max": self.largest, "order": self.order}
-        return {k: v if isfinite(v) else None for k, v in numbers.items()} | ({"parted": True} if self.parted else {})
+        kinds = {name: True for name, there in (("parted", self.parted), ("shifted", self.shifted)) if there}
+        return {k: v if isfinite(v) else None for k, v in numbers.items()} | kinds
 
 
-def scale_of(values: np.ndarray) -> float:
-    """What errors of a signal are shares of: its standard deviation, or of one that hardly varies its rms; 0 of one that is 0."""
+def scale_of(values: np.ndarray, nominal: float = 0.0) -> float:
+    """What errors of a signal are shares of: its standard deviation; of one that hardly varies, its size.
+
+    nominal: the declared size, which tells rounding from a signal where all of it is small.
+    """
     known = values[np.isfinite(values)]
-    if not known.size:
-        return 0.0
-    return max(float(known.std()), HARDLY * float(np.sqrt(np.mean(known**2))))
+    size = float(np.sqrt(np.mean(known**2))) if known.size else 0.0
+    return max(float(known.std()) if known.size else 0.0, HARDLY * size, ROUNDING * nominal)
 
 
 def differences(first: Result, second: Result) -> dict[str, Difference]:
     """Of every recorded signal of two runs of a scene, at the times of the first; `second` has the shorter steps.
 
-    Signals that jump between values, and texts, differ by the share of rows in which they are not the same.
+    Flags, modes, counts and texts differ by the share of the time in which they are not the same.
     """
     here, there = _common_rows(first.time, second.time)
+    before = np.maximum(np.searchsorted(second.time, first.time, side="right") - 1, 0) if there is None else there
     compared = {}
-    for name in first.columns:
+    for name in (*first.columns, *first.texts):
+        signal = _signal(first, name)
         a = first[name] if here is None else first[name][here]
-        if _discrete(first, name):
-            k = np.searchsorted(second.time, first.time, side="right") - 1 if there is None else there
-            compared[name] = _in_parts(np.where(a == second[name][np.maximum(k, 0)], 0.0, 1.0), 1.0)
+        if signal is None or signal.kind != "real" or (signal.unit == "1" and _whole(a) and _whole(second[name])):
+            compared[name] = _of_shares(a != second[name][before])
             continue
-        b = np.interp(first.time, second.time, second[name]) if there is None else second[name][there]
-        compared[name] = difference(a, b)
-    for name in first.texts:
-        k = np.maximum(np.searchsorted(second.time, first.time, side="right") - 1, 0)
-        compared[name] = _in_parts(np.where(first[name] == second[name][k], 0.0, 1.0), 1.0)
+        jumps = there is not None or is_discrete(signal)
+        b = second[name][before] if jumps else np.interp(first.time, second.time, second[name])
+        compared[name] = difference(a, b, signal.nominal, angle=signal.unit == "rad")
     return compared
 
 
-def difference(first: np.ndarray, second: np.ndarray) -> Difference:
-    """Of two histories of a signal, (n,) each, the second being the finer; what only one of them has counts as a difference."""
-    scale, own = scale_of(second), scale_of(first)
-    gap = np.abs(first - second)
+def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, angle: bool = False) -> Difference:
+    """Of two histories of a signal, (n,) each, the second being the finer; what only one of them has counts as a difference.
+
+    angle: in rad; of one that begins anew after each turn, whole turns are no difference.
+    """
+    scale, own = scale_of(second, nominal), scale_of(first, nominal)
+    with np.errstate(invalid="ignore"):
+        gap = np.abs(first - second)
+    if angle and _begins_anew(second):
+        gap = np.abs((gap + np.pi) % (2.0 * np.pi) - np.pi)
     gap[np.isnan(first) & np.isnan(second)] = 0.0
     gap[first == second] = 0.0  # infinities
     gap[~np.isfinite(gap)] = max(scale, own)
-    return _in_parts(gap, scale or own, own / scale if scale else 1.0)
-
-
-def _in_parts(gap: np.ndarray, scale: float, spread: float = 1.0) -> Difference:
-    if not gap.size or not gap.any():
-        return Difference(0.0, 0.0, np.zeros(PARTS), spread)
+    if not gap.any():
+        return Difference(0.0, 0.0, np.zeros(PARTS))
     with np.errstate(over="ignore"):
-        gap = gap / scale
-        parts = np.array([np.sqrt(np.mean(part**2)) if part.size else 0.0 for part in np.array_split(gap, PARTS)])
-        return Difference(float(np.sqrt(np.mean(gap**2))), float(gap.max()), parts, spread)
+        gap = gap / (scale or own)
+        most = np.partition(gap, gap.size - few)[: gap.size - few] if 0 < (few := int(FEW * gap.size)) < gap.size else gap
+        rest = np.sqrt(np.sum(most**2) / gap.size)
+        rms = _rms(gap)
+        return Difference(rms, float(gap.max()), np.array([_rms(part) for part in np.array_split(gap, PARTS)]),
+                          own / scale if scale else 1.0, float(rest) if rest**2 < (1.0 - MOST) * rms**2 else rms)
+
+
+def _of_shares(other: np.ndarray) -> Difference:
+    """Of values that are the same or not, (n,)."""
+    return Difference(float(other.mean()), float(other.max(initial=0)),
+                      np.array([float(part.mean()) if part.size else 0.0 for part in np.array_split(other, PARTS)]))
+
+
+def _whole(values: np.ndarray) -> bool:
+    """Whether all values are whole numbers, as of a flag that is no Boolean."""
+    return bool(np.all(values == np.rint(values)))
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else 0.0
+
+
+def _begins_anew(angle: np.ndarray) -> bool:
+    """Whether an angle jumps back by a turn and stays within one."""
+    return bool(np.ptp(angle) < 2.0 * np.pi + 1e-6 and np.abs(np.diff(angle)).max(initial=0.0) > np.pi)
 
 
 def _common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
@@ -115,11 +148,11 @@ def _common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | No
     return (np.flatnonzero(same), k[same]) if 2 * same.sum() >= first.size else (None, None)
 
 
-def _discrete(result: Result, name: str) -> bool:
-    """Whether a recorded signal changes at instants only."""
+def _signal(result: Result, name: str) -> Signal | None:
+    """The declaration of a recorded output."""
     unit, output = result.scene.split(name)
-    signal = result.scene.coupling.interfaces[unit].outputs.get(output) if unit in result.scene.coupling.interfaces else None
-    return signal is not None and is_discrete(signal)
+    interface = result.scene.coupling.interfaces.get(unit)
+    return interface.outputs.get(output) if interface is not None else None
 
 
 def needs_third(compared: Mapping[str, Difference]) -> bool:
@@ -137,7 +170,7 @@ def signal_errors(first: Mapping[str, Difference], second: Mapping[str, Differen
 
 def _of_two(d: Difference) -> SignalError:
     factor = UNSURE if d.rms > ORDER_UNSURE else SURE
-    return SignalError(factor * d.rms, factor * d.largest, grown=d.spread)
+    return SignalError(factor * d.rms, factor * d.largest, shifted=d.rest < d.rms, grown=d.spread)
 
 
 def _of_three(d: Difference, d2: Difference) -> SignalError:
@@ -145,7 +178,8 @@ def _of_three(d: Difference, d2: Difference) -> SignalError:
     parted = (d2.rms * CONVERGING > d.rms and max(d.parts[0], d2.parts[0]) < TOGETHER
               and max(d.parts[-1], d2.parts[-1]) > APART
               and all(1.0 / SAME_SPREAD < one.spread < SAME_SPREAD for one in (d, d2)))
-    return SignalError(d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, parted, d.spread * d2.spread)
+    return SignalError(d.rms + 2.0 * d2.rms, d.largest + 2.0 * d2.largest, order, 2.0 * d2.rms, parted, d.rest < d.rms,
+                       d.spread * d2.spread)
 
 
 def figure_errors(runs: Sequence[Mapping[str, float]], *, unsure: bool = False) -> dict[str, float]:

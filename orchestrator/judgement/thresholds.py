@@ -7,6 +7,7 @@ WARN = 0.05  # error from which a run warns: a twentieth of a signal's deviation
 AIM = 0.01  # error that the suggested step is for: less is not seen in a curve
 ORDER_UNSURE = 0.02  # difference from which a third run is made: below it, twice the difference bounds an error of first order
 HARDLY = 1e-3  # deviation over rms below which a signal is judged by its size: it stands still, as a conserved quantity does
+ROUNDING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
 
 # -- budget ------------------------------------------------------------------------------------------------------------------
 SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
@@ -19,7 +20,10 @@ PARTS = 8  # of a run, whose differences are compared
 TOGETHER = 0.05  # largest difference in the first parts of a run whose histories part later
 APART = 0.3  # difference in the last part from which histories have parted
 SAME_SPREAD = 1.25  # factor that deviations of runs may differ by whose histories part while their statistics agree
+FEW = 0.01  # of the rows, in which MOST of a squared difference is where a signal jumps at another instant
+MOST = 0.9
 CONVERGING = 1.5  # factor by which differences fall with half the step, from which runs converge; first order has 2
+LOWEST_ORDER = 0.5  # below it a shorter step is no remedy: for a tenth of an error it would have to be a hundredth
 GROWN = 3.0  # deviation over that of the finest run from which the coupling makes a motion of its own: it is unstable
 GROWING = 1.2  # factor from the third to the last quarter of a window from which a difference grows on: evenly, it would be 1.4
 NEGLIGIBLE = 1e-6  # of a signal's scale: a difference below it is rounding and what an iteration leaves

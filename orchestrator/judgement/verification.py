@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, isnan, nan
+from math import floor, isfinite, isnan, log10, nan
 from pathlib import Path
 from time import process_time
 from typing import Any, Literal
@@ -20,7 +20,7 @@ from ..run import run as run_once
 from ..scene.scene import Scene
 from .comparison import SignalError, differences, figure_errors, needs_third, signal_errors, worst_of
 from .internal import finer_inside
-from .thresholds import AIM, GROWN, LOST, PROBED, SECONDS, WARN
+from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, PROBED, SECONDS, WARN
 from .windows import WindowsWish
 
 Wish = Literal["auto", "whole", "full", "no"]
@@ -227,11 +227,19 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
                      "while their deviations agree. These histories are one of many; figures have their error")
     if wrong and parted:  # what hangs on a history that has parted is no sign of a step that is too long
         wrong = {name: e for name, e in wrong.items() if not isnan(e.order) and e.order > 0.5}
+    shifted = {name: e for name, e in wrong.items() if e.shifted}
+    wrong = {name: e for name, e in wrong.items() if not e.shifted}
     if wrong:
         worst = worst_of(wrong)
         others = _listed([worst, *(name for name in wrong if name != worst)])
         texts.append(f"the macro step is too long for {others}: the error of {worst} is {_percent(wrong[worst].rms)} of its "
                      f"deviation (rms), {_percent(wrong[worst].largest)} at its largest. "
+                     f"{_suggestion(scene, verification, worst)}")
+    if shifted:
+        worst = worst_of(shifted)
+        others = _listed([worst, *(name for name in shifted if name != worst)])
+        texts.append(f"with half the macro step, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
+                     f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
                      f"{_suggestion(scene, verification, worst)}")
     return texts
 
@@ -239,13 +247,21 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
 def _suggestion(scene: Scene, verification: Verification, name: str) -> str:
     """The macro step that would bring the error of a signal below what is aimed at."""
     error, step = verification.signals[name], scene.master.step
-    if verification.runs > 2 and (isnan(error.order) or error.order < 0.3):
-        return "Shorter steps did not bring it down: see the report for the histories"
+    what = "a tolerance of master.control that gives steps of" if scene.master.control else "master.step ="
+    if error.half <= AIM:
+        return f"With {what} {0.5 * step:.3g} s it is {_percent(error.half)}"
+    if verification.runs > 2 and not error.order > LOWEST_ORDER:
+        return f"Shorter steps did not bring it down: with {0.5 * step:.3g} s it is {_percent(error.half)}"
     order = min(error.order, 2.0) if isfinite(error.order) else 1.0
-    wanted = step * min((AIM / error.rms) ** (1.0 / order), 0.5)
-    what = "tolerance of master.control" if scene.master.control else f"master.step = {wanted:.1g}"
-    seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if it falls with the step"
-    return f"Take {what} for an error below {_percent(AIM)}, {seen}"
+    known, at = (error.half, 0.5 * step) if isfinite(error.half) else (error.rms, step)
+    seen = f"at the order {error.order:.2g} that three runs show" if isfinite(error.order) else "if the error falls with the step"
+    return f"Take {what} {_rounded_down(at * (AIM / known) ** (1.0 / order))} s for {_percent(AIM)}, {seen}"
+
+
+def _rounded_down(step: float) -> str:
+    """A step with one digit that is not longer."""
+    digit = 10.0 ** floor(log10(step))
+    return f"{floor(step / digit * (1.0 + 1e-9)) * digit:.1g}"
 
 
 def _listed(names: list[str]) -> str:

@@ -1,0 +1,200 @@
+"""The error that a run says of its numbers, against closed forms; and what it says where it cannot know."""
+
+from itertools import product
+
+import cosimo
+import numpy as np
+import pytest
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.variables import input_, output, parameter
+from cosimo.orchestrator.judgement import verification, windows
+from cosimo.orchestrator.judgement.comparison import (
+    Difference,
+    SignalError,
+    difference,
+    differences,
+    figure_errors,
+    scale_of,
+    signal_errors,
+)
+from cosimo.orchestrator.run import run as run_once
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.support import OfTime, exact_two_masses, two_masses
+
+HERE = "cosimo.tests.run.judgement.test_verification"
+HALF, TWICE = 0.5, 2.0
+SETTINGS = list(product(("jacobi", "gauss-seidel", "iterative"), (0, 1, 2), (2e-3, 5e-3, 1e-2)))
+
+
+def exact(times):
+    """(n, 2) positions and velocities of the first of two masses."""
+    return np.array([exact_two_masses(t)[:2] for t in times])
+
+
+@pytest.mark.parametrize(("algorithm", "degree", "step"), SETTINGS)
+def test_the_error_of_every_signal_is_at_least_half_of_the_true_one(algorithm, degree, step):
+    result = cosimo.run(read_scene(two_masses(algorithm, step, degree)), in_process=True)
+    if result.outcome != "done":  # held inputs make energy
+        assert result.outcome == "unstable"
+        return
+    truth = exact(result.time)
+    for k, name in enumerate(("a.x_out", "a.v_out")):
+        true = float(np.sqrt(np.mean((result[name] - truth[:, k]) ** 2)) / truth[:, k].std())
+        said = result.info["verification"]["signals"][name]["rms"]
+        assert said > HALF * true
+        assert said < 4.0 * true + 1e-6
+        warned = any("macro step is too long" in w for w in result.info["warnings"])
+        assert warned or true < 0.05 * TWICE
+
+
+def test_a_figure_has_the_error_of_its_closed_form():
+    """Mean contact force under held inputs against the iterated run's, which the pantograph's balance confirms."""
+    scene = load_scene("en50318-2002").with_changes({"master.algorithm": "jacobi", "master.extrapolation": 0})
+    rough = cosimo.run(scene, in_process=True)
+    fine = run_once(scene.with_changes({"master.step": 6.25e-5, "master.extrapolation": 2, "record.interval": 1e-3}),
+                    in_process=True)
+    exact_values = {row.name: row.value for row in fine.summary}
+    for row in rough.summary:
+        assert row.error >= HALF * abs(row.value - exact_values[row.name]) - 1e-9, row.name
+
+
+def test_two_runs_give_twice_their_difference_and_three_the_sum():
+    first = {"x": Difference(0.01, 0.02, np.zeros(8))}
+    assert signal_errors(first, None)["x"].rms == pytest.approx(0.02)
+    unsure = {"x": Difference(0.04, 0.1, np.zeros(8))}  # of an order that is not known
+    assert signal_errors(unsure, None)["x"].rms == pytest.approx(0.12)
+    three = signal_errors({"x": Difference(0.04, 0.1, np.zeros(8))}, {"x": Difference(0.01, 0.02, np.zeros(8))})["x"]
+    assert (three.rms, three.largest, three.order) == pytest.approx((0.06, 0.14, 2.0))
+    assert figure_errors([{"a": 1.0}, {"a": 1.5}]) == {"a": 1.0}
+    assert figure_errors([{"a": 1.0}, {"a": 1.0}, {"a": 1.25}]) == {"a": 0.5}  # no difference by chance
+    assert np.isnan(figure_errors([{"a": 1.0}, {}])["a"])
+
+
+def test_what_hardly_varies_is_judged_by_its_size():
+    assert scale_of(np.array([10.0, 10.0 + 1e-9])) == pytest.approx(10.0 * 1e-3)
+    assert scale_of(np.array([-1.0, 1.0])) == 1.0
+    assert scale_of(np.array([1e-17, -1e-17]), nominal=3.0) == pytest.approx(3e-6)  # a momentum that is conserved at 0
+
+
+def test_an_angle_that_begins_anew_is_compared_within_a_turn():
+    t = np.linspace(0.0, 10.0, 2001)
+    first, second = (8.0 * t + 0.03) % (2.0 * np.pi), (8.0 * t) % (2.0 * np.pi)
+    assert difference(first, second).rms > 0.05
+    assert difference(first, second, angle=True).rms == pytest.approx(0.03 / second.std(), rel=1e-6)
+    assert difference(8.0 * t, 8.0 * t + 4.0 * np.pi, angle=True).rms > 0.5  # whole turns of one that goes on are a difference
+
+
+def test_a_jump_at_another_instant_is_told_from_a_wrong_history():
+    t = np.linspace(0.0, 1.0, 1001)
+    jump = difference(np.where(t < 0.5, 0.0, 1.0), np.where(t < 0.501, 0.0, 1.0))
+    drift = difference(np.sin(20.0 * t), np.sin(20.1 * t))
+    errors = signal_errors({"jump": jump, "drift": drift}, None)
+    assert errors["jump"].shifted
+    assert not errors["drift"].shifted
+
+
+class Flag(OfTime):
+    """Tells from when on a signal that rises evenly is above a level; what it gives is as old as a step."""
+
+    level = parameter(0.5, "1", "level")
+    on = output("1", "1 while the time is above the level, else 0")
+
+    def _outputs(self, t):
+        self.y[0] = t > self.parameters["level"]
+
+
+def test_flags_differ_by_their_share_of_the_time():
+    scene = {"stop_time": 1.0, "units": {"f": {"component": f"{HERE}:Flag"}}, "master": {"step": 0.01}}
+    first, second = (run_once(read_scene(scene).with_changes({"units.f.parameters.level": level})) for level in (0.5, 0.75))
+    compared = differences(first, second)["f.on"]
+    assert compared.rms == pytest.approx(0.25, abs=0.01)
+    assert compared.largest == 1.0
+
+
+def test_a_run_that_is_not_verified_says_so():
+    scene = read_scene(two_masses("jacobi", 1e-2, 1))
+    result = cosimo.run(scene, in_process=True, verify="no")
+    assert result.info["verification"] == {"done": False, "why": "not asked for"}
+    with pytest.raises(BadInput, match="auto, whole, full, no"):
+        cosimo.run(scene, in_process=True, verify="maybe")
+
+
+def test_a_verified_run_takes_twice_the_steps_more(monkeypatch):
+    steps = []
+
+    def counted(scene, **options):
+        result = run_once(scene, **options)
+        steps.append(result.info["counters"]["master"]["steps"])
+        return result
+
+    monkeypatch.setattr(verification, "run_once", counted)
+    cosimo.run(load_scene("mass-on-spring"), in_process=True)
+    assert steps[1:] == [2 * steps[0]]
+
+
+@pytest.mark.parametrize("step", [1e-3, 4e-3])
+def test_windows_show_the_error_of_a_run_that_forgets(step, monkeypatch):
+    """Driven forever by the ground, damped within a second: what a window shows is what the whole run has."""
+    scene = read_scene({
+        "stop_time": 200.0, "connections": ["s.force -> m.force", "m.x_out -> s.position"],
+        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0}},
+                  "s": {"component": f"{HERE}:Driven"}},
+        "master": {"algorithm": "jacobi", "step": step, "extrapolation": 0}})
+    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
+    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    some = cosimo.run(scene, in_process=True).info["verification"]
+    assert (whole["how"], some["how"]) == ("whole", "windows")
+    assert some["figures"] == {}
+    assert some["windows"]["growing"] == []
+    factor = 3.0 if whole["signals"]["m.x_out"]["rms"] > 0.06 else 2.0  # two runs only
+    assert some["signals"]["m.x_out"]["rms"] == pytest.approx(whole["signals"]["m.x_out"]["rms"], rel=0.1 + factor - 2.0)
+
+
+class Driven(OfTime):
+    """A spring of 10 N/m to a ground that moves with 2 rad/s."""
+
+    position = input_(0.0, "m", "position")
+    force = output("N", "force", feedthrough=("position",))
+
+    def _outputs(self, t):
+        self.y[0] = 10.0 * (np.sin(2.0 * t) - self.u[0, 0])
+
+
+def test_a_run_too_long_to_repeat_names_what_keeps_windows_out(monkeypatch):
+    scene = read_scene({**two_masses("jacobi", 1e-2, 1), "faults": [{"kind": "freeze", "signal": "b.force", "begin": 0.5}]})
+    assert windows.obstacle(scene) == "faults"
+    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    found = cosimo.run(scene, in_process=True).info["verification"]
+    assert not found["done"]
+    assert "windows of it cannot be repeated with faults" in found["why"]
+
+
+@pytest.mark.full
+def test_a_chaotic_motion_says_that_its_histories_are_one_of_many():
+    result = cosimo.run(load_scene("ball-bearing-clearance"), in_process=True)
+    assert any("chaotic" in warning for warning in result.info["warnings"])
+    assert result.outcome == "done"
+
+
+def test_a_coupling_that_makes_a_motion_of_its_own_is_unstable():
+    """A contact that opens keeps bounded what the steps make grow: no limit is passed, and half the step shows another run."""
+    error = SignalError(3.0, 9.0, grown=5.0)
+    scene = read_scene(two_masses("jacobi", 1e-2, 1))
+    result = run_once(scene, in_process=True)
+    judged = verification._judged(result, verification.Verification(True, step=5e-3, runs=2, signals={"a.x_out": error}))
+    assert judged.outcome == "unstable"
+    assert "5 times that of a run with a shorter macro step" in judged.message
+
+
+def test_internal_steps_are_refined_one_by_one():
+    scene = load_scene("en50318-2002").with_changes({"stop_time": 1.0, "units.catenary.parameters.substep": 1e-3})
+    plain = cosimo.run(scene, in_process=True, verify="whole").info["verification"]
+    parts = cosimo.run(scene, in_process=True, verify="full").info["verification"]
+    assert {"units.catenary.parameters.substep", "units.pantograph.parameters.substep"} <= parts["parts"].keys()
+    assert parts["signals"]["pantograph.contact_force"]["rms"] > plain["signals"]["pantograph.contact_force"]["rms"]
+
+
+def test_components_that_run_as_fmus_are_repeated_in_process():
+    scene = load_scene("en50318-2002").with_changes({"stop_time": 0.3})
+    here, fmu = (cosimo.run(scene, in_process=in_process).info["verification"] for in_process in (True, False))
+    assert here["signals"] == fmu["signals"]
