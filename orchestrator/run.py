@@ -24,9 +24,8 @@ from .engine.coupling import Coupling
 from .engine.stepping.adaptive import AdaptiveStepping, clock_for, stepping_of
 from .engine.stepping.faults import Faults, LosableUnit, edges
 from .engine.stepping.loop import Observer
-from .judgement.energy import energy_warnings
-from .judgement.instability import InstabilityMonitor
-from .judgement.limits import remedy
+from .judgement.instability import InstabilityMonitor, energy_warnings
+from .judgement.probing import remedy
 from .judgement.windows import Windows, WindowsWish, obstacle
 from .open_all import open_units, read_in_every_step
 from .output import UNFINISHED, locked, not_written

@@ -265,7 +265,7 @@ def _verified(scene: Scene, tolerance: float) -> bool:
 def _dry_run(scene: Scene, in_process: bool) -> None:
     from ...components.core.errors import StepFailed
     from ..judgement import advise
-    from ..judgement.dry_run import lines, tables
+    from ..judgement.dry_run import first_part, lines, tables
 
     try:
         advice = advise(scene, in_process=in_process)
@@ -277,4 +277,6 @@ def _dry_run(scene: Scene, in_process: bool) -> None:
         print_table(*table)
     for line in lines(scene, coupling, advice, in_process=in_process):
         print(line)
-    warn([*scene.remarks, *advice.warnings(scene)])
+    text, warnings = first_part(scene)
+    print(text)
+    warn([*scene.remarks, *advice.warnings(scene), *warnings])

@@ -90,8 +90,8 @@ def differences(first: Result, second: Result) -> dict[str, Difference]:
         if signal is None or signal.kind != "real" or (signal.unit == "1" and _whole(a) and _whole(second[name])):
             compared[name] = _of_shares(a != second[name][before])
             continue
-        jumps = there is not None or is_discrete(signal)
-        b = second[name][before] if jumps else np.interp(first.time, second.time, second[name])
+        stepwise = there is not None or is_discrete(signal)
+        b = second[name][before] if stepwise else np.interp(first.time, second.time, second[name])
         compared[name] = difference(a, b, signal.nominal, angle=signal.unit == "rad")
     return compared
 

@@ -10,7 +10,8 @@ from ..engine.coupling import Coupling
 from ..engine.coupling.graph import Loop
 from ..scene.scene import Scene
 from .probing import Advice, Contact
-from .thresholds import SECONDS, WINDOWS_SHARE
+from .thresholds import PREFIX_STEPS, PROBED, SECONDS, WINDOWS_SHARE
+from .verification import run
 
 Table = tuple[str, tuple[str, ...], list[tuple[Any, ...]]]
 
@@ -37,7 +38,7 @@ def tables(scene: Scene, coupling: Coupling, advice: Advice) -> Iterator[Table]:
         ]
     if advice.contacts:
         columns = ("pair", "Hz", "damping", "longest step s, held", "linear", "quadratic", "damping left at master.step")
-        yield "stability", columns, [_row(contact) for contact in advice.contacts]
+        yield "stability, estimated in closed form", columns, [_row(contact) for contact in advice.contacts]
 
 
 def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool = False) -> Iterator[str]:
@@ -91,3 +92,19 @@ def _row(contact: Contact) -> tuple[str, ...]:
 
 def _share(value: float) -> str:
     return {inf: "enough", -inf: "less than none"}.get(value) or f"{100.0 * value:.3g} %"
+
+
+def first_part(scene: Scene) -> tuple[str, list[str]]:
+    """What the first part of a run shows: its errors in words, and warnings; the same judgement as of a whole run."""
+    step = scene.master.step
+    stop = min(max(PREFIX_STEPS * step, PROBED * scene.stop_time), scene.stop_time)
+    record = {f"record.{key}": step for key in ("interval", "snapshot_interval")
+              if (given := getattr(scene.record, key)) is not None and given > stop}
+    result = run(scene.with_changes({"stop_time": stop, "faults": [], **record}), in_process=True)
+    verification = result.info["verification"]
+    if result.outcome != "done" or not verification["done"]:
+        return f"the first {stop:.3g} s: {result.outcome}. {result.message or verification['why']}", []
+    signals = verification["signals"]
+    worst = max(signals, key=lambda name: signals[name]["rms"], default="")
+    error = f"up to {100.0 * signals[worst]['rms']:.2g} % of a signal's deviation, of {worst}" if worst else "of no signal"
+    return f"the first {stop:.3g} s: numerical errors {error}", list(result.info["warnings"])

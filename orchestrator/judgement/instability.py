@@ -16,7 +16,7 @@ import numpy as np
 from ..engine.algorithms.energy import EnergyAccount, Sums
 from ..engine.algorithms.master import Master, Unstable
 from ..engine.stepping.observers import BatchObserver
-from .thresholds import BEYOND, BLOCKS, MISSED, RISE
+from .thresholds import BEYOND, BLOCKS, ENERGY, MISSED, RISE
 
 LOOKS = 4  # in a block, of which the largest values count; and blocks in one of the next, longer kind
 KINDS = 3  # of blocks: the longest are for slow growth
@@ -168,3 +168,11 @@ class _Blocks:
         first = int(np.argmax(grown.any(axis=1)))
         worst = np.argmax(np.where(grown[first], judged[first, 1] / self.nominal, 0.0))
         return blocks, ends, (int(ends[first + BLOCKS - 1 - known]), int(worst))
+
+
+def energy_warnings(account: EnergyAccount) -> list[str]:
+    """What a user should know of the energy that the coupling has made."""
+    return [f"the coupling made {created:.3g} J at the bond {bond.text}, {100.0 * abs(created) / exchanged:.0f} % of the "
+            "energy that went through it. Reduce master.step, or switch on master.energy_correction"
+            for bond, created, exchanged in zip(account.bonds, account.created, account.exchanged, strict=True)
+            if abs(created) > ENERGY * exchanged]

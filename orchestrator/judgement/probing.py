@@ -23,7 +23,7 @@ from time import perf_counter
 
 import numpy as np
 
-from ...components.core.errors import BadInput
+from ...components.core.errors import BadInput, StepFailed
 from ...components.core.measure import parse
 from ..engine.algorithms import master_of
 from ..engine.algorithms.master import Master
@@ -34,7 +34,7 @@ from ..run_info import CompileTime
 from ..scene.scene import Scene
 from ..units import Unit
 from ..units.interface import PortValues
-from .stability import longest_step, radii
+from .closed_form import longest_step, radii
 from .step_cost import StepCost, step_cost
 from .thresholds import TOLERABLE
 
@@ -302,3 +302,29 @@ class _Probe:
             unit.restore(state)
             unit.release(state)
         return (answers[1] - answers[0]) / ((value + nudge) - (value - nudge))
+
+
+def remedy(scene: Scene) -> str:
+    """What would help a run that became unstable: a shorter macro step, and below what where a closed form tells."""
+    degree = scene.master.extrapolation
+    short = min((c for c in _limits(scene) if c.longest[degree] < scene.master.step), key=lambda c: c.longest[degree],
+                default=None)
+    if short is None:
+        return "Reduce the macro step; cosimo stability tells how long it may be"
+    if not (limit := short.longest[degree]):
+        return (f"Reduce the macro step, or take another master.extrapolation: with {degree}, {short.pair} is stable at no step "
+                "unless something damps it elsewhere")
+    return f"Reduce the macro step: {short.pair} is stable up to {limit:.3g} s with master.extrapolation = {degree}"
+
+
+def _limits(scene: Scene) -> tuple[Contact, ...]:
+    """The scene is started anew to ask its units, in this process; nothing where it does not start."""
+    coupling = scene.coupling
+    with ExitStack() as stack:
+        try:
+            units = open_units(scene, stack, in_process=True)
+            master = master_of(scene, units, coupling)
+            master.initialize(0.0)
+            return contacts(scene, coupling, master, units)[0]
+        except (BadInput, StepFailed):
+            return ()

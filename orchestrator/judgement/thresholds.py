@@ -13,7 +13,8 @@ ROUNDING = 1e-6  # of a signal's nominal value: what is smaller counts as nothin
 SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
 WINDOWS = 4  # of a run that is too long to repeat: the begin, two places within and the end
 WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
-PROBED = 0.02  # of a run that is made to see what it costs in process
+PROBED = 0.02  # of a run that is made to see what the whole costs, and in a dry run how large errors are
+PREFIX_STEPS = 400  # macro steps of it at least in a dry run: motions begin
 
 # -- what kind of difference it is ---------------------------------------------------------------------------------------------
 PARTS = 8  # of a run, whose differences are compared
@@ -39,3 +40,10 @@ ENERGY = 0.1  # of the energy exchanged at a bond that the coupling makes: ampli
 
 # -- closed-form limits, which are estimates -----------------------------------------------------------------------------------
 TOLERABLE = 0.01  # of critical damping that a coupling may take away before a dry run warns
+
+# -- whether a disturbance grows, in `disturbance` -----------------------------------------------------------------------------
+CLEAR = 1e3  # a factor in size that needs no longer look
+SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
+FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
+SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
+ITERATION_NOISE = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more

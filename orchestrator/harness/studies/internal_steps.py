@@ -19,12 +19,11 @@ from ....components.catalogue import component_class
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
+from ...judgement.disturbance import Growth, Own, growth_of, longest_stable, sizes
 from ...output import write_table
 from ..journal import once
 from ..many.measures import tracked
-from .disturbance import Growth, Own, growth_of, sizes
 from .full_model import with_required
-from .search import longest_stable
 
 Making = Callable[[float], Component]  # with internal steps of so many seconds; initialized
 

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput, StepFailed
+from ...judgement.disturbance import FEWEST, Disturbed, Growth, Own, longest_stable
 from ...judgement.probing import contacts
 from ...output import write_table
 from ...scene.scene import Scene
@@ -26,8 +27,6 @@ from ..journal import once
 from ..many.measures import tracked
 from ..many.plan import unit_of
 from ..sweep import points
-from .disturbance import FEWEST, Disturbed, Growth, Own
-from .search import longest_stable
 
 Scheme = tuple[str, int]  # algorithm, extrapolation
 

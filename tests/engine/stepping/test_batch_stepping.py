@@ -21,7 +21,6 @@ ALGORITHMS = ("jacobi", "gauss-seidel")
 def both_ways(data, monkeypatch, kind, **options):
     """The same scene in stretches, which must be taken, and step by step."""
     stretches, steps = [], []
-    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)  # steps repeated behind the run would be counted
     monkeypatch.setattr(kind, "run", counted(kind.run, stretches))
     for algorithm in (Jacobi, GaussSeidel):
         monkeypatch.setattr(algorithm, "step", counted(algorithm.step, steps))
@@ -295,7 +294,6 @@ def test_nothing_that_watches_a_run_cuts_its_batches(interval, monkeypatch):
     batches = []
     data = two_masses("gauss-seidel", 1e-3, 1) | {"stop_time": 20.0, "record": {"signals": ["b.x_out"], "interval": interval}}
     monkeypatch.setattr("cosimo.orchestrator.engine.stepping.batch.PATIENCE", 1e3)
-    monkeypatch.setattr("cosimo.orchestrator.run.repeatable", lambda _: False)
     monkeypatch.setattr(CompiledLoop, "run", counted(CompiledLoop.run, batches))
     assert run(read_scene(data), in_process=True).outcome == "done"
     assert len(batches) <= 2 + 20_000 // (LOOKS * InstabilityMonitor.EVERY * InstabilityMonitor.RARELY)

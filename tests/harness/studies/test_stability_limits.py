@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
 from cosimo.orchestrator.harness.studies.stability import schemes_of, stability
-from cosimo.orchestrator.judgement.stability import longest_step
+from cosimo.orchestrator.judgement.closed_form import longest_step
 from cosimo.orchestrator.systems import load_scene, read_scene
 from cosimo.tests.support import two_masses
 

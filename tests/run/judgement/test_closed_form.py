@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cosimo.orchestrator.judgement.stability import longest_step, radii
+from cosimo.orchestrator.judgement.closed_form import longest_step, radii
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
 

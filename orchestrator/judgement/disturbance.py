@@ -10,35 +10,34 @@ is seen in a run with short steps, and allowed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from ....components.core.errors import BadInput, StepFailed
-from ...engine.algorithms import master_of
-from ...engine.algorithms.energy import EnergyAccount, metered
-from ...engine.algorithms.node import Node
-from ...engine.coupling import Coupling
-from ...engine.coupling.demands import free
-from ...engine.stepping.batch import batch_loop_for
-from ...engine.stepping.loop import Steppable
-from ...open_all import open_units
-from ...scene.scene import Scene
-from ...settings import IterationSettings
-from ...units.interface import PortValues
+from ...components.core.errors import BadInput, StepFailed
+from ..engine.algorithms import master_of
+from ..engine.algorithms.energy import EnergyAccount, metered
+from ..engine.algorithms.node import Node
+from ..engine.coupling import Coupling
+from ..engine.coupling.demands import free
+from ..engine.stepping.batch import batch_loop_for
+from ..engine.stepping.loop import Steppable
+from ..open_all import open_units
+from ..scene.scene import Scene
+from ..settings import IterationSettings
+from ..units.interface import PortValues
+from .thresholds import CLEAR, FASTER, ITERATION_NOISE, SETTLED, SURE
 
 PUSH = 1e-5  # of an input or its nominal value: small against every bend of a contact, large against rounding and iterations
 BEFORE = 3  # steps before the push, which fill the histories of the inputs
 FEWEST = 32  # steps that tell growth from a transient
 FIRST = 4  # steps that show the push itself
-CLEAR = 1e3  # a factor in size that needs no longer look
-SURE = 1.2  # a factor of what grows by itself that is not only one of sampling
-FASTER = 1.5  # times the rate at which disturbances grow by themselves: more is not their own doing
-SETTLED = 1e-11  # relative, to which iterations are led: what they leave must not be taken for growth
-LOST = 10.0 * SETTLED  # of nominal values: in this noise of iterations nothing grows any more
+
+
+ACCURACY = 1.005  # of a limit: the shortest step seen to be unstable over the longest one seen to be stable
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ class Disturbed:
         if iterative := scene.master.algorithm == "iterative":
             tolerance = min(SETTLED, (scene.master.iteration or IterationSettings()).tolerance)
             scene = scene.with_changes({"master.iteration.tolerance": tolerance, "master.iteration.not_converged": "warn"})
-        self._noise = LOST if iterative else 0.0
+        self._noise = ITERATION_NOISE if iterative else 0.0
         self._coupling = coupling = scene.coupling
         for able, what in (("save their state", [n for n, i in coupling.interfaces.items() if not i.saves_state]),
                            ("change the length of a step", [n for n, i in coupling.interfaces.items() if not free(i)])):
@@ -207,3 +206,40 @@ def _pushed(sizes: Sequence[tuple[int, float]], values: PortValues) -> PortValue
     for k, nominal in sizes:
         values[k] += PUSH * math.copysign(max(abs(values[k]), abs(nominal)), nominal)
     return values
+
+
+def longest_stable(growth: Callable[[float], Growth], own: Own, even: float, first: float, least: float, most: float,
+                   pace: float = 2.0) -> tuple[float, str, float]:
+    """(longest stable step, what the next longer one did, the longest or shortest step that was tried), s.
+
+    own, even: the growth that is allowed, see `Own.allows`.  first, least, most: steps, s.  The longest stable step is infinite
+    where `most` is stable, and 0 where `least` is not.  pace: factor of one trial to the next.
+    """
+    seen = ""
+
+    def grows(h: float) -> bool:
+        nonlocal seen
+        measured = growth(h)
+        if unstable := not own.allows(measured, even):
+            seen = f"at {h:.4g} s: {measured.text(h)}"
+        return unstable
+
+    h = low = high = min(first, most)
+    if grows(h):
+        while grows(h := h / pace):
+            high = h
+            if h <= least:
+                return 0.0, seen, h
+        low = h
+    else:
+        while not grows(h := min(pace * h, most)):
+            low = h
+            if h == most:
+                return math.inf, "", h
+        high = h
+    tried = high
+    while high > ACCURACY * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if grows(middle) else (middle, high)
+        tried = high
+    return low, seen, tried
