@@ -147,7 +147,7 @@ def test_the_command_runs_the_setting_and_says_so(cache, tmp_path, capsys):
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
     keep(load_scene(scene), front(("gauss-seidel, linear", 1e-2, FAST, 0.02, 0.1)))
     with pytest.raises(SystemExit) as exit_:
-        main(["run", str(scene), "--accuracy", "5%", "--verify", "--in-process", "-o", str(tmp_path / "out")])
+        main(["run", str(scene), "--accuracy", "5%", "--verify", "full", "--in-process", "-o", str(tmp_path / "out")])
     out = capsys.readouterr().out
     assert exit_.value.code == 0
     assert "gauss-seidel, linear, 0.01" in out
@@ -166,7 +166,7 @@ def test_a_setting_that_does_not_hold_fails_the_check(cache, tmp_path, capsys):
     scene.write_text(text.replace("stop_time = 20.0", "stop_time = 0.5"), encoding="utf-8")
     keep(load_scene(scene), front(("too good", 4e-2, {**FAST, "master.step": 4e-2}, 1e-4, 0.1)))
     with pytest.raises(SystemExit) as exit_:
-        main(["run", str(scene), "--accuracy", "0.1%", "--verify", "--in-process"])
+        main(["run", str(scene), "--accuracy", "0.1%", "--verify", "full", "--in-process"])
     assert exit_.value.code == 1
     assert "NOT verified" in capsys.readouterr().out
 
@@ -187,7 +187,7 @@ def test_nothing_known_is_measured_first(cache, tmp_path, capsys):
 @pytest.mark.parametrize(("options", "word"), [
     (["--accuracy", "1%", "--step", "1e-3"], "--step"), (["--accuracy", "1%", "--algorithm", "jacobi"], "--algorithm"),
     (["--accuracy", "0%"], "share above 0 %"), (["--accuracy", "120%"], "at most 100 %"), (["--accuracy", "x"], "1% or 0.01"),
-    (["--verify"], "--accuracy"),
+        (["--verify", "often"], "whole or full"), (["--verify", "whole", "--no-verify"], "one of them"),
 ])
 def test_options_that_do_not_go_together(options, word, capsys):
     with pytest.raises(SystemExit) as exit_:
