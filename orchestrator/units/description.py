@@ -92,6 +92,11 @@ class Description:
         """Whether it is of FMI 3."""
         return self.model.fmiMajorVersion == 3
 
+    @property
+    def holds_component(self) -> bool:
+        """Whether this project has made it: a component discards the steps it cannot make, and never ends a simulation."""
+        return (self.model.generationTool or "").startswith("cosimo ")
+
     def chosen(self, settings: UnitSettings, where: str) -> Description:
         """With the interface that a scene's entry asks for; `BadInput` where the file has none such, or for needless options."""
         wanted, model = settings.interface, self.model

@@ -147,7 +147,8 @@ class Fmi2CoSimulation(Fmi2Unit):
             if self._function("GetBooleanStatus", kind, place)(self._instance, TERMINATED, ctypes.addressof(ended)) > WARNING:
                 ended.value = 0
             known = self._function("GetRealStatus", kind, place)(self._instance, LAST_TIME, ctypes.addressof(last)) <= WARNING
-            if ended.value:
+            # pythonfmu says of every step that was discarded that the simulation is to end
+            if ended.value and not self.description.holds_component:
                 self._step_start, self._step_end = t, end
                 self._end_at(min(max(last.value, t), end) if known else t)
                 return

@@ -71,7 +71,7 @@ def _samples(trace: Spec, points: int) -> tuple[np.ndarray, np.ndarray] | None:
 
 def _fitting(lines: Sequence[int], room: int) -> int:
     """Most points of a line with which all of them have room, 0 where they have it as they are."""
-    if 2 * sum(lines) <= room:
+    if not lines or 2 * sum(lines) <= room:  # what fills a page without long lines is not made smaller
         return 0
     points = max(lines)
     while points > LONG and 2 * sum(min(n, points) for n in lines) > room:

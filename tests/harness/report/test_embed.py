@@ -41,6 +41,13 @@ def test_many_dense_lines_have_room_together_and_keep_their_extremes():
             assert (kept.min(), kept.max()) == pytest.approx((min(trace["y"]), max(trace["y"])), rel=1e-6)
 
 
+def test_a_page_that_is_full_without_long_lines_stays_as_it_is():
+    orbits = {"type": "scatter", "mode": "markers", "x": list(range(ROOM)), "y": [0.5] * ROOM}
+    (spec,), points = embedded([{"data": [orbits], "layout": {}}])
+    assert points == 0
+    assert back(spec["data"][0]["x"]).size == ROOM
+
+
 def test_points_with_texts_and_short_arrays_stay_as_they_are():
     labelled = {"type": "scatter", "mode": "lines", "x": list(range(9000)), "y": [0.0] * 9000, "text": ["a"] * 9000}
     dots = {"type": "scatter", "mode": "markers", "x": [1.0, 2.0], "y": [None, 3.0]}
