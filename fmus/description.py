@@ -19,7 +19,7 @@ from xml.etree import ElementTree as ET
 from ..components.core.measure import BASES, parse
 from .interface import Scalar, interface
 from .picture import icon
-from .quantities import SHOWN, TYPES, quantity, typical_size
+from .quantities import MOVING, SHOWN, TYPES, quantity, typical_size
 from .terminals import FILE, ICON, terminals_and_icons
 
 RELEASED = "2026-11-22T00:00:00Z"  # of this version's source; the variable SOURCE_DATE_EPOCH gives another date
@@ -81,7 +81,7 @@ def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: i
         for shown, (factor, offset) in SHOWN.get(name, {}).items():
             numbers = {"factor": repr(factor)} | ({"offset": repr(offset)} if offset else {})
             ET.SubElement(element, "DisplayUnit", {"name": shown, **numbers})
-    _add_types(root, units, fmi)
+    _add_types(root, units, fmi, moving=any(s.moving for s in scalars))
     categories = ET.SubElement(root, "LogCategories")
     for category, text in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": category, "description": text})
@@ -90,11 +90,11 @@ def add_head(root: ET.Element, component: Any, scalars: Iterable[Scalar], fmi: i
         **_tolerance(component)})
 
 
-def _add_types(root: ET.Element, units: Iterable[str], fmi: int) -> None:
-    types = [(TYPES[unit], unit) for unit in sorted(units) if unit in TYPES]
+def _add_types(root: ET.Element, units: Iterable[str], fmi: int, *, moving: bool) -> None:
+    types = [(TYPES[unit], unit) for unit in sorted(units) if unit in TYPES] + ([(MOVING, "m")] if moving else [])
     definitions = ET.SubElement(root, "TypeDefinitions") if types else root
     for name, unit in types:
-        attributes = {"quantity": name, "unit": unit}
+        attributes = {"quantity": TYPES[unit], "unit": unit}
         if shown := [] if unit == "m" else list(SHOWN.get(unit, {})):  # lengths are of all sizes: each has its own
             attributes["displayUnit"] = shown[0]
         if fmi == 3:

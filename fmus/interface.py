@@ -27,6 +27,7 @@ class Scalar:
     high: float = math.inf
     nominal: float = 1.0
     feedthrough: tuple[str, ...] = ()
+    moving: bool = False  # of an input: a place that moves on
     order: int = 0  # of an input: 0 its value, 1 and 2 its derivatives
 
 
@@ -49,7 +50,7 @@ def interface(component: Any) -> tuple[Scalar, ...]:
 def _declared(variable: Any) -> Scalar:
     text = variable.text + (": " + ", ".join(variable.choices) if variable.choices else "")
     return Scalar(variable.name, TYPES[variable.kind.value], variable.causality.value, variable.start, variable.unit, text,
-                  variable.low, variable.high, variable.nominal, variable.feedthrough)
+                  variable.low, variable.high, variable.nominal, variable.feedthrough, variable.moving)
 
 
 def _effect(name: str, effect: Any) -> Scalar:

@@ -25,6 +25,7 @@ TYPES = {
     "W": "Power", "K": "Temperature", "W/K": "ThermalConductance", "J/K": "HeatCapacity", "V": "Voltage", "A": "Current",
     "Ohm": "Resistance", "H": "Inductance", "kg/m3": "Density", "m3/s": "VolumeFlowRate",
 }
+MOVING = "MovingPosition"  # type of inputs that a master is not to hold over a step
 SHORT = 0.1  # m: lengths of this size and below are shown in mm
 SPINS = ("speed",)  # parts of the names of angular velocities that are shown in rpm
 
@@ -39,7 +40,7 @@ class Quantity:
 
 def quantity(scalar: Scalar) -> Quantity:
     """The type and the display unit of a real variable."""
-    return Quantity(TYPES.get(scalar.unit, ""), _display(scalar))
+    return Quantity(MOVING if scalar.moving else TYPES.get(scalar.unit, ""), _display(scalar))
 
 
 def _display(scalar: Scalar) -> str:

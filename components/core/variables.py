@@ -46,6 +46,7 @@ class Variable:
     size: int = 0  # 0: a scalar; n: an array that appears as name[1] ... name[n]
     choices: tuple[str, ...] = ()
     feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between, whatever is on
+    moving: bool = False  # of an input: a place that moves on, which is wrong where it is held over a step
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:

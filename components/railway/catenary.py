@@ -91,7 +91,7 @@ class SecondPantograph(Effect):
 
     explicit_only = True
 
-    contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0)
+    contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
     wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05,
                          feedthrough=(".contact_position",))
@@ -107,7 +107,7 @@ class FurtherPantographs(Effect):
     requires = ("second_pantograph",)
 
     count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER)
-    contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, size=FURTHER)
+    contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, moving=True, size=FURTHER)
     contact_force = input_(0.0, "N", "force of a further pantograph on the wire, positive upwards", nominal=100.0, size=FURTHER)
     wire_height = output("m", "height of the contact wire at a further contact point", nominal=0.05, size=FURTHER,
                          feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
@@ -284,7 +284,7 @@ class Catenary(Component):
     substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
-    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
+    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
     wire_height = output("m", "height of the contact wire at the contact point", nominal=0.05,
                          feedthrough=("contact_position",))

@@ -59,7 +59,7 @@ class LumpedCatenary(OdeComponent):
     damping = parameter(328.6, "N.s/m", "damping to the ground", low=0.0)
     substep = parameter(1e-3, "s", "longest internal step", low=1e-9, high=1.0)
 
-    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0)
+    contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
     contact_force = input_(0.0, "N", "force on the wire, positive upwards", nominal=100.0)
     wire_height = output("m", "height of the wire at the contact point", nominal=0.05,
                          feedthrough=("contact_position",))  # through the static line of `inerter`

@@ -34,7 +34,7 @@ def describe_component(name: str, settings: UnitSettings) -> Interface:
     named, by_preset = dict.fromkeys(settings.effects, "named in the scene"), dict.fromkeys(preset, f"preset {settings.preset!r}")
     return Interface(
         title=cls.title,
-        inputs={n: Signal(n, v.unit, component[n], v.nominal) for n in component.inputs for v in [variables[n]]},
+        inputs={n: Signal(n, v.unit, component[n], v.nominal, moving=v.moving) for n in component.inputs for v in [variables[n]]},
         outputs={
             n: Signal(n, v.unit, 0.0, v.nominal, tuple(i for i in component.inputs if _feeds(i, v.feedthrough)))
             for n in component.outputs for v in [variables[n]]

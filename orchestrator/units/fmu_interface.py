@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ...components.core.errors import BadInput, nearest
 from ...components.core.measure import BASES, parse
 from ...components.core.measure import Unit as Measure
+from ...fmus.quantities import MOVING
 from .description import NEITHER, Description, Scalar, has_companions, is_companion, read
 from .interface import Interface, Signal
 from .values import checked_values
@@ -95,7 +96,8 @@ def _signal(s: Scalar, feedthrough: tuple[str, ...] | None, measures: Mapping[st
     v, declared, kind = s.variable, s.variable.declaredType, s.kind
     unit = v.unit or (declared.unit if declared else None) or ""
     start = (s.start or "") if kind in ("string", "binary") else float(s.start or 0)
-    return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, measures.get(unit))
+    moving = declared is not None and declared.name == MOVING
+    return Signal(s.name, unit, start, s.nominal, feedthrough, kind, s.discrete, moving, measures.get(unit))
 
 
 def _depends(declared: Sequence[ModelVariable] | None, inputs: Mapping[str, Signal],

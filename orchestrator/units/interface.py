@@ -31,6 +31,7 @@ class Signal:
     feedthrough: tuple[str, ...] | None = ()
     kind: Kind = "real"
     discrete: bool = False  # changes at instants only: held over a step, never extrapolated; all kinds but real are
+    moving: bool = False  # of an input: a place that moves on, extrapolated linearly at least
     measure: Measure | None = None  # what `unit` means where the model defines it; None: what it means to everybody
 
     @property

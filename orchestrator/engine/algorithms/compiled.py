@@ -19,6 +19,7 @@ WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU
 UNALTERED, OVERRIDDEN, SHIFTED = range(3)  # by faults
 AS_GIVEN, JUMPED, SMOOTH = range(3)  # inputs are as extrapolated; smoothed, but they have jumped; or start where they ended
+CHANGES, JUMPS, CONSTANT = range(3)  # inputs follow the polynomial; jump between steps; are held beside a place that moves on
 NOTED = IN_MEMORY + 1  # the way of inputs that a unit with a rate of its own gets when it steps
 
 INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led", "first_signal", "signals", "first_past", "pasts",
@@ -30,7 +31,7 @@ INTEGERS = (*OF_FMU, *OF_COMPONENT, "way", "first_link", "links", "late", "led",
 # two records among the slow ones; time: s, reached, of an FMU the start of its last step.
 UNIT = np.dtype([(name, np.int64) for name in INTEGERS] + [(name, np.float64) for name in ("start", "length", "time")])
 # Links sorted by unit. at: address of a component's input; apart: whether an FMU is handed it only when it changes; source: in
-# the table of signals; past: its history; direct: an output follows it within an instant; held: it jumps between steps; fault:
+# the table of signals; past: its history; direct: an output follows it within an instant; held: `JUMPS` or `CONSTANT`; fault:
 # whether it is altered, by `alteration`; change: relative, that is none; now: its value; present, before, earlier: samples;
 # known: what it is led to; value, slope, half of the second derivative, degree: given in the last step; reached: its end.
 LINK = np.dtype([(name, np.int64) for name in ("at", "apart", "source", "past", "converted", "direct", "held", "fault")] + [
@@ -75,9 +76,9 @@ def _towards(past, link, slow, h):
         if past.left != 0:
             return _ahead(past, link, slow)
         h += past.elapsed
-    v, c = link.present, 0.0
+    v, c = link.known if link.held == CONSTANT else link.present, 0.0
     if past.degree == 0:
-        return v if link.held != 0 else link.known, 0.0, 0.0
+        return v if link.held == JUMPS else link.known, 0.0, 0.0
     bent = past.degree == 2 and past.samples > 1
     s = 0.0 if link.held != 0 else (link.known - v) / h
     if bent and link.held == 0:
@@ -133,7 +134,7 @@ def _drive(unit, slow, links, pasts, signals, buffer, h):
         else:
             link.known = _given(link, signals)
             v, s, c = _towards(past, link, slow, h)
-        if smooth and link.held == 0:
+        if smooth and link.held != JUMPS:
             back = (v - link.reached) / h
             v, s = link.reached, back if held else s + back
         link.value, link.slope, link.half, link.degree = v, s, c, degree

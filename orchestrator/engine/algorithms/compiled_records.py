@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from ...units.component import ComponentUnit
-from .compiled import JUMPED, LINK, NOTED, OVERRIDDEN, PAST, SHIFTED, SMOOTH, UNALTERED, UNIT
+from .compiled import CONSTANT, JUMPED, JUMPS, LINK, NOTED, OVERRIDDEN, PAST, SHIFTED, SMOOTH, UNALTERED, UNIT
 from .gauss_seidel import GaussSeidel
 from .master import Master
 from .multirate import Mixed, MultirateUnit
@@ -78,7 +78,8 @@ class Records:
         self.pasts, self._places = np.zeros(len(pasts), dtype=PAST), [places for _, places, _ in pasts]
         for k, (history, places, every) in enumerate(pasts):
             self.pasts[k]["degree"], self.pasts[k]["every"], self.links["past"][places] = history.degree, every, k
-            self.links["held"][places[list(getattr(history, "held", ()))]] = True
+            self.links["held"][places[list(getattr(history, "held", ()))]] = JUMPS
+            self.links["held"][places[list(getattr(history, "constant", ()))]] = CONSTANT
         self._order = np.concatenate(self._places)
         self._none = [[0.0] * len(places) for places in self._places]  # for samples that there are none of
 

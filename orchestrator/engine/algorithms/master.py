@@ -119,12 +119,13 @@ class Master:
         by_rate: dict[int, list[int]] = {}
         for k, link in enumerate(links):
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
-        past = history(self.degree, rows, len(links), held, by_rate)
+        moving = [k for k, link in enumerate(links) if interfaces[name].inputs[link.target[1]].moving and k not in held]
+        past = history(self.degree, rows, len(links), held, by_rate, moving)
         used: Unit | MultirateUnit = unit
         if name in rates:
             still = [k for k, output in enumerate(mine) if is_discrete(interfaces[name].outputs[read[output][1]])]
             first = self.cells[read[mine[0]]] if mine else 0
-            used = MultirateUnit(unit, rates[name], history(self.degree, rows, len(links), held),
+            used = MultirateUnit(unit, rates[name], history(self.degree, rows, len(links), held, moving=moving),
                         history(self.degree, rows_for(len(mine)), len(mine), still), self.signals,
                         slice(first, first + len(mine)), end)
         sources = [self.cells[link.source] for link in links]

@@ -22,19 +22,25 @@ ROUNDING = 1e-12  # relative: of sums of steps against the end of the run
 
 
 def history(degree: int, rows: Rows, n: int, held: Sequence[int] = (),
-            rates: Mapping[int, Iterable[int]] | None = None) -> History:
-    """A history of n inputs; `held`: those that are held whatever the degree; `rates`: inputs by the n of `every = n`."""
-    if not rates or set(rates) == {1}:
-        return PartlyHeld(degree, rows, held, n) if held else History(degree, rows)
-    return Mixed([Part(degree, rows, tuple(at), held, every) for every, at in rates.items()], rows, n)
+            rates: Mapping[int, Iterable[int]] | None = None, moving: Sequence[int] = ()) -> History:
+    """A history of n inputs; `held`: those that are held whatever the degree; `rates`: inputs by the n of `every = n`.
+
+    `moving`: places that move on, which have degree 1 at least, the others beside them the degree that was asked for.
+    """
+    if rates and set(rates) != {1}:
+        return Mixed([Part(degree, rows, tuple(at), held, every, moving) for every, at in rates.items()], rows, n)
+    if degree == 0 and moving:
+        return PartlyHeld(1, rows, held, n, [k for k in range(n) if k not in {*held, *moving}])
+    return PartlyHeld(degree, rows, held, n) if held else History(degree, rows)
 
 
 class Part:
     """Inputs from units of one rate: samples at their own instants, polynomials seen from between them."""
 
-    def __init__(self, degree: int, rows: Rows, at: tuple[int, ...], held: Sequence[int], every: int):
+    def __init__(self, degree: int, rows: Rows, at: tuple[int, ...], held: Sequence[int], every: int, moving: Sequence[int] = ()):
         self.at, self.every, self.elapsed = at, every, 0.0  # s, since the last sample
-        self.history = history(degree, rows, len(at), [k for k, place in enumerate(at) if place in held])
+        self.history = history(degree, rows, len(at), [k for k, place in enumerate(at) if place in held],
+                               moving=[k for k, place in enumerate(at) if place in moving])
 
     def push(self, values: PortValues, h: float, due: bool) -> None:
         self.elapsed += h

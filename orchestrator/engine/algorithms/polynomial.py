@@ -3,7 +3,9 @@
 Samples may be unevenly spaced. With fewer samples than the degree needs, the degree is lower: after a start from rest
 that costs nothing; otherwise the held first step leaves an error of second order in the macro step, whatever the degree.
 
-What changes at instants only is held at its present value (`PartlyHeld`). Inputs from units with a rate of their own: rates.py.
+What changes at instants only is held at its present value (`PartlyHeld`). A place that moves on is extrapolated linearly at
+least: held, it is where it was a step ago, while the force that acts there is new. Inputs from units with a rate of their own:
+`multirate`.
 """
 
 from __future__ import annotations
@@ -78,21 +80,29 @@ class History:
 
 
 class PartlyHeld(History):
-    """A history of inputs some of which change at instants only: they keep their present value over the whole step."""
+    """A history of inputs some of which are constant over a step.
 
-    def __init__(self, degree: int, rows: Rows, held: Sequence[int], n: int):
-        """`held`: positions of those inputs among all n."""
+    Those that change at instants only keep their present value; others are held beside places that move on, and are at their
+    known value where that is known.
+    """
+
+    def __init__(self, degree: int, rows: Rows, held: Sequence[int], n: int, constant: Sequence[int] = ()):
+        """`held`: positions of those that change at instants among all n.  constant: of those held beside moving places."""
         super().__init__(degree if len(held) < n else 0, rows)
-        self.held, self._zeros = tuple(held), [0.0] * len(held)
+        self.held, self.constant = tuple(held), tuple(constant)
+        self._level, self._zeros = (*held, *constant), [0.0] * (len(held) + len(constant))
 
     def ahead(self) -> Terms:
-        return self._hold(*super().ahead())
+        return self._levelled(self.present, *super().ahead())
 
     def towards(self, known: PortValues, h: float) -> Terms:
-        return self._hold(*super().towards(known, h))
+        rows = self.rows
+        values = rows.put(known, self.held, rows.picked(self.present, self.held)) if self.constant else self.present
+        return self._levelled(values, *super().towards(known, h))
 
-    def _hold(self, values: PortValues, slopes: PortValues | None, halves: PortValues | None) -> Terms:
-        rows, held = self.rows, self.held
-        return (rows.put(values, held, rows.picked(self.present, held)),
-                slopes if slopes is None else rows.put(slopes, held, self._zeros),
-                halves if halves is None else rows.put(halves, held, self._zeros))
+    def _levelled(self, own: PortValues, values: PortValues, slopes: PortValues | None, halves: PortValues | None) -> Terms:
+        """The polynomials, but for those that stay at their `own` value."""
+        rows, level = self.rows, self._level
+        return (rows.put(values, level, rows.picked(own, level)),
+                slopes if slopes is None else rows.put(slopes, level, self._zeros),
+                halves if halves is None else rows.put(halves, level, self._zeros))
