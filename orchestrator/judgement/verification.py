@@ -184,7 +184,10 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
 
 
 def shorter(scene: Scene, parts: int) -> dict[str, Any]:
-    """Changes to a macro step of one part in so many, recorded at the same times; with step control, to a tighter tolerance."""
+    """Changes to a macro step of one part in so many; with step control, to a tighter tolerance.
+
+    Rows are as many times denser: the largest value of a run is that of a sample, and misses what is between two.
+    """
     step, control, record = scene.master.step, scene.master.control, scene.record
     changes: dict[str, Any] = {"master.step": step / parts}
     if control is not None:  # steps follow the root of the tolerance
@@ -192,7 +195,7 @@ def shorter(scene: Scene, parts: int) -> dict[str, Any]:
         changes |= {"master.control.min_step": control.min_step / parts} if control.min_step else {}
         changes |= {"master.control.max_step": control.max_step / parts} if control.max_step else {}
         return changes
-    changes |= {"record.interval": step} if record.interval is None else {}
+    changes |= {"record.interval": record.interval / parts} if record.interval is not None else {}
     return changes | ({"record.snapshot_interval": step} if record.snapshots and record.snapshot_interval is None else {})
 
 

@@ -36,7 +36,10 @@ class ConnectionSettings(Model):
 
 
 class RecordSettings(Model):
-    """What is kept. Samples are taken at the first macro step not before each multiple of the interval, and at the end."""
+    """What is kept. Samples are taken at the first macro step not before each multiple of the interval, and at the end.
+
+    A macro step longer than the interval gives one sample each.
+    """
 
     signals: tuple[str, ...] | None = Field(
         default=None, description="unit.output, or unit.array for all its elements; default: all numbers but long arrays")
@@ -104,9 +107,8 @@ class SceneSettings(Model):
         if stop > MOST_STEPS * step:
             raise BadInput("master.step", f"{step:g} s", f"at least {stop / MOST_STEPS:g} s, which makes {MOST_STEPS:g} steps")
         for label, interval in (("interval", record.interval), ("snapshot_interval", record.snapshot_interval)):
-            if interval is not None and not step <= interval <= stop:
-                expected = f"between the macro step, {step:g} s, and stop_time, {stop:g} s"
-                raise BadInput(f"record.{label}", f"{interval:g} s", expected)
+            if interval is not None and interval > stop:
+                raise BadInput(f"record.{label}", f"{interval:g} s", f"at most stop_time, {stop:g} s")
         return self
 
     def settings(self) -> dict[str, Any]:

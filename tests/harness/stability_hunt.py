@@ -1,11 +1,12 @@
-"""The hunt for runs that are wrong without a warning: every shipped scene with coarser steps and stiffer parts.
+"""The hunt for runs that are wrong by more than they say: shipped scenes at random settings that a user may choose.
 
-    python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl [SCENE ...]
+    python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl [--runs 3000] [--seed 0] [SCENE ...]
     python -m cosimo.tests.harness.stability_hunt -o hunt.jsonl --table      # what the file holds, in Markdown
 
-A run that ends "done" and warns of nothing has to be within 10 % of a run with a finer step, in the quantities of interest of
-its scene; one at the shipped settings has to warn of nothing. The table of a whole hunt is docs/stability-hunt.md. Runs that the
-file holds already are not repeated.
+Each run is drawn at random: a scene, an algorithm, a degree of the inputs, a macro step of 1 to 50 times the scene's own, and in
+half of them a stiffness of 3 to 100 times. It runs to the end of the scene, verified as `cosimo run` verifies. Its true error is
+that against the scene's own algorithm at a quarter of its own step, whose error is measured against an eighth and taken off. The
+table of a whole hunt is docs/stability-hunt.md. Runs that the file holds already are not repeated.
 """
 
 from __future__ import annotations
@@ -13,9 +14,11 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import random
 import warnings
-from collections.abc import Collection, Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -23,190 +26,262 @@ from typing import Any
 import numpy as np
 
 from ...components.core.errors import BadInput
-from ...orchestrator.harness.studies.quantities import Quantity, TimeHistory, quantities_of, recording
+from ...orchestrator.harness.studies.settings_axes import coupling_changes
+from ...orchestrator.judgement.verification import run as verified_run
 from ...orchestrator.results import Result
-from ...orchestrator.run import run
+from ...orchestrator.run import run as run_once
 from ...orchestrator.scene.scene import Scene, scene_files
 from ...orchestrator.systems import load_scene
+from ...orchestrator.units import open_unit
 
-COARSER = (1, 2, 5, 10, 20, 50)  # times the scene's macro step
-STIFFER = (10.0, 100.0)  # times a stiffness
-FINER = 4  # part of the macro step of the run that a run is compared with
-STEPS = 1500  # of the scene's own, at most: growth shows in fewer
+ALGORITHMS = ("jacobi", "gauss-seidel", "iterative")
+COARSER = (1, 2, 3, 5, 7, 10, 15, 20, 30, 50)  # times the scene's macro step
+STIFFER = (3.0, 10.0, 30.0, 100.0)  # times a stiffness
 STIFFNESSES = 2  # parameters of a scene, at most
-TRANSIENT = 0.5  # of the shortened run, at most; a longer transient counts as part of it
-ENOUGH = 0.1  # error of a quantity of interest
+FINER = (4, 8)  # parts of the scene's own macro step, of the reference and of what the reference is judged by
+ENOUGH = 2.0  # a true error of more than so many stated ones is a miss
+FLOOR = 1e-3  # of a signal's deviation, or of a figure: a smaller error counts as none
+UNCLEAR = 0.25  # of a true error: a reference that is worse tells nothing of it
+STILL = 1e-3  # deviation over size below which a signal is judged by its size
+VERDICTS = ("right", "said", "missed", "refused", "no reference")
 
 
 @dataclass(frozen=True)
-class Found:
-    """One run of the hunt.
-
-    verdict: "right"; "said", by a warning or an outcome other than done; "missed"; "false alarm"; "refused"; "no reference".
-    """
+class Choice:
+    """What a run is made of. stiffness: "unit.parameter" and its factor, or none."""
 
     scene: str
-    change: str
+    algorithm: str
+    extrapolation: int
+    coarser: int
+    stiffness: str = ""
+    stiffer: float = 1.0
+
+    def __str__(self) -> str:
+        stiff = f", {self.stiffness} x {self.stiffer:g}" if self.stiffness else ""
+        return f"{self.algorithm}, degree {self.extrapolation}, step x {self.coarser}{stiff}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of the hunt.
+
+    verdict: "right"; "said", by a warning or an outcome other than done; "missed"; "refused"; "no reference".
+    true, said: error of the worst signal or figure, as share of its scale, and what the run states of it.  worst: its name.
+    largest: the largest true error of any signal.
+    """
+
+    choice: dict[str, Any]
     outcome: str
     warned: str
-    error: float
-    worst: str
     verdict: str
-    seconds: float
+    true: float = math.nan
+    said: float = math.nan
+    worst: str = ""
+    largest: float = math.nan
+    seconds: float = 0.0
 
 
-def stiffnesses(scene: Scene) -> list[tuple[str, float]]:
-    """(unit.parameter, value) of what is called a stiffness and is not 0, in the order of the units."""
-    from ...orchestrator.units import open_unit
+@dataclass(frozen=True)
+class Reference:
+    """A run with short steps, and one with shorter ones by which it is judged."""
 
-    names = []
-    for name, unit in scene.units.items():
-        if not unit.component:
-            continue
-        opened = open_unit(name, unit, in_process=True)
-        names += [(f"{name}.{key}", float(value)) for key, value in opened.parameters().items()
-                  if "stiffness" in key and "[" not in key and isinstance(value, int | float) and value]
-        opened.close()
-    return names[:STIFFNESSES]
+    result: Result
+    finer: Result
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Error of each signal, as share of its scale, at the times of the reference."""
+        return true_errors(self.result, self.finer)
 
 
-def short(scene: Scene, steps: int = STEPS) -> Scene:
-    """The scene over at most so many of its own steps, every step recorded, without faults."""
-    stop = min(scene.stop_time, steps * scene.master.step)
-    transient = scene.analysis.transient if scene.analysis.transient <= TRANSIENT * stop else 0.0
-    return recording(scene.with_changes({"stop_time": stop, "record.interval": None, "record.snapshots": (),
-                                         "record.snapshot_interval": None, "analysis.transient": transient, "faults": ()}))
+@dataclass
+class Hunt:
+    """Runs of one scene, which share references."""
 
+    scene: Scene
+    references: dict[tuple[str, float], Reference | str] = field(default_factory=dict)
 
-def variants(scene: Scene) -> Iterator[tuple[str, dict[str, Any], bool]]:
-    """(name, changes, whether these are the shipped settings) of all runs of a scene."""
-    for factor in COARSER:
-        if factor * scene.master.step * 3 <= scene.stop_time:
-            yield f"step x {factor}", {"master.step": factor * scene.master.step}, factor == 1
-    for name, value in stiffnesses(scene):
-        unit, parameter = scene.split(name)
-        for factor in STIFFER:
-            yield f"{name} x {factor:g}", {f"units.{unit}.parameters.{parameter}": factor * value}, False
+    def stiffnesses(self) -> list[str]:
+        """What is called a stiffness and is not 0, "unit.parameter", in the order of the units."""
+        names = []
+        for name, unit in self.scene.units.items():
+            if not unit.component:
+                continue
+            opened = open_unit(name, unit, in_process=True)
+            names += [f"{name}.{key}" for key, value in opened.parameters().items()
+                      if "stiffness" in key and "[" not in key and isinstance(value, int | float) and value]
+            opened.close()
+        return names[:STIFFNESSES]
 
-
-def hunt(scene: Scene, known: Collection[str] = (), steps: int = STEPS) -> Iterator[Found]:
-    """All runs of a scene but the changes that are `known`; coarser steps are compared with the finer step's run.
-
-    Alarms at the shipped settings are those of the whole scene as it is. What is missed is compared with a step half as long as
-    the reference's: a motion that no step gets twice, as chaos is, has no reference.
-    """
-    whole, scene = scene, short(scene, steps)
-    references: dict[str, Result | str] = {}
-    for name, changes, shipped in variants(scene):
-        if name in known:
-            continue
+    def judged(self, choice: Choice) -> Run:
+        """The run of a choice, and whether it is right in what it says."""
         since = process_time()
-        kept = {key: value for key, value in changes.items() if key != "master.step"}
-        finer = kept | {"master.step": scene.master.step / FINER}
-        if str(kept) not in references:
-            references[str(kept)] = _run(scene, finer)
-        reference, result = references[str(kept)], _run(scene, changes)
-        found = _judged(scene, name, _run(whole, {}) if shipped else result, result, reference, shipped)
-        if found.verdict == "missed" and not shipped:
-            finest = _run(scene, kept | {"master.step": 0.5 * finer["master.step"]})
-            again = _judged(scene, name, reference, reference, finest, False)
-            found = replace(found, verdict="missed" if again.error <= ENOUGH else "no reference")
-        yield replace(found, seconds=process_time() - since)
+        try:
+            result = quietly(verified_run, self.scene.with_changes(self.changes(choice)))
+        except BadInput as error:
+            return Run(asdict(choice), "refused", str(error), "refused")
+        reference = self.reference(choice)
+        if isinstance(reference, str):
+            return Run(asdict(choice), result.outcome, reference, "no reference")
+        return compared(choice, result, reference, process_time() - since)
+
+    def changes(self, choice: Choice) -> dict[str, Any]:
+        """Changes of the scene to those of a choice; rows at most at every macro step of the scene's own."""
+        return {**coupling_changes(self.scene, choice.algorithm, choice.extrapolation), **self._stiffer(choice),
+                "master.step": choice.coarser * self.scene.master.step}
+
+    def _stiffer(self, choice: Choice) -> dict[str, Any]:
+        if not choice.stiffness:
+            return {}
+        unit, parameter = self.scene.split(choice.stiffness)
+        opened = open_unit(unit, self.scene.units[unit], in_process=True)
+        value = float(opened.parameters()[parameter])
+        opened.close()
+        return {f"units.{unit}.parameters.{parameter}": choice.stiffer * value}
+
+    def reference(self, choice: Choice) -> Reference | str:
+        """The solution of the scene with the stiffness of a choice, or why there is none."""
+        key = (choice.stiffness, choice.stiffer)
+        if key not in self.references:
+            own = {**self._stiffer(choice), "master.control": None, "record.interval": self.scene.master.step}
+            try:
+                runs = [quietly(run_once, self.scene.with_changes({**own, "master.step": self.scene.master.step / k}))
+                        for k in FINER]
+                bad = next((r for r in runs if r.outcome != "done"), None)
+                self.references[key] = Reference(*runs) if bad is None else f"{bad.outcome}: {bad.message}"
+            except BadInput as error:
+                self.references[key] = str(error)
+        return self.references[key]
 
 
-def _run(scene: Scene, changes: dict[str, Any]) -> Result | str:
+def quietly(run: Any, scene: Scene) -> Result:
+    """A run in process, whose warnings are read from its result."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return run(scene, in_process=True)
+
+
+def true_errors(result: Result, finer: Result) -> dict[str, float]:
+    """Error of every recorded number (rms, as share of its deviation) against a run with shorter steps, at times of the first.
+
+    A signal that stands still is judged by its size. What has whole numbers only, as flags and modes have, and a text is judged
+    by the share of time in which it differs. Own code, for what it judges must not share its mistakes.
+    """
+    errors = {}
+    for name in (*result.columns, *result.texts):
+        x, y = result[name], finer[name]
+        rows = np.clip(np.searchsorted(finer.time, result.time + 1e-9 * finer.time[-1], side="right") - 1, 0, None)
+        if name in result.texts or (x == np.rint(x)).all() and (y == np.rint(y)).all():
+            errors[name] = float((x != y[rows]).mean())
+            continue
+        y_here = np.interp(result.time, finer.time, y)
+        y_here[finer.time[rows] == result.time] = y[rows][finer.time[rows] == result.time]
+        both = np.isfinite(x) & np.isfinite(y_here)
+        size = float(np.sqrt((y_here[both] ** 2).mean())) if both.any() else 0.0
+        scale = max(float(y_here[both].std()) if both.any() else 0.0, STILL * size)
+        rms = float(np.sqrt(((x - y_here)[both] ** 2).mean())) if both.any() else 0.0
+        errors[name] = rms / scale if scale > 1e-9 else 0.0
+    return errors
+
+
+def compared(choice: Choice, result: Result, reference: Reference, seconds: float) -> Run:
+    """What a run says, held against its reference."""
+    info = result.info
+    warned = "; ".join([*info["warnings"], *([result.message] if result.message else [])])
+    if result.outcome != "done":
+        return Run(asdict(choice), result.outcome, warned, "said", seconds=seconds)
+    if not info["verification"]["done"]:
+        return Run(asdict(choice), result.outcome, info["verification"]["why"], "said", seconds=seconds)
+    gaps = [(name, true, stated(info["verification"]["signals"], name), reference.errors[name])
+            for name, true in true_errors(result, reference.result).items()]
+    gaps += list(figures(result, reference))
+    clear = [(name, true - own, said) for name, true, said, own in gaps if own <= UNCLEAR * true or true < FLOOR]
+    largest = max((true for name, true, said, own in gaps), default=0.0)
+    if not clear:
+        return Run(asdict(choice), result.outcome, warned, "said" if warned else "no reference", seconds=seconds)
+    worst = max(clear, key=lambda one: one[1] / max(one[2], FLOOR / ENOUGH))
+    wrong = worst[1] > ENOUGH * worst[2] + FLOOR
+    verdict = "said" if warned else "missed" if wrong else "right"
+    return Run(asdict(choice), result.outcome, warned, verdict, worst[1], worst[2], worst[0], largest, seconds)
+
+
+def stated(signals: Mapping[str, Any], name: str) -> float:
+    """The error that a run states of a signal; nothing stated is no error."""
+    return float(signals[name]["rms"] or 0.0) if name in signals else 0.0
+
+
+def figures(result: Result, reference: Reference) -> Iterator[tuple[str, float, float, float]]:
+    """(name, true error, stated error, the reference's own) of the figures of the summary whose error is stated, as shares."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return run(scene.with_changes(changes), in_process=True).unless_stopped()
-    except BadInput as error:
-        return str(error)
+        ours, theirs, finest = ({row.name: row for row in r.summary} for r in (result, reference.result, reference.finer))
+    except BadInput:
+        return
+    for name, row in ours.items():
+        if name in theirs and name in finest and math.isfinite(row.error):
+            value, other = theirs[name].value, finest[name].value
+            scale = max(abs(value), abs(row.value))
+            if scale > 0.0 and math.isfinite(value - other):
+                yield f"figure {name}", abs(row.value - value) / scale, row.error / scale, abs(value - other) / scale
 
 
-def _judged(scene: Scene, name: str, judging: Result | str, result: Result | str, reference: Result | str, shipped: bool
-            ) -> Found:
-    """What a run says of itself is taken from `judging`, and its error from `result`."""
-    if isinstance(result, str) or isinstance(judging, str):
-        return Found(scene.name, name, "refused", f"{result}", math.nan, "", "refused", 0.0)
-    warned = "; ".join([*judging.info["warnings"], *([judging.message] if judging.message else [])])
-    error, worst = math.nan, ""
-    if not isinstance(reference, str) and reference.outcome == "done" and result.outcome == "done":
-        found = {q.name: error_of(q, result, reference) for q in judged(scene, reference)}
-        worst = max(found, key=lambda key: found[key], default="")
-        error = found.get(worst, 0.0)
-    if warned or judging.outcome != "done":
-        verdict = "false alarm" if shipped else "said"
-    else:
-        verdict = "right" if error <= ENOUGH else "missed" if math.isfinite(error) else "no reference"
-    return Found(scene.name, name, judging.outcome, warned, error, worst, verdict, 0.0)
+def choices(scenes: Iterable[str], runs: int, seed: int) -> dict[str, list[Choice]]:
+    """So many choices at random, by scene; the same for the same seed."""
+    chance = random.Random(seed)
+    names = list(scenes)
+    stiffnesses = {name: Hunt(load_scene(name)).stiffnesses() for name in names}
+    chosen: dict[str, dict[Choice, None]] = {name: {} for name in names}
+    while sum(map(len, chosen.values())) < runs:
+        name = chance.choice(names)
+        scene = load_scene(name)
+        coarser = chance.choice([k for k in COARSER if 4 * k * scene.master.step <= scene.stop_time])
+        stiffness = chance.choice(["", *stiffnesses[name]]) if stiffnesses[name] else ""
+        stiffer = chance.choice(STIFFER) if stiffness else 1.0
+        linked = bool(scene.coupling.links)  # without a connection, there is nothing to extrapolate
+        algorithm, degree = chance.choice(ALGORITHMS if linked else ALGORITHMS[:1]), chance.choice((0, 1, 2)) if linked else 0
+        chosen[name][Choice(name, algorithm, degree, coarser, stiffness, stiffer)] = None
+    return {name: list(those) for name, those in chosen.items()}
 
 
-def judged(scene: Scene, reference: Result) -> list[Quantity]:
-    """Its quantities of interest; where it names none, history and maximum of what it records, but for flags and modes.
-
-    Those have whole numbers only. When a part sticks that hardly moves depends on the last digit, while its motion and forces
-    do not.
-    """
-    return [q for q in quantities_of(scene)
-            if scene.study.quantities or (reference.columns[q.signal] != np.rint(reference.columns[q.signal])).any()]
-
-
-def error_of(quantity: Quantity, result: Result, reference: Result) -> float:
-    """Error of a quantity against a run with a finer step, both at the instants of the run that is judged.
-
-    That is what the macro step does to the solution; how densely it samples it is the business of `resolution`, which a run
-    judges as well. An energy that is conserved has the error of the solution for a range, so energies are compared with the
-    larger of range and magnitude, as an energy drift is.
-    """
-    x, y = result.columns[quantity.signal], reference.columns[quantity.signal]
-    y = np.interp(result.time, reference.time, y)  # whose instants are among its own
-    ours, theirs = (TimeHistory(result.time, {quantity.signal: values}) for values in (x, y))
-    with np.errstate(all="ignore"):
-        error = quantity.error(ours, theirs)
-        if quantity.unit == "J":
-            scale = quantity.scale(theirs)
-            error *= scale / max(scale, float(np.abs(y).max()))
-    return error
-
-
-def table(runs: list[Found]) -> str:
-    """Counts by scene, and every run that is wrong without a warning, in Markdown."""
-    kinds = ("right", "said", "missed", "false alarm", "no reference", "refused")
-    lines = ["| scene | runs | right | warned or unstable | of these within 10 % | missed | false alarms | no reference "
-             "| refused |",
-             "|---|---|---|---|---|---|---|---|---|"]
-    for scene in [*dict.fromkeys(one.scene for one in runs), "all"]:
-        mine = [one for one in runs if scene in (one.scene, "all")]
-        counts = {kind: sum(one.verdict == kind for one in mine) for kind in kinds}
-        cautious = sum(one.verdict == "said" and one.error <= ENOUGH for one in mine)
-        cells = (len(mine), counts["right"], counts["said"], cautious, *(counts[kind] for kind in kinds[2:]))
-        lines.append(f"| {scene} | {' | '.join(map(str, cells))} |")
-    lines += ["", "| missed | change | error | quantity |", "|---|---|---|---|"]
-    lines += [f"| {one.scene} | {one.change} | {100.0 * one.error:.0f} % | {one.worst} |"
+def table(runs: list[Run]) -> str:
+    """Counts by scene, and every run that is wrong by more than it says, in Markdown."""
+    lines = [f"| scene | runs | {' | '.join(VERDICTS)} | largest error of a right one |", "|---" * (len(VERDICTS) + 3) + "|"]
+    for scene in [*dict.fromkeys(one.choice["scene"] for one in runs), "all"]:
+        mine = [one for one in runs if scene in (one.choice["scene"], "all")]
+        largest = max((one.largest for one in mine if one.verdict == "right"), default=0.0)
+        counts = (sum(one.verdict == verdict for one in mine) for verdict in VERDICTS)
+        lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} | {100.0 * largest:.2g} % |")
+    lines += ["", "| missed | settings | worst | true error | stated |", "|---|---|---|---|---|"]
+    lines += [f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {100.0 * one.true:.2g} % | {100.0 * one.said:.2g} % |"
               for one in runs if one.verdict == "missed"]
     return "\n".join(lines)
 
 
 def main() -> None:
     """Hunt through the scenes and write one line of JSON for each run, as it comes."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", metavar="SCENE")
     parser.add_argument("-o", "--output", type=Path, default=Path("hunt.jsonl"))
-    parser.add_argument("--steps", type=int, default=STEPS, help="of the scene's own, at most")
+    parser.add_argument("--runs", type=int, default=3000)
+    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--table", action="store_true", help="no runs: print what the file holds")
     given = parser.parse_args()
     lines = given.output.read_text(encoding="utf-8").splitlines() if given.output.exists() else []
-    runs = [Found(**json.loads(line)) for line in lines]
+    runs = [Run(**json.loads(line)) for line in lines]
     if given.table:
-        print(table(sorted(runs, key=lambda one: one.scene)))
+        print(table(sorted(runs, key=lambda one: one.choice["scene"])))
         return
+    known = {Choice(**one.choice) for one in runs}
     with given.output.open("a", encoding="utf-8") as file:
-        for name in given.scenes or sorted(scene_files()):
-            known = {one.change for one in runs if one.scene == name}
-            for found in hunt(load_scene(name), known, given.steps):
+        for name, chosen in choices(given.scenes or sorted(scene_files()), given.runs, given.seed).items():
+            hunt = Hunt(load_scene(name))
+            for choice in chosen:
+                if choice in known:
+                    continue
+                found = hunt.judged(choice)
                 file.write(json.dumps(asdict(found)) + "\n")
                 file.flush()
-                print(f"{found.scene:30} {found.change:40} {found.outcome:9} {found.verdict:12} {100 * found.error:8.3g} % "
+                print(f"{name:30} {choice!s:70} {found.verdict:12} {100 * found.true:8.3g} % stated {100 * found.said:8.3g} % "
                       f"{found.worst[:50]}", flush=True)
 
 

@@ -38,6 +38,13 @@ def test_end_is_met_exactly_with_a_shorter_last_step():
     assert result.time[-2] == 1.0
 
 
+@pytest.mark.parametrize(("interval", "rows"), [(0.1, 11), (0.25, 5), (0.04, 11), (1e-3, 11)])
+def test_a_macro_step_longer_than_the_interval_gives_a_row_each(interval, rows):
+    result = run(read_scene(PROBE | {"record": {"interval": interval}}))
+    assert result.rows == rows
+    assert result["p.time"] == pytest.approx(result.time)
+
+
 def test_recording_at_intervals_with_snapshots():
     record = {"signals": ["p.time"], "interval": 0.25, "snapshots": ["p.profile"], "snapshot_interval": 0.5}
     result = run(read_scene({**PROBE, "record": record, "units": {"p": {**PROBE["units"]["p"], "parameters": {"length": 4.0}}}}))

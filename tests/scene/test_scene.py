@@ -91,7 +91,6 @@ BAD = [
     ("master", {"algorithm": "jacobi", "step": 0.1, "order": ["a", "b"]}, ["master.order", "jacobi"]),
     ("record.signals", ["a.x_ot"], ["record.signals", "a.x_ot", "'x_out'"]),
     ("record.signals", ["x_out"], ["record.signals", "unit.variable"]),
-    ("record.interval", 1e-3, ["record.interval", "0.001", "macro step"]),
     ("record.interval", 5.0, ["record.interval", "5 s"]),
     ("record.snapshot_interval", 0.1, ["record.snapshot_interval", "without snapshots"]),
     ("record.snapshots", ["a.x_out"], ["record.snapshots", "a.x_out"]),

@@ -80,16 +80,6 @@ def with_mesh(scene: Scene, factor: float) -> dict[str, Any]:
     return {**lengths, **(refined(scene, factor**2) if factor < 1.0 else {})}
 
 
-def with_step(scene: Scene, step: float) -> dict[str, Any]:
-    """The change to another macro step; samples are taken no more often than there are steps."""
-    changes: dict[str, Any] = {"master.step": step}
-    for key in ("interval", "snapshot_interval"):
-        given = getattr(scene.record, key)
-        if given is not None and given < step:
-            changes[f"record.{key}"] = step
-    return changes
-
-
 def pinned(scene: Scene) -> dict[str, Any]:
     """The scene's own setting as changes, so that a measured one means the same when the scene runs at another."""
     master = scene.master
@@ -130,7 +120,7 @@ def settings(scene: Scene) -> Iterator[Setting]:
     every = list(couplings(scene))
     for step in macro_steps(scene):
         for series, changes in every:
-            yield Setting(series, "coupling", step, {**changes, **with_step(scene, step)})
+            yield Setting(series, "coupling", step, {**changes, "master.step": step})
     if scene.coupling.links:
         for tolerance in ADAPTIVE:
             control = {"method": "milne", "relative": tolerance, "absolute": tolerance}

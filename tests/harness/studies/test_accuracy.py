@@ -16,7 +16,6 @@ from cosimo.orchestrator.harness.studies.settings_axes import (
     meshes,
     pinned,
     settings,
-    with_step,
     without_effects,
 )
 from cosimo.orchestrator.systems import load_scene, read_scene
@@ -138,12 +137,6 @@ def test_settings_make_sense_for_the_connections():
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] == SCENE.master.step / 2
     assert all(SCENE.with_changes(s.changes).master for s in settings(SCENE))
-
-
-def test_samples_are_no_denser_than_steps():
-    scene = SCENE.with_changes({"record.interval": 1e-2})
-    assert with_step(scene, 2e-2) == {"master.step": 2e-2, "record.interval": 2e-2}
-    assert with_step(scene, 5e-3) == {"master.step": 5e-3}
 
 
 @pytest.mark.parametrize(("mesh", "word"), [
