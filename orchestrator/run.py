@@ -36,6 +36,7 @@ from .recording import OutputFailed, ResultFiles, Spool
 from .results import Result, result_of
 from .run_info import CompileTime, describe_run, scene_info
 from .scene.scene import Scene
+from .shorter_steps import asked_for
 from .tables import MemoryTable, Table
 from .units import Unit
 from .units.component import ComponentUnit
@@ -67,6 +68,7 @@ def run(scene: Scene, *, in_process: bool = False, native: bool = False, progres
     `real_time`: no macro step ends before its time on the clock; `info["real_time"]` says how punctual they were.
     `windows`: what of the run is to be repeated at its end, see `judgement.windows`.
     """
+    scene = asked_for(scene)
     with ExitStack() as stack:
         files = ResultFiles(stack.enter_context(locked(output))) if output is not None else None
         current = Run(scene, stack, in_process=in_process, native=native, progress=progress, files=files, real_time=real_time,
@@ -128,7 +130,8 @@ class Run:
         scene, coupling, master, stack = self.scene, self.coupling, self.master, self.stack
         intervals = (scene.record.interval, scene.record.snapshot_interval)
         end = self.clock.ticks(scene.stop_time)
-        every, snapshot_every = (self.clock.ticks(i) if i else 1 for i in intervals)  # every macro step ends at a tick of its own
+        step = scene.master.step
+        every, snapshot_every = (self.clock.multiple(i, step) if i else 1 for i in intervals)  # each macro step ends at a tick
         # what the master reads in every step anyway is kept as a whole; picking columns can wait to the end of the run
         watched = bool(self._watched)
         self._ends = tuple(master.positions) if watched else coupling.signals
@@ -158,7 +161,9 @@ class Run:
             self.observers.append(self.files)
         steps = int(scene.stop_time / scene.master.step)
         if self._wish is not None and not obstacle(scene):
-            self.windows = Windows(master, self.stepping, steps, self.account)
+            angles = {f"{unit}.{name}" for unit, interface in coupling.interfaces.items()
+                      for name, signal in interface.outputs.items() if signal.unit == "rad"}
+            self.windows = Windows(master, self.stepping, steps, self.account, angles)
             self.observers.append(self.windows)
         if any(len(group) > 1 for group in coupling.groups):
             self.observers.append(InstabilityMonitor(master, steps, self.account))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import nan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -18,6 +18,7 @@ from ...components.core.errors import BadInput, nearest
 from .completion import parameters, presets
 
 if TYPE_CHECKING:
+    from ..judgement.verification import Wish
     from ..scene.scene import Scene
 
 FAILED_CHECK, BAD_INPUT, FAILED_RUN = 1, 2, 3
@@ -47,12 +48,22 @@ InProcess = Annotated[bool, typer.Option("--in-process", help=(
     "Run components in this process, not as FMUs: bit-identical results, faster."))]
 Native = Annotated[bool, typer.Option("--native", help=(
     "Components as native FMUs, which need no Python; built for the scene, and kept."))]
+NoVerify = Annotated[bool, typer.Option("--no-verify", help="Repeat nothing: numbers have no error.")]
 Output = Annotated[Path | None, typer.Option("-o", "--output", help="Directory for the results.")]
 
 Changes = Annotated[list[str] | None, typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", autocompletion=parameters, help=(
     "Change a parameter, in its SI unit, an array as [1, 2, 3], or analysis.key; may be repeated."))]
 Presets = Annotated[list[str] | None, typer.Option("--preset", metavar="[UNIT=]NAME", autocompletion=presets, help=(
     "Published parameters of a scene's component, instead of the scene's own, or of a component alone; may be repeated."))]
+
+
+def wish_of(verify: str | None, no_verify: bool, choices: Sequence[str]) -> Wish:
+    """How numbers are to be verified, by the options --verify, one of the choices, and --no-verify; raises `BadInput`."""
+    if verify is not None and no_verify:
+        raise BadInput("--verify", f"{verify!r} and --no-verify", "one of them", "Remove one of them.")
+    if verify is not None and verify not in choices:
+        raise BadInput("--verify", repr(verify), " or ".join(choices))
+    return "no" if no_verify else cast("Wish", verify or "auto")
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:

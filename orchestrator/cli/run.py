@@ -7,7 +7,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from signal import Signals
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,7 @@ from .common import (
     Changes,
     InProcess,
     Native,
+    NoVerify,
     Output,
     Presets,
     app,
@@ -32,13 +33,13 @@ from .common import (
     status_spinner,
     switched_on,
     warn,
+    wish_of,
 )
 from .completion import effects as effect_names
 from .completion import scenes
 
 if TYPE_CHECKING:
     from ..harness.summary import Summary
-    from ..judgement.verification import Wish
     from ..results import Result
     from ..scene.scene import Scene
 
@@ -75,7 +76,7 @@ def run(
     verify: Annotated[str | None, typer.Option("--verify", metavar="whole|full", help=(
         "Find errors by repeating the whole run with half the macro step, whatever it costs; full: and with finer internal "
         "steps and meshes. Default: the whole run where that takes at most 5 s of CPU time, else windows of it."))] = None,
-    no_verify: Annotated[bool, typer.Option("--no-verify", help="Do not repeat the run: its numbers have no error.")] = False,
+    no_verify: NoVerify = False,
     real_time: Annotated[bool, typer.Option("--real-time", help=(
         "No macro step ends before its time on the clock; how late steps were is in the report and in summary.json."))] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help=(
@@ -87,7 +88,8 @@ def run(
     To see first what it would do: cosimo run scene.toml --step 2e-3 --dry-run. To go on after an interrupt: cosimo run
     scene.toml -o out --checkpoint-every 1, then cosimo run scene.toml -o out --resume out/checkpoint.
     """
-    from ..harness.summary import verification_text, with_error
+    from ..harness.report.trust import percent
+    from ..harness.summary import verification_text
     from ..judgement.verification import run as run_scene
     from ..output import ensure_directory, locked
 
@@ -111,7 +113,7 @@ def run(
         with status_spinner() as on_message:
             loaded, reason, messages = setting_within(loaded, asked, on_message, lambda text: print(text, file=sys.stderr))
         print(*messages, sep="\n")
-    wish = _wish(verify, no_verify)
+    wish = wish_of(verify, no_verify, ("whole", "full"))
     if in_process and native:
         raise BadInput("--native", "--in-process as well", "one of them", "Remove one of them.")
     for option, wanted in (("--in-process", in_process), ("--native", native)):
@@ -146,13 +148,13 @@ def run(
             print("wrote " + ", ".join(str(output / name) for name in ("result.parquet", "result.csv", "run.json",
                                                                        *_numbers(numbers, output), *_report(result, output))))
     verification = result.info["verification"]
-    errors = {name: _share(error["rms"]) for name, error in verification.get("signals", {}).items()}
+    errors = {name: percent(error["rms"]) for name, error in verification.get("signals", {}).items()}
     print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end", "error"), [
         (name, result.measures[name], *result.extremes(name), errors.get(name, "")) for name in result.columns if result.rows
     ])
     if numbers:
         print_table("In numbers", ("quantity", "unit", "value", ""),
-                    [(r.name, r.unit, with_error(r.value, r.error), r.text) for r in numbers])
+                    [(r.name, r.unit, r.shown, r.text) for r in numbers])
     print(verification_text(verification))
     timing = result.info["timing"]
     compiling = f", {timing['compile']:.3g} s compiling (once)" if timing["compile"] else ""
@@ -220,22 +222,6 @@ def _walled(scene: Scene) -> dict[str, str]:
         raise BadInput("--isolate", f"{scene.name}, all of whose units are components of the catalogue",
                        "a scene with foreign code", "Leave it out.")
     return {f"units.{name}.isolation": "restricted" for name in foreign}
-
-
-def _share(error: float | None) -> str:
-    """An error in parts of a signal's deviation, as a cell of a table."""
-    if error is None or error < 1e-4:
-        return "" if error is None else "< 0.01 %"
-    return f"{100.0 * error:.2g} %" if error < 0.995 else f"{100.0 * error:.0f} %"
-
-
-def _wish(verify: str | None, no_verify: bool) -> Wish:
-    """How the run is to be verified; raises `BadInput`."""
-    if verify is not None and no_verify:
-        raise BadInput("--verify", f"{verify!r} and --no-verify", "one of them", "Remove one of them.")
-    if verify not in (None, "whole", "full"):
-        raise BadInput("--verify", repr(verify), "whole or full")
-    return "no" if no_verify else cast("Wish", verify or "auto")
 
 
 def _tolerance(accuracy: str | None, step: float | None, algorithm: str | None) -> float | None:

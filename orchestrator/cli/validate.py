@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .common import FAILED_CHECK, AsJson, InProcess, app, print_table, warn
+from .common import FAILED_CHECK, AsJson, InProcess, NoVerify, app, print_table, warn, wish_of
 from .completion import cases
 
 
@@ -19,31 +19,39 @@ def validate(
     in_process: InProcess = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Directory for the report.")] = Path("validation"),
     strict: Annotated[bool, typer.Option("--strict", help=(
-        "Count a row outside of a recalled range as failed, too; without it such rows are a warning."))] = False,
+        "Count a row outside of a recalled range, or undecided, as failed, too; without it such rows are a warning."))] = False,
+    verify: Annotated[str | None, typer.Option("--verify", metavar="whole", help=(
+        "Find the errors of all numbers by repeating each case with half of its macro steps, whatever it costs. Default: cases "
+        "whose repetition takes at most 5 s of CPU time."))] = None,
+    no_verify: NoVerify = False,
     as_json: AsJson = False,
 ) -> None:
     """Run cases and compare them with their tables. Example: cosimo validate en50318-2018-ac-simple -o out
 
     Exit code 1 where a row is outside of its range; a range that is only recalled from memory decides nothing without --strict.
+    Each number has its numerical error (±); where an end of the range lies within the error, the row is undecided.
     """
-    from ..harness.charts.style import number
+    from ..harness.report.generic import measured_text
     from ..harness.validation.case import to_json
     from ..systems import validate as validate_cases
 
-    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json)
+    wish = wish_of(verify, no_verify, ("whole",))
+    results = validate_cases(cases or [], output, in_process=in_process, progress=not as_json, verify=wish)
     if as_json:
         print(to_json(results))
     else:
         for result in results:
             columns = ("quantity", "condition", "unit", "measured", "range", "margin", "standing", "inside")
             print_table(result.case.title, columns, [
-                (r["quantity"], r["condition"], r["unit"], number(row.measured, r["low"], r["high"]), _range(r["low"], r["high"]),
-                 row.margin, r["standing"], "yes" if r["inside"] else "NO")
+                (r["quantity"], r["condition"], r["unit"], measured_text(row), _range(r["low"], r["high"]),
+                 row.margin, r["standing"], row.answer)
                 for row in result.findings.rows for r in [row.to_json()]
             ])
             if claims := result.findings.claims:
                 print_table("", ("claim", "announced", "measured", "verdict"), [
                     (c.claim.number, c.claim.announced, c.measured, c.verdict) for c in claims])
+            if why := result.findings.unverified:
+                print(f"errors of these numbers: not known, {why}")
             print(f"{result.case.name}: {result.verdict}")
         print(f"report: {results[0].report}")
     doubtful = [f"{result.case.name}: {warning}" for result in results for warning in result.warnings]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from math import ceil, floor, isfinite, log10, nan
 from typing import Any
@@ -23,6 +23,11 @@ class SummaryRow:
     unit: str
     text: str
     error: float = nan
+
+    @property
+    def shown(self) -> str:
+        """The number as it is printed, with its error where that is known."""
+        return with_error(self.value, self.error)
 
     def to_json(self) -> dict[str, Any]:
         """The row of summary.json; a number that is not finite is null."""
@@ -45,8 +50,10 @@ def with_error(value: float, error: float) -> str:
     digit = floor(log10(error))
     digit -= error < 2.0 * 10.0**digit  # 0.14 rather than 0.1
     shown = ceil(error / 10.0**digit * (1.0 - 1e-9)) * 10.0**digit  # never less than it is
+    if 0 <= digit < 5 and abs(value) < 1e6:
+        return f"{round(value, -digit):.0f} ± {shown:.0f}"
     if digit >= 0 or digit < -9:
-        return f"{value:.6g} ± {shown:.2g}" if digit < 5 and digit >= 0 and abs(value) < 1e6 else f"{value:.4g} ± {shown:.2g}"
+        return f"{value:.4g} ± {shown:.2g}"
     return f"{value:.{-digit}f} ± {shown:.{-digit}f}"
 
 
@@ -73,6 +80,12 @@ class SummaryTable(Summary):
         cells = "".join(f"<tr><td>{escape(r.name)}<td>{with_error(r.value, r.error)}<td>{escape(r.unit)}<td>{escape(r.text)}"
                         for r in self)
         return f"<table><tr><th>quantity<th>value<th>unit<th>{cells}</table>"
+
+
+def with_errors(rows: Iterable[SummaryRow], info: Mapping[str, Any]) -> Summary:
+    """The rows with the errors that verification found. info: of the result."""
+    errors = info.get("verification", {}).get("figures", {})
+    return tuple(row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in rows)
 
 
 def rows(unit: str, values: Mapping[str, float | None], texts: Mapping[str, tuple[str, str]]) -> Iterable[SummaryRow]:

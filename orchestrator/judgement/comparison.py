@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite, log2, nan
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from ..units.interface import Signal
 from .thresholds import APART, CONVERGING, FEW, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
+EXCERPT = 160  # rows of two signals where they differ most
 SURE, UNSURE = 2.0, 3.0  # error over the difference of two runs: at first order, and where the order is not known
 
 
@@ -81,7 +83,7 @@ def differences(first: Result, second: Result) -> dict[str, Difference]:
 
     Flags, modes, counts and texts differ by the share of the time in which they are not the same.
     """
-    here, there = _common_rows(first.time, second.time)
+    here, there = common_rows(first.time, second.time)
     before = np.maximum(np.searchsorted(second.time, first.time, side="right") - 1, 0) if there is None else there
     compared = {}
     for name in (*first.columns, *first.texts):
@@ -104,7 +106,7 @@ def difference(first: np.ndarray, second: np.ndarray, nominal: float = 0.0, *, a
     scale, own = scale_of(second, nominal), scale_of(first, nominal)
     with np.errstate(invalid="ignore"):
         gap = np.abs(first - second)
-    if angle and _begins_anew(second):
+    if angle and (_begins_anew(first) or _begins_anew(second)):
         gap = np.abs((gap + np.pi) % (2.0 * np.pi) - np.pi)
     gap[np.isnan(first) & np.isnan(second)] = 0.0
     gap[first == second] = 0.0  # infinities
@@ -140,7 +142,7 @@ def _begins_anew(angle: np.ndarray) -> bool:
     return bool(np.ptp(angle) < 2.0 * np.pi + 1e-6 and np.abs(np.diff(angle)).max(initial=0.0) > np.pi)
 
 
-def _common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
+def common_rows(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Rows of two runs at the same times; None where most rows of the first have none, as with steps of uneven length."""
     near = 1e-9 * max(float(first[-1]), 1e-300)
     k = np.minimum(np.searchsorted(second, first - near), second.size - 1)
@@ -153,6 +155,22 @@ def _signal(result: Result, name: str) -> Signal | None:
     unit, output = result.scene.split(name)
     interface = result.scene.coupling.interfaces.get(unit)
     return interface.outputs.get(output) if interface is not None else None
+
+
+def excerpt(first: Result, second: Result, name: str) -> dict[str, Any]:
+    """`EXCERPT` rows of a signal of two runs about the one where they differ most; nothing of flags and of equal signals."""
+    if name not in first.columns:
+        return {}
+    here, there = common_rows(first.time, second.time)
+    rows = np.arange(first.rows) if here is None else here
+    a = first[name][rows]
+    b = np.interp(first.time, second.time, second[name]) if there is None else second[name][there]
+    gap = np.abs(a - b)
+    if not (np.isfinite(a).all() and np.isfinite(b).all() and gap.any()):
+        return {}
+    begin = max(min(int(gap.argmax()) - EXCERPT // 2, rows.size - EXCERPT), 0)
+    shown = slice(begin, begin + EXCERPT)
+    return {"signal": name, "time": first.time[rows][shown].tolist(), "run": a[shown].tolist(), "finer": b[shown].tolist()}
 
 
 def needs_third(compared: Mapping[str, Difference]) -> bool:

@@ -8,17 +8,21 @@ steps, tolerances and meshes of the units are halved as well, one after the othe
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import floor, isfinite, isnan, log10, nan
 from pathlib import Path
 from time import process_time
 from typing import Any, Literal
 
+import numpy as np
+
 from ...components.core.errors import BadInput
 from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
-from .comparison import SignalError, differences, figure_errors, needs_third, signal_errors, worst_of
+from ..shorter_steps import shorter
+from .comparison import SignalError, common_rows, differences, excerpt, figure_errors, needs_third, signal_errors, worst_of
 from .internal import finer_inside
 from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, PROBED, SECONDS, WARN
 from .windows import WindowsWish
@@ -35,7 +39,9 @@ class Verification:
     done: whether there is any; why: why not, or what of it is missing.  step: s, the macro step of the repeated run.  how:
     "whole", "windows".  signals: by name.  figures: errors of the summary's figures, in their units.  windows: begins (s) and
     length (s).  slower: signals slower than a window.
-    growing: whose difference still grows there, see `windows`.  parts: place of an internal setting -> worst signal and how much
+    growing: whose difference still grows there, see `windows`.
+    excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
+    parts: place of an internal setting -> worst signal and how much
     it changes.  seconds: CPU time that it took.
     """
 
@@ -51,6 +57,7 @@ class Verification:
     slower: tuple[str, ...] = ()
     growing: tuple[str, ...] = ()
     parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    excerpt: Mapping[str, Any] = field(default_factory=dict)
     seconds: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
@@ -65,6 +72,7 @@ class Verification:
                             "growing": list(self.growing)}}
                if self.windows else {}),
             **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
+            **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
             "seconds": self.seconds,
         }
 
@@ -140,16 +148,44 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
                    for name, e in signals.items()}
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(True, step=0.5 * scene.master.step, how="whole", runs=len(shown), signals=signals, figures=figures,
-                        parts=parts)
+                        parts=parts, excerpt=excerpt(result, second, worst_of(signals)))
 
 
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
-    """Errors of the figures of a summary; none where there is no summary."""
+    """Errors of the figures of a summary; none where there is no summary.
+
+    All are read from rows at the times of the first run's. What lies between two rows, such as the largest value, shows in the
+    difference to the other rows of the second run: with the ends of that run, from which ways and energies count, or without,
+    as spectra need even rows.
+    """
+    first, second, *more = results
     try:
-        runs = [{row.name: row.value for row in result.summary} for result in results]
+        same = [_values(first), *(_values(_at(run, common_rows(first.time, run.time)[1])) for run in (second, *more))]
     except BadInput:
         return {}
-    return figure_errors(runs, unsure=unsure)
+    errors = figure_errors(same, unsure=unsure)
+    there = common_rows(first.time, second.time)[1]
+    if there is None or second.rows < 2 * there.size - 1 or there.size < 3:
+        return errors
+    between = np.setdiff1d(np.arange(second.rows), there)
+    others = []
+    for rows in (between, np.union1d(between, [0, second.rows - 1])):
+        with suppress(BadInput):
+            others.append(_values(_at(second, rows)))
+    return {name: error + min((gap for other in others if isfinite(gap := abs(same[1].get(name, nan) - other.get(name, nan)))),
+                              default=0.0) for name, error in errors.items()}
+
+
+def _values(result: Result) -> dict[str, float]:
+    return {row.name: row.value for row in result.summary}
+
+
+def _at(result: Result, rows: np.ndarray | None) -> Result:
+    """A result with some of its rows; all of them for None."""
+    if rows is None or rows.size == result.rows:
+        return result
+    return replace(result, time=result.time[rows], columns={name: column[rows] for name, column in result.columns.items()},
+                   texts={name: column[rows] for name, column in result.texts.items()})
 
 
 def _cost(result: Result, in_process: bool) -> float:
@@ -181,22 +217,6 @@ def _of_windows(scene: Scene, wish: WindowsWish) -> Verification:
     return Verification(True, "windows of a run that takes long; figures have no error. Ask for it with --verify whole",
                         0.5 * scene.master.step, "windows", 2, errors, windows=seen.begins, length=seen.length,
                         slower=seen.slower, growing=seen.growing)
-
-
-def shorter(scene: Scene, parts: int) -> dict[str, Any]:
-    """Changes to a macro step of one part in so many; with step control, to a tighter tolerance.
-
-    Rows are as many times denser: the largest value of a run is that of a sample, and misses what is between two.
-    """
-    step, control, record = scene.master.step, scene.master.control, scene.record
-    changes: dict[str, Any] = {"master.step": step / parts}
-    if control is not None:  # steps follow the root of the tolerance
-        changes |= {f"master.control.{key}": getattr(control, key) / parts**2 for key in ("relative", "absolute")}
-        changes |= {"master.control.min_step": control.min_step / parts} if control.min_step else {}
-        changes |= {"master.control.max_step": control.max_step / parts} if control.max_step else {}
-        return changes
-    changes |= {"record.interval": record.interval / parts} if record.interval is not None else {}
-    return changes | ({"record.snapshot_interval": step} if record.snapshots and record.snapshot_interval is None else {})
 
 
 def _with(result: Result, verification: Verification) -> Result:

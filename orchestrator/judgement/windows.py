@@ -9,7 +9,7 @@ to their mean in a window.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -66,9 +66,10 @@ class WindowsWish:
 class Windows(BatchObserver):
     """Keeps the state at some instants of a run, which changes nothing; windows are repeated from there when it has ended."""
 
-    def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None):
-        """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them."""
-        self._master, self._stepping = master, stepping
+    def __init__(self, master: Master, stepping: Stepping, steps: int, account: EnergyAccount | None = None,
+                 angles: Collection[str] = ()):
+        """`steps`: of the whole run, about. `account`: takes part in steps where it corrects them. `angles`: signals in rad."""
+        self._master, self._stepping, self._angles = master, stepping, angles
         self._stepper: Steppable = account if account is not None and account.correction else master
         # a window is one step at H and two at H/2, so that its cost is three times its share of the run
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
@@ -125,7 +126,7 @@ class Windows(BatchObserver):
         longer = (self._stepping.end // self._stepping.stride) / self._steps
         for k, name in enumerate(names):
             one, two = (np.concatenate([pair[i][first:, k] for pair in rows]) for i in range(2))
-            gap = difference(one, two)
+            gap = difference(one, two, angle=name in self._angles)
             third, last = (np.concatenate([(pair[0] - pair[1])[at, k] for pair in rows])
                            for at in np.array_split(np.arange(first, self._steps), 2))
             if np.square(last).mean() > GROWING**2 * np.square(third).mean() and gap.rms > NEGLIGIBLE:

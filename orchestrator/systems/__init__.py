@@ -6,7 +6,6 @@ Adding a system: a folder here with an object `SYSTEM`, and its name in `NAMES`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from ..harness.summary import SummaryTable
     from ..harness.system import Systems
     from ..harness.validation.case import Case, CaseResult
+    from ..judgement.verification import Wish
     from ..results import Result
     from ..scene.scene import Scene
 
@@ -107,17 +107,20 @@ def papers() -> list[str]:
     return [name for name in cases() if name.startswith(PREFIX)]
 
 
-def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False) -> list[CaseResult]:
+def validate(names: Iterable[str], directory: str | Path, in_process: bool = False, progress: bool = False,
+             verify: Wish = "auto") -> list[CaseResult]:
     """Run cases by name, write `report.html` and `validation.json` to `directory`.
 
     No name: all cases; "papers": those that go through what the papers announce; a path of a .toml file: a case of one's own.
+    verify: "auto" finds the errors of all numbers where the repetition takes at most 5 s of CPU time, "whole" always, "no" never.
 
     Raises `BadInput` for an unknown case before anything runs.
     """
     from ..harness.validation import run_cases
 
     names = [n for name in list(names) or cases() for n in (papers() if name == "papers" else [name])]
-    return run_cases([_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress)
+    return run_cases([_case(name) for name in names], Path(directory), SYSTEMS, in_process=in_process, progress=progress,
+                     verify=verify)
 
 
 def summary(result: Result) -> SummaryTable:
@@ -126,13 +129,11 @@ def summary(result: Result) -> SummaryTable:
     Each has its numerical error where the run was verified.
     Raises `BadInput` where [analysis] asks for what the run does not have.
     """
-    from ..harness.summary import SummaryTable, pacing_rows
+    from ..harness.summary import SummaryTable, pacing_rows, with_errors
 
     system = result.scene.analysis.system
     of_system = SYSTEMS[system].summary(result) if system in SYSTEMS and result.time.size > 1 else ()
-    errors = result.info.get("verification", {}).get("figures", {})
-    known = [row if (error := errors.get(row.name)) is None else replace(row, error=error) for row in of_system]
-    return SummaryTable((*known, *pacing_rows(result.info)))
+    return SummaryTable((*with_errors(of_system, result.info), *pacing_rows(result.info)))
 
 
 def write_report(result: Result, directory: str | Path) -> Path:

@@ -75,6 +75,8 @@ def _numbers(result: Recorded) -> str:
         numbers = result.summary
     except BadInput as error:
         return f"<br>no summary: {escape(_short(str(error)))}"
-    rows = "".join(f"<tr><td>{escape(r.name)}<td>{r.value:.4g}<td>{escape(r.unit)}" for r in numbers[:NUMBERS])
+    rows = "".join(f"<tr><td>{escape(r.name)}<td>{r.shown}<td>{escape(r.unit)}" for r in numbers[:NUMBERS])
     more = f"<br>{len(numbers) - NUMBERS} more: <code>.summary</code>" if len(numbers) > NUMBERS else ""
-    return f"<table><tr><th>in numbers<th>value<th>unit{rows}</table>{more}" if rows else ""
+    verification = result.info.get("verification", {})
+    unknown = "" if verification.get("done") else "<br>errors of these numbers are not known"
+    return f"<table><tr><th>in numbers<th>value<th>unit{rows}</table>{more}{unknown}" if rows else ""

@@ -23,7 +23,7 @@ FLOORS = (
     ("orchestrator.scene",),
     ("orchestrator.results", "orchestrator.tables", "orchestrator.recording", "orchestrator.recorders", "orchestrator.progress",
      "orchestrator.run", "orchestrator.run_info", "orchestrator.checkpoint", "orchestrator.open_all", "orchestrator.native",
-     "orchestrator.judgement", "orchestrator.views", "orchestrator.pacing"),
+     "orchestrator.judgement", "orchestrator.shorter_steps", "orchestrator.views", "orchestrator.pacing"),
     ("orchestrator.harness",),
     ("orchestrator.systems",),
     ("orchestrator.cli",),

@@ -172,7 +172,7 @@ def true_errors(result: Result, finer: Result) -> dict[str, float]:
     for name in (*result.columns, *result.texts):
         x, y = result[name], finer[name]
         rows = np.clip(np.searchsorted(finer.time, result.time + 1e-9 * finer.time[-1], side="right") - 1, 0, None)
-        if name in result.texts or (x == np.rint(x)).all() and (y == np.rint(y)).all():
+        if name in result.texts or (np.array_equal(x, np.rint(x)) and np.array_equal(y, np.rint(y))):
             errors[name] = float((x != y[rows]).mean())
             continue
         y_here = np.interp(result.time, finer.time, y)
@@ -250,9 +250,9 @@ def table(runs: list[Run]) -> str:
         mine = [one for one in runs if scene in (one.choice["scene"], "all")]
         largest = max((one.largest for one in mine if one.verdict == "right"), default=0.0)
         counts = (sum(one.verdict == verdict for one in mine) for verdict in VERDICTS)
-        lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} | {100.0 * largest:.2g} % |")
+        lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} | {largest:.2%} |")
     lines += ["", "| missed | settings | worst | true error | stated |", "|---|---|---|---|---|"]
-    lines += [f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {100.0 * one.true:.2g} % | {100.0 * one.said:.2g} % |"
+    lines += [f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {one.true:.2%} | {one.said:.2%} |"
               for one in runs if one.verdict == "missed"]
     return "\n".join(lines)
 

@@ -9,6 +9,8 @@ from math import gcd
 
 import numpy as np
 
+ROUNDING = 1e-12  # relative
+
 
 def _written(seconds: float) -> Fraction:
     """The decimal number a user wrote: 0.1 is 1/10, not the binary number beside it."""
@@ -36,6 +38,12 @@ class Clock:
     def ticks(self, duration: float) -> int:
         """Whole ticks in a duration (s); exact for those the clock was made for."""
         return int(_written(duration) * self.denominator / self.numerator)
+
+    def multiple(self, duration: float, unit: float) -> int:
+        """`ticks` of a duration (s), or of the whole multiple of a unit (s) that it is but for rounding."""
+        count = round(duration / unit)
+        near = count and abs(duration - count * unit) <= ROUNDING * duration
+        return count * self.ticks(unit) if near else self.ticks(duration)
 
     def not_before(self, t: float) -> int:
         """The first tick that is not before a time (s)."""

@@ -78,6 +78,7 @@ class RangeRow:
     open_low: bool
     open_high: bool
     inside: bool
+    undecided: bool
     standing: str
     note: str
     source: str

@@ -13,7 +13,8 @@ from ..charts.blocks import Answer, Block, Cells, Facts, Figure, Text
 from ..charts.chart import Chart
 from ..charts.charts import draw_chart
 from ..charts.style import number
-from . import claims, generic, many_runs, numerics, sweeps
+from ..summary import with_error, with_errors
+from . import claims, generic, many_runs, numerics, sweeps, trust
 from .page import Page, Section, write_page
 from .windows import fault_windows, shaded
 
@@ -46,6 +47,7 @@ def for_run(result: Result, directory: str | Path, systems: Systems) -> Path:
         )
     sections = [Section("Run", blocks, badge=result.outcome)] if blocks else []
     sections += [Section("Signals", signals)] if signals else []
+    sections += [Section("How far these numbers can be trusted", trust.blocks(result))] if "verification" in result.info else []
     sections += [Section("How it was computed", computed)] if computed else []
     how = Text([generic.run_line(result)], "settings")
     sections.append(Section("Settings", [how, *generic.units_and_connections(result), *generic.run_blocks(result)]))
@@ -68,12 +70,14 @@ def _answer(result: Result, systems: Systems) -> list[Block]:
     if system not in systems or result.time.size < 2:
         return []
     try:
-        rows = systems[system].summary(result)[:MOST_NUMBERS]
+        rows = with_errors(systems[system].summary(result)[:MOST_NUMBERS], result.info)
     except BadInput:
         return []  # the line in place of the figures says why
-    numbers = [(f"{number(row.value)} {row.unit if row.unit != '1' else ''}".rstrip(),
+    numbers = [(f"{with_error(row.value, row.error) if np.isfinite(row.error) else number(row.value)} "
+                f"{row.unit if row.unit != '1' else ''}".rstrip(),
                 ", ".join(filter(None, (row.text, row.name.rpartition(".")[0])))) for row in rows]
-    return [Answer(numbers)] if numbers else []
+    unknown = Text(["The numerical errors of these numbers are not known; see below."], "note")
+    return [Answer(numbers), *([] if any(np.isfinite(row.error) for row in rows) else [unknown])] if numbers else []
 
 
 def _of_system(result: Result, systems: Systems) -> list[Block]:
@@ -96,7 +100,7 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
     if len(case_results) > 1:
         overview = [(r.case.title, r.outcome, r.verdict) for r in case_results]
         sections.insert(0, Section("Overview", [Cells("", ("case", "outcome", "in words"), overview)]))
-    count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "recalled")}
+    count = {o: sum(r.outcome == o for r in case_results) for o in ("passed", "failed", "undecided", "recalled")}
     lead = ", ".join(f"{n} {o}" for o, n in count.items() if n) + "."
     if count["recalled"]:
         lead += " “Recalled”: not all ranges were read in a source, so that being inside them is no pass."
@@ -104,7 +108,9 @@ def for_cases(case_results: Sequence[CaseResult], directory: str | Path, systems
         lead = case_results[0].verdict
     footer = [
         "Every range carries its standing: verbatim (read in a public source), computed (independent solver or closed form), "
-        "inferred, recalled (from memory of the literature, not re-read; hatched)."
+        "inferred, recalled (from memory of the literature, not re-read; hatched).",
+        "± is the numerical error of a number: what half of every macro step changes, twice. Where an end of the range lies "
+        "within it, the row is undecided. A number without ± is the same with half of every step, or its case was not repeated."
     ]
     if len(case_results) == 1:
         title = case_results[0].case.title
@@ -172,6 +178,8 @@ def _case_sections(result: CaseResult, alone: bool, systems: Systems) -> list[Se
             rows = [r for r in plain if r.reference.condition == c]
             tables.append(generic.range_table(c, rows, findings.settings.get(c, "")))
         sections.append(Section("Against the reference", tables, 3))
+    if findings.unverified:
+        sections.append(Section("Errors of these numbers", [Text([f"Not known: {findings.unverified}."], "note")], 3))
     if findings.notes:
         sections.append(Section("Notes", [Text(findings.notes, "note")], 3))
     return sections

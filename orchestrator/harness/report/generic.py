@@ -11,6 +11,7 @@ from ....components.core.errors import BadInput
 from ..charts.blocks import Cells, Facts, Figure, RangeRow, Ranges, Sketch, Text
 from ..charts.chart import Grid
 from ..charts.style import CYCLE, axis, dense_line, layout, number
+from ..summary import with_error
 
 if TYPE_CHECKING:
     from ...results import Result
@@ -24,6 +25,12 @@ UNLIKE = 30.0  # largest over smallest signal, from which they do not share an a
 def range_table(title: str, rows: Sequence[Row], settings: str = "") -> Ranges:
     """Rows of a case as a table with bars."""
     return Ranges(title, [_range_row(r) for r in rows], settings)
+
+
+def measured_text(row: Row) -> str:
+    """The measured number with its error where that is known, else with the digits that its range asks for."""
+    low, high = row.reference.low, row.reference.high
+    return with_error(row.measured, row.error) if np.isfinite(row.error) else number(row.measured, low, high)
 
 
 def _range_row(row: Row) -> RangeRow:
@@ -47,13 +54,14 @@ def _range_row(row: Row) -> RangeRow:
     return RangeRow(
         r.quantity if r.role == "supports" else f"{r.quantity} ({r.role} the claim)",
         unit,
-        number(row.measured, low, high),
+        measured_text(row),
         text,
         margin,
         None if place is None else float(place),
         low is None,
         high is None,
         row.inside,
+        row.undecided,
         r.standing,
         r.standing + (f" ({r.confidence} confidence)" if r.confidence else ""),
         r.source,

@@ -11,19 +11,22 @@ from typing import TYPE_CHECKING
 from .case import Case, CaseResult, Options, to_json
 
 if TYPE_CHECKING:
+    from ...judgement.verification import Wish
     from ..system import Systems
 
 
-def run_cases(cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool) -> list[CaseResult]:
-    """Run the cases, write `report.html` and `validation.json` to `directory`."""
+def run_cases(cases: Sequence[Case], directory: Path, systems: Systems, *, in_process: bool, progress: bool,
+              verify: Wish = "auto") -> list[CaseResult]:
+    """Run the cases, with errors as `repeated.find` finds them; write `report.html` and `validation.json`."""
     from ..report import for_cases
+    from .repeated import find
 
     options = Options(in_process, progress)
     results = []
     for i, case in enumerate(cases, 1):
         if progress and len(cases) > 1:
             print(f"{i} of {len(cases)}: {case.name}", file=sys.stderr, flush=True)
-        results.append(CaseResult(case, case.function(options)))
+        results.append(CaseResult(case, find(case, options, verify)))
     directory.mkdir(parents=True, exist_ok=True)
     page = for_cases(results, directory, systems)
     results = [replace(r, report=page) for r in results]

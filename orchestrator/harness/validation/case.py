@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..charts.chart import Chart, Grid
+from ..summary import with_error
 from .claims import ROLES, VERDICTS, Claim
 from .reference import TableRow
 
@@ -26,6 +27,7 @@ class Row:
 
     reference: TableRow
     measured: float
+    error: float = math.nan  # of the macro steps; NaN where it is not known
 
     @property
     def margin(self) -> float:
@@ -39,6 +41,16 @@ class Row:
         """Whether the measured number lies in the range, its ends included."""
         return bool(self.margin >= 0.0)  # the numbers may be those of NumPy
 
+    @property
+    def undecided(self) -> bool:
+        """Whether an end of the range lies within the error of a number inside: with shorter steps it may be outside."""
+        return self.inside and bool(self.error > self.margin)
+
+    @property
+    def answer(self) -> str:
+        """ "yes", "NO" or "undecided": whether the number is inside."""
+        return "undecided" if self.undecided else "yes" if self.inside else "NO"
+
     def to_json(self) -> dict[str, Any]:
         """The row of the machine-readable output."""
         r = self.reference
@@ -47,12 +59,14 @@ class Row:
             "condition": r.condition,
             "unit": r.unit,
             "measured": self.measured if math.isfinite(self.measured) else None,
+            "error": self.error if math.isfinite(self.error) else None,
             "low": r.low,
             "high": r.high,
             "standing": r.standing,
             "confidence": r.confidence or None,
             "source": r.source,
             "inside": self.inside,
+            "undecided": self.undecided,
             **({"claim": r.claim, "role": r.role} if r.claim else {}),
         }
 
@@ -63,13 +77,17 @@ def compare(rows: tuple[TableRow, ...], measured: Mapping[str, float]) -> tuple[
 
 
 def outcome(rows: tuple[Row, ...]) -> str:
-    """ "failed" if a row is outside a range that is not just recalled; else "recalled" if any range is not firm; else "passed".
+    """ "failed" if a row is outside a range that is not just recalled; else "undecided" if the error of one reaches beyond its
+    range; else "recalled" if any range is not firm; else "passed".
 
     Recalled ranges decide nothing: being inside them is no pass of a standard, being outside them no failure but a warning.
     Firm are ranges that were read or computed. No row, no pass.
     """
-    if not rows or not all(r.inside for r in rows if r.reference.standing != "recalled"):
+    deciding = [r for r in rows if r.reference.standing != "recalled"]
+    if not rows or not all(r.inside for r in deciding):
         return "failed"
+    if any(r.undecided for r in deciding):
+        return "undecided"
     return "passed" if all(r.reference.standing in FIRM for r in rows) else "recalled"
 
 
@@ -143,17 +161,19 @@ class Findings:
     settings: Mapping[str, str] = field(default_factory=dict)  # condition -> how its numbers were made (window, filter)
     complete: bool = True  # False: a run failed, so that the case fails whatever its rows say
     claims: tuple[ClaimResult, ...] = ()  # of a paper: they decide, not the rows one by one
+    unverified: str = ""  # why the errors of the rows are not known; "" where they are
 
 
 @dataclass(frozen=True)
 class Case:
-    """A comparison with a reference: what it shows, and the function that does it."""
+    """A comparison with a reference: what it shows, the function that gives its rows, and one for studies that explain them."""
 
     name: str
     title: str
     text: str  # what it shows, and what it cannot show
     system: str
     function: Callable[[Options], Findings]
+    studies: Callable[[Options], tuple[Chart | Grid, ...]] | None = None  # of complete findings; not repeated for errors
 
 
 @dataclass(frozen=True)
@@ -166,7 +186,7 @@ class CaseResult:
 
     @property
     def outcome(self) -> str:
-        """ "passed", "failed" or "recalled"; a paper passes if every claim has the verdict of its last review."""
+        """ "passed", "failed", "undecided" or "recalled"; a paper passes if every claim has the verdict of its last review."""
         if not self.findings.complete:
             return "failed"
         if self.findings.claims:
@@ -175,9 +195,12 @@ class CaseResult:
 
     @property
     def warnings(self) -> list[str]:
-        """Rows outside of recalled ranges, one sentence each: they fail nothing, but may be a defect."""
+        """Rows outside of recalled ranges and undecided ones, one sentence each: they fail nothing, but may be a defect."""
         return [f"{r.reference.quantity} ({r.reference.condition}): {r.measured:.5g} {unit}is {_outside(r)}, a recalled range"
-                for r in self.findings.rows if r.reference.standing == "recalled" and not r.inside
+                if not r.inside else
+                f"{r.reference.quantity} ({r.reference.condition}): {with_error(r.measured, r.error)} {unit}is undecided: its "
+                f"range ends {r.margin:.2g} away"
+                for r in self.findings.rows if (r.reference.standing == "recalled" and not r.inside) or r.undecided
                 for unit in [f"{r.reference.unit} " if r.reference.unit != "1" else ""]]
 
     @property
@@ -193,8 +216,10 @@ class CaseResult:
         for names, kind in kinds:
             some = [r for r in rows if r.reference.standing in names]
             if some:
-                parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}")
-        text = {"passed": "Passed", "failed": "Failed", "recalled": "No pass, as not every range was read or computed"}
+                undecided = f", {n} undecided" if (n := sum(r.undecided for r in some)) else ""
+                parts.append(f"{sum(r.inside for r in some)} of {len(some)} rows inside the {kind}{undecided}")
+        text = {"passed": "Passed", "failed": "Failed", "undecided": "Undecided, as errors reach beyond a range",
+                "recalled": "No pass, as not every range was read or computed"}
         return f"{text[self.outcome]}: {', '.join(parts) or 'nothing was compared'}."
 
     def to_json(self) -> dict[str, Any]:
@@ -208,6 +233,7 @@ class CaseResult:
             "rows": [r.to_json() for r in self.findings.rows],
             **({"claims": [c.to_json() for c in self.findings.claims]} if self.findings.claims else {}),
             "notes": list(self.findings.notes),
+            "unverified": self.findings.unverified,
             "report": str(self.report) if self.report else None,
         }
 

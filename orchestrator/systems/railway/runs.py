@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 from ....components.catalogue import component_class
@@ -13,6 +12,7 @@ from ...harness.validation.case import Options
 from ...results import Result
 from ...run import run
 from ...scene.scene import Scene
+from ...shorter_steps import kept_runs
 from .. import load_scene
 from .records import measured, parameters, statistics
 
@@ -41,7 +41,7 @@ def with_stable_substep(scene: Scene) -> Scene:
     )
 
 
-@cache
+@kept_runs
 def reference_run(speed: float, options: Options) -> Result:
     """EN 50318:2002 at a speed in km/h."""
     return run(at_speed(load_scene("en50318-2002"), speed), in_process=options.in_process, progress=options.progress)
@@ -57,7 +57,7 @@ def ac_simple_run(speed: float, options: Options) -> tuple[Result, float, float]
     return set_mean_run("en50318-2018-ac-simple", speed, target_mean(speed), options)
 
 
-@cache
+@kept_runs
 def set_mean_run(name: str, speed: float, target: float, options: Options) -> tuple[Result, float, float]:
     """A scene of EN 50318:2018 at a speed in km/h: the run, its static force in N, and the mean force in N of the trial.
 

@@ -1,5 +1,6 @@
 """Ticks against exact rational time."""
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -60,3 +61,14 @@ def test_times_of_many_ticks_are_those_of_each(durations):
     clock = Clock.dividing(*durations)
     ticks = range(clock.ticks(durations[1]) // 2, clock.ticks(durations[1]), max(clock.ticks(durations[1]) // 1000, 1))
     assert clock.times(ticks).tolist() == [clock.seconds(k) for k in ticks]
+
+
+@pytest.mark.parametrize("frequency", [20.0, 30.0, 50.0, 77.46])
+def test_an_interval_of_whole_steps_but_for_rounding_is_of_whole_steps(frequency):
+    """Eight eighths of 2 pi / 50 s are a last digit more than the period: its rows would come a step late."""
+    period = 2.0 * math.pi / frequency
+    step = period / 8
+    clock = Clock.dividing(step, 10 * period, period)
+    assert clock.multiple(period, step) == 8 * clock.ticks(step)
+    assert clock.multiple(2.5 * step, step) == clock.ticks(2.5 * step)
+    assert clock.multiple(1e-3 * step, step) == clock.ticks(1e-3 * step)

@@ -43,12 +43,12 @@ source = "rig"
 
 @pytest.fixture(scope="module")
 def result():
-    return run(read_scene(two_masses()), in_process=True)
+    return run(read_scene(two_masses("jacobi", 1e-3, 2)), in_process=True)
 
 
 @pytest.fixture
 def folder(tmp_path, result):
-    write_scene(read_scene(two_masses()), tmp_path / "masses.toml")
+    write_scene(read_scene(two_masses("jacobi", 1e-3, 2)), tmp_path / "masses.toml")
     write(tmp_path, result.time, 1e3 * result["a.x_out"])
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     return tmp_path

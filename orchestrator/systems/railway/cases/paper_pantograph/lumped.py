@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cache
 
 import numpy as np
 
 from .....results import Result
 from .....run import run
+from .....shorter_steps import kept_runs
 from .... import load_scene
 from ...runs import KMH, at_speed
 
@@ -49,7 +49,7 @@ def relative_deviation(speed: float, whole: bool = False) -> float:
     return abs(z / (wire + z)) / math.sqrt(2.0)
 
 
-@cache
+@kept_runs
 def lumped_run(speed: float, stiffness: float = STIFFNESS, swings: Sequence[float] = (SWING,), wire: tuple[float, float] =
                MASSLESS,
                stop: float | None = None) -> Result:

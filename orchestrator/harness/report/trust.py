@@ -1,0 +1,66 @@
+"""How far the numbers of a run can be trusted: the errors that its repetition showed, and the curves where they differ most."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ...judgement.thresholds import AIM, WARN
+from ..charts.blocks import Block, Cells, Text
+from ..charts.chart import Chart, Panel, Series
+from ..charts.charts import draw_chart
+from ..summary import verification_text
+
+if TYPE_CHECKING:
+    from ...results import Result
+
+SHOWN = 12  # signals, the worst first
+
+
+def blocks(result: Result) -> list[Block]:
+    """Where the errors come from, those of the signals, the worst first, and the worst of all as two curves."""
+    verification = result.info["verification"]
+    parts: list[Block] = [Text([verification_text(verification)], "" if verification["done"] else "note")]
+    if verification.get("signals"):
+        parts.append(_table(verification))
+    if given := verification.get("excerpt"):
+        parts.append(draw_chart(_curves(given, result, verification["step"])))
+    return parts
+
+
+def _table(verification: Mapping[str, Any]) -> Cells:
+    signals = verification["signals"]
+    worst = sorted(signals, key=lambda name: -signals[name]["rms"])
+    rows = [(name, percent(signals[name]["rms"]), percent(signals[name]["max"]),
+             f"{order:.2g}" if (order := signals[name]["order"]) is not None else "", _kind(signals[name]))
+            for name in worst[:SHOWN]]
+    rest = f" The other {len(worst) - SHOWN} signals have smaller ones." if len(worst) > SHOWN else ""
+    return Cells("Errors of signals", ("signal", "error, rms", "largest", "order", ""), rows,
+                 "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
+                 f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}. "
+                 f"Order: how the difference fell with the step, where three runs were made.{rest}", frozenset({1, 2, 3}))
+
+
+def _kind(error: Mapping[str, Any]) -> str:
+    if error.get("parted"):
+        return "chaotic: histories part, statistics agree"
+    return "jumps at other instants" if error.get("shifted") else ""
+
+
+def percent(share: float | None) -> str:
+    """A share of a signal's deviation, with two digits."""
+    if share is None:
+        return "not known"
+    if share < 1e-4:
+        return "< 0.01 %" if share else "0"
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
+
+
+def _curves(given: Mapping[str, Any], result: Result, step: float) -> Chart:
+    name = given["signal"]
+    unit = result.measures.get(name, "")
+    lines = (Series("half the macro step", given["time"], given["finer"]), Series("this run", given["time"], given["run"]))
+    panel = Panel(name + (f", {unit}" if unit not in ("", "1") else ""), lines)
+    return Chart("Where the two runs differ most", "time, s", (panel,),
+                 "The signal with the largest error, about the instant of its largest difference: this run, and the one with a "
+                 f"macro step of {step:g} s.")

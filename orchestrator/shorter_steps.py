@@ -1,0 +1,62 @@
+"""The same runs with shorter macro steps: the change to one scene, and all runs that a function makes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, wraps
+from typing import Any, ParamSpec, TypeVar
+
+from .scene.scene import Scene
+
+P, R = ParamSpec("P"), TypeVar("R")
+_parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
+
+
+def shorter(scene: Scene, parts: int, *, denser: bool = True) -> dict[str, Any]:
+    """Changes to a macro step of one part in so many; with step control, to a tighter tolerance.
+
+    denser: whether rows are as many times denser, as the largest value of a run is that of a sample and misses what is between
+    two; or at the same times.
+    """
+    step, control, record = scene.master.step, scene.master.control, scene.record
+    changes: dict[str, Any] = {"master.step": step / parts}
+    if control is not None:  # steps follow the root of the tolerance
+        changes |= {f"master.control.{key}": getattr(control, key) / parts**2 for key in ("relative", "absolute")}
+        changes |= {"master.control.min_step": control.min_step / parts} if control.min_step else {}
+        changes |= {"master.control.max_step": control.max_step / parts} if control.max_step else {}
+        return changes
+    if not denser and record.interval is None:
+        changes["record.interval"] = step
+    elif denser and record.interval is not None:
+        changes["record.interval"] = record.interval / parts
+    return changes | ({"record.snapshot_interval": step} if record.snapshots and record.snapshot_interval is None else {})
+
+
+@contextmanager
+def shorter_steps(parts: int) -> Iterator[None]:
+    """Every run inside has each macro step in so many parts, and its rows at the same times."""
+    token = _parts.set(parts)
+    try:
+        yield
+    finally:
+        _parts.reset(token)
+
+
+def asked_for(scene: Scene) -> Scene:
+    """The scene as it is to be run: as it is, or with the shorter steps of `shorter_steps`."""
+    parts = _parts.get()
+    return scene if parts == 1 else scene.with_changes(shorter(scene, parts, denser=False))
+
+
+def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
+    """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps that are asked for as well."""
+
+    of_parts = cache(lambda parts, *args, **kwargs: function(*args, **kwargs))
+
+    @wraps(function)
+    def kept(*args: P.args, **kwargs: P.kwargs) -> R:
+        return of_parts(_parts.get(), *args, **kwargs)
+
+    return kept

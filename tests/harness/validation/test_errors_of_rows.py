@@ -1,0 +1,131 @@
+"""A case is repeated with half of its macro steps: each row has its error, and one whose range ends within it is undecided."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cosimo.orchestrator.cli import main
+from cosimo.orchestrator.harness.validation.case import Case, CaseResult, Findings, Options, Row, compare
+from cosimo.orchestrator.harness.validation.reference import TableRow
+from cosimo.orchestrator.harness.validation.repeated import find
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.shorter_steps import kept_runs, shorter_steps
+from cosimo.orchestrator.systems import load_scene, read_scene
+from cosimo.tests.support import exact_two_masses, two_masses
+
+STEP = 5e-3
+
+
+def table_row(low, high, standing="computed"):
+    return TableRow("position", "x", "", "m", low, high, standing, "the closed form", "high" if standing == "recalled" else "")
+
+
+def position(step=STEP):
+    return float(run(read_scene(two_masses("jacobi", step, 0)), in_process=True)["a.x_out"][-1])
+
+
+def case(low, high, standing="computed", measure=position, counted=None):
+    def function(options):
+        if counted is not None:
+            counted.append(options)
+        return Findings(compare((table_row(low, high, standing),), {"x": measure()}))
+
+    return Case("c", "A case", "It shows.", "", function)
+
+
+def test_the_error_of_a_row_is_at_least_half_of_the_true_one():
+    (row,) = find(case(-10.0, 10.0), Options()).rows
+    end = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True).end
+    true = abs(row.measured - exact_two_masses(end)[0])
+    assert true > 1e-4
+    assert 0.5 * true < row.error < 4.0 * true
+    assert not row.undecided
+
+
+@pytest.mark.parametrize(("share", "answer", "outcome"), [(3.0, "yes", "passed"), (0.3, "undecided", "undecided"),
+                                                          (-0.3, "NO", "failed")])
+def test_a_range_that_ends_within_the_error_is_undecided(share, answer, outcome):
+    (row,) = find(case(-10.0, 10.0), Options()).rows
+    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + share * row.error), Options()))
+    assert (result.findings.rows[0].answer, result.outcome) == (answer, outcome)
+    assert bool(result.warnings) == (answer == "undecided")
+    assert result.to_json()["rows"][0]["undecided"] == (answer == "undecided")
+    assert ("undecided" in result.verdict.lower()) == (answer == "undecided")
+
+
+def test_a_recalled_range_decides_nothing_even_where_it_ends_within_the_error():
+    (row,) = find(case(-10.0, 10.0), Options()).rows
+    result = CaseResult(case(0, 0), find(case(-10.0, row.measured + 0.3 * row.error, "recalled"), Options()))
+    assert result.outcome == "recalled"
+    assert "undecided" in result.warnings[0]
+
+
+def test_a_number_without_macro_steps_has_no_error():
+    found = find(case(0.0, 2.0, measure=lambda: 1.0), Options())
+    assert math.isnan(found.rows[0].error)
+    assert found.unverified == ""
+
+
+def test_what_takes_long_is_repeated_only_when_asked_for(monkeypatch):
+    monkeypatch.setattr("cosimo.orchestrator.harness.validation.repeated.SECONDS", 0.0)
+    counted = []
+    found = find(case(-10.0, 10.0, counted=counted), Options())
+    assert "--verify whole" in found.unverified
+    assert math.isnan(found.rows[0].error)
+    assert len(counted) == 1
+    assert find(case(-10.0, 10.0), Options(), "whole").rows[0].error > 0.0
+    assert find(case(-10.0, 10.0), Options(), "no").unverified == "not asked for"
+
+
+def test_studies_are_made_once():
+    made = []
+    with_studies = replace(case(-10.0, 10.0), studies=lambda options: made.append(options) or ())
+    assert find(with_studies, Options()).rows[0].error > 0.0
+    assert len(made) == 1
+
+
+def test_runs_have_shorter_steps_inside_only_and_the_same_rows():
+    whole = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
+    with shorter_steps(2):
+        half = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
+    assert half.scene.master.step == 0.5 * STEP
+    assert np.array_equal(whole.time, half.time)
+    assert run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True).scene.master.step == STEP
+
+
+def test_kept_runs_are_kept_apart_for_shorter_steps():
+    kept = kept_runs(position)
+    first = kept()
+    with shorter_steps(2):
+        assert kept() != first
+    assert kept() == first
+
+
+def test_a_repetition_that_fails_says_why():
+    def fails_with_short_steps(options):
+        result = run(read_scene(two_masses("jacobi", STEP, 0)), in_process=True)
+        return Findings((Row(table_row(0.0, 2.0), 1.0),), complete=result.scene.master.step == STEP)
+
+    found = find(Case("c", "A case", "It shows.", "", fails_with_short_steps), Options())
+    assert found.complete
+    assert "did not reach its end" in found.unverified
+
+
+@pytest.mark.parametrize(("options", "shown"), [([], "±"), (["--no-verify"], "not known, not asked for")])
+def test_the_terminal_shows_errors_or_says_why_there_are_none(options, shown, tmp_path, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["validate", "wind-pump-start", "--in-process", "-o", str(tmp_path), *options])
+    assert ended.value.code == 0
+    assert shown in capsys.readouterr().out
+
+
+def test_the_readmes_case_has_errors(tmp_path):
+    reference = load_scene("en50318-2002")
+    assert reference.master.step == 1e-3
+    from cosimo.orchestrator.systems import _case
+
+    found = find(replace(_case("en50318-2002"), studies=None), Options(in_process=True))
+    assert found.unverified == ""
+    mean = next(row for row in found.rows if row.reference.measure == "std")
+    assert 0.0 < mean.error < 0.5
