@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, wraps
+from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from .scene.scene import Scene
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 _parts: ContextVar[int] = ContextVar("parts of a macro step", default=1)
 
 
@@ -52,11 +53,13 @@ def asked_for(scene: Scene) -> Scene:
 
 def kept_runs(function: Callable[P, R]) -> Callable[P, R]:
     """As `functools.cache`, of a function that runs scenes: what it gives depends on the steps that are asked for as well."""
-
-    of_parts = cache(lambda parts, *args, **kwargs: function(*args, **kwargs))
+    known: dict[Any, R] = {}
 
     @wraps(function)
     def kept(*args: P.args, **kwargs: P.kwargs) -> R:
-        return of_parts(_parts.get(), *args, **kwargs)
+        key = (_parts.get(), args, tuple(kwargs.items()))
+        if key not in known:
+            known[key] = function(*args, **kwargs)
+        return known[key]
 
     return kept

@@ -150,7 +150,8 @@ def run(
     verification = result.info["verification"]
     errors = {name: percent(error["rms"]) for name, error in verification.get("signals", {}).items()}
     print_table(f"{loaded.title or loaded.name}: {result.outcome}", ("signal", "unit", "min", "max", "end", "error"), [
-        (name, result.measures[name], *result.extremes(name), errors.get(name, "")) for name in result.columns if result.rows
+        (name, result.measures[name], *result.extremes(name), errors.get(name, "not known" if errors else ""))
+        for name in result.columns if result.rows
     ])
     if numbers:
         print_table("In numbers", ("quantity", "unit", "value", ""),

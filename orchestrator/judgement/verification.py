@@ -154,9 +154,8 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
     """Errors of the figures of a summary; none where there is no summary.
 
-    All are read from rows at the times of the first run's. What lies between two rows, such as the largest value, shows in the
-    difference to the other rows of the second run: with the ends of that run, from which ways and energies count, or without,
-    as spectra need even rows.
+    All runs are read at the times of the first one's rows. What lies between these rows, such as the largest value, shows where
+    each other row is left out, and in the rows that the second run has between them.
     """
     first, second, *more = results
     try:
@@ -164,16 +163,24 @@ def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
     except BadInput:
         return {}
     errors = figure_errors(same, unsure=unsure)
+    gaps = [_gaps(first, same[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
     there = common_rows(first.time, second.time)[1]
-    if there is None or second.rows < 2 * there.size - 1 or there.size < 3:
-        return errors
-    between = np.setdiff1d(np.arange(second.rows), there)
-    others = []
-    for rows in (between, np.union1d(between, [0, second.rows - 1])):
+    if there is not None and second.rows >= 2 * there.size - 1:
+        gaps.append(_gaps(second, same[1], np.setdiff1d(np.arange(second.rows), there)))
+    return {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
+
+
+def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dict[str, float]:
+    """How far the figures of some rows are from those given: with the ends of the run, from which ways and energies count, or
+    without them, as spectra need even rows; the smaller one.
+    """
+    gaps: dict[str, float] = {}
+    for some in (rows, np.union1d(rows, [0, result.rows - 1])):
         with suppress(BadInput):
-            others.append(_values(_at(second, rows)))
-    return {name: error + min((gap for other in others if isfinite(gap := abs(same[1].get(name, nan) - other.get(name, nan)))),
-                              default=0.0) for name, error in errors.items()}
+            for name, value in _values(_at(result, some)).items():
+                if isfinite(gap := abs(value - figures.get(name, nan))):
+                    gaps[name] = min(gap, gaps.get(name, gap))
+    return gaps
 
 
 def _values(result: Result) -> dict[str, float]:

@@ -16,7 +16,7 @@ import json
 import math
 import random
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -193,8 +193,8 @@ def compared(choice: Choice, result: Result, reference: Reference, seconds: floa
         return Run(asdict(choice), result.outcome, warned, "said", seconds=seconds)
     if not info["verification"]["done"]:
         return Run(asdict(choice), result.outcome, info["verification"]["why"], "said", seconds=seconds)
-    gaps = [(name, true, stated(info["verification"]["signals"], name), reference.errors[name])
-            for name, true in true_errors(result, reference.result).items()]
+    gaps = [(name, true, info["verification"]["signals"][name]["rms"] or 0.0, reference.errors[name])
+            for name, true in true_errors(result, reference.result).items() if name in info["verification"]["signals"]]
     gaps += list(figures(result, reference))
     clear = [(name, true - own, said) for name, true, said, own in gaps if own <= UNCLEAR * true or true < FLOOR]
     largest = max((true for name, true, said, own in gaps), default=0.0)
@@ -204,11 +204,6 @@ def compared(choice: Choice, result: Result, reference: Reference, seconds: floa
     wrong = worst[1] > ENOUGH * worst[2] + FLOOR
     verdict = "said" if warned else "missed" if wrong else "right"
     return Run(asdict(choice), result.outcome, warned, verdict, worst[1], worst[2], worst[0], largest, seconds)
-
-
-def stated(signals: Mapping[str, Any], name: str) -> float:
-    """The error that a run states of a signal; nothing stated is no error."""
-    return float(signals[name]["rms"] or 0.0) if name in signals else 0.0
 
 
 def figures(result: Result, reference: Reference) -> Iterator[tuple[str, float, float, float]]:

@@ -22,19 +22,21 @@ def blocks(result: Result) -> list[Block]:
     verification = result.info["verification"]
     parts: list[Block] = [Text([verification_text(verification)], "" if verification["done"] else "note")]
     if verification.get("signals"):
-        parts.append(_table(verification))
+        parts.append(_table(verification, result))
     if given := verification.get("excerpt"):
         parts.append(draw_chart(_curves(given, result, verification["step"])))
     return parts
 
 
-def _table(verification: Mapping[str, Any]) -> Cells:
+def _table(verification: Mapping[str, Any], result: Result) -> Cells:
     signals = verification["signals"]
     worst = sorted(signals, key=lambda name: -signals[name]["rms"])
     rows = [(name, percent(signals[name]["rms"]), percent(signals[name]["max"]),
              f"{order:.2g}" if (order := signals[name]["order"]) is not None else "", _kind(signals[name]))
             for name in worst[:SHOWN]]
     rest = f" The other {len(worst) - SHOWN} signals have smaller ones." if len(worst) > SHOWN else ""
+    if missing := len({*result.columns, *result.texts} - {*signals}):  # windows show what units exchange
+        rest += f" The errors of {missing} recorded signals, which no unit reads, are not known."
     return Cells("Errors of signals", ("signal", "error, rms", "largest", "order", ""), rows,
                  "Shares of each signal's standard deviation; of one that hardly varies, of its size; of flags and modes, the "
                  f"share of the time in which they differ. Above {percent(WARN)} a run warns, with the step for {percent(AIM)}. "
