@@ -47,7 +47,8 @@ class Gust(Effect):
 class WaterCurrent(StatelessComponent):
     """Velocity and acceleration of the water in north, east and down; a function of time and, with `waves`, of the place.
 
-    A vehicle needs the acceleration, too, which pulls at its added mass. Without effects it is 0.
+    A vehicle needs the acceleration, too, which pulls at its added mass: with `waves` that of the water at the place, which is
+    not the one at a fixed place. Without effects it is 0.
     """
 
     title = "Current of the water"
@@ -76,7 +77,8 @@ class WaterCurrent(StatelessComponent):
     def _initialize(self, t: float) -> int:
         p, e = self._declared_arguments()
         if e.waves is not None:
-            e = e._replace(waves=wave_train(e.waves, e.spectrum, self.name))
+            along = p.speed * math.cos(p.direction - e.waves.direction)
+            e = e._replace(waves=wave_train(e.waves, e.spectrum, self.name, along))
         self.arguments = p, e
         return DONE
 

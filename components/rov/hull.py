@@ -73,7 +73,7 @@ class Restoring(Effect):
 
 
 class Current(Effect):
-    """Water that moves, the same everywhere: drag and added mass see the motion relative to it."""
+    """Water that moves, the same all around the vehicle: drag and added mass see the motion relative to it."""
 
     velocity_north = input_(0.0, "m/s", "velocity of the water to the north")
     velocity_east = input_(0.0, "m/s", "velocity of the water to the east")

@@ -19,6 +19,7 @@ from .... import read_scene
 HEIGHT, PERIOD, DEPTH, BOTTOM = 1.0, 6.0, 5.0, 500.0  # m, s
 SMALL = 0.01  # m, height of the wave that a free vehicle meets: its own motion does not change the wave it sees
 SEA, SEA_DEPTH, SEA_TIME = (0.5, 4.0), 5.0, 1800.0  # m, s; m; s
+NEUTRAL = 11.5  # kg, mass of the hull; what it displaces in the published set is 1.8 % more
 FREQUENCY = 2.0 * math.pi / PERIOD
 SETS = {"wu": "Wu 2018, BlueROV2 Heavy", "benzon": "von Benzon 2022, BlueROV2 Heavy"}
 
@@ -64,7 +65,8 @@ def free_scene() -> Scene:
                         "hull.depth -> water.waves.depth"],
         "units": {
             "hull": {"component": "RovHull", "effects": ["added_mass", "linear_drag", "current", "pressure_gradient"],
-                     "parameters": {"start_depth": DEPTH, "centre_of_gravity_z": 0.0}},
+                     "parameters": {"start_depth": DEPTH, "centre_of_gravity_z": 0.0,
+                                    "pressure_gradient.displaced_mass": NEUTRAL}},
             "water": {"component": "WaterCurrent", "effects": ["waves"], "parameters": {
                 "speed": 0.0, "waves": {"height": SMALL, "period": PERIOD, "water_depth": BOTTOM}}}},
         "record": {"signals": ["hull.position_north", "hull.depth", "hull.surge", "water.velocity_north"]}}, "rov")
