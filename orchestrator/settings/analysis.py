@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Annotated
 
 from pydantic import Field
@@ -11,6 +12,7 @@ from .model import Model, Number
 Positive = Annotated[float, Field(strict=True, gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(strict=True, ge=0.0, allow_inf_nan=False)]
 Span = tuple[Number, Number]
+Endpoint = tuple[str, str]  # unit, variable
 
 
 class SectionKeys(Model):
@@ -27,3 +29,10 @@ class AnalysisKeys(Model):
     system: str = Field(default="", description="which figures the report has: a name of a system")
     transient: NotNegative = Field(default=0.0, description="time from the start left out of spectra, orbits, measures, sections")
     section: SectionKeys | None = Field(default=None, description="of a sweep, and in phase planes")
+
+    def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
+        """Outputs and arrays of outputs that the system's figures need beside the scalar ones, of a scene without `[record]`.
+
+        links: (unit, output) -> (unit, input).
+        """
+        return ()

@@ -51,7 +51,7 @@ def test_near_the_wave_speed_the_run_ends_and_stays_bounded():
 
 
 @pytest.mark.parametrize(("algorithm", "degree", "step"), [
-    ("jacobi", 0, 0.02), ("jacobi", 1, 0.02), ("jacobi", 2, 0.02), ("gauss-seidel", 0, 0.02), ("gauss-seidel", 1, 0.05)])
+    ("jacobi", 0, 0.02), ("jacobi", 1, 0.02), ("jacobi", 2, 0.02), ("gauss-seidel", 0, 0.04), ("gauss-seidel", 1, 0.05)])
 def test_past_the_couplings_limit_a_linear_contact_fails_with_a_message(scene, algorithm, degree, step):
     """Without contact loss the coupling is linear, so past its limit it grows without bound."""
     wild = scene.with_changes({"master.algorithm": algorithm, "master.extrapolation": degree, "master.step": step,

@@ -6,7 +6,7 @@ assuming all, as FMI permits, would call every loop of such FMUs an algebraic on
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ....components.core.errors import BadInput, nearest
@@ -57,7 +57,7 @@ def resolve_coupling(scene: SceneSettings) -> Coupling:
         texts = tuple(link for link in connected if interfaces[link.target[0]].inputs[link.target[1]].is_text)
         links = tuple(link for link in connected if link not in texts)
         interfaces = _with_recorded(scene, interfaces)  # behind the connections: only outputs can be connected
-        recorded = _recorded(scene, interfaces)
+        recorded = _recorded(scene, interfaces, links)
         spoken = tuple((u, n) for u, n in recorded if interfaces[u].outputs[n].is_text)
         coupling = Coupling(
             interfaces, links, texts,
@@ -197,10 +197,13 @@ def _elements(variable: str, interface: Interface) -> tuple[str, ...]:
     return tuple(n for n in interface.outputs if n.startswith(variable + "[") and n.removeprefix(variable)[1:-1].isdigit())
 
 
-def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface]) -> tuple[Endpoint, ...]:
+def _recorded(scene: SceneSettings, interfaces: Mapping[str, Interface], links: Sequence[Link]) -> tuple[Endpoint, ...]:
     """Outputs to record, of numbers and texts."""
     if scene.record.signals is None:
-        return _recorded_by_default(scene, interfaces)
+        judged = [end for end in scene.analysis.judged([(link.source, link.target) for link in links])
+                  for end in ((end[0], n) for n in (_elements(end[1], interfaces[end[0]]) or end[1:]))]
+        known = [(u, n) for u, n in judged if n in interfaces[u].outputs]
+        return tuple(dict.fromkeys((*_recorded_by_default(scene, interfaces), *known)))
     recorded: dict[Endpoint, None] = {}
     for text in scene.record.signals:
         unit, variable = _endpoint(text, "record.signals", interfaces)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from ....components.core.errors import BadInput
-from ...settings.analysis import AnalysisKeys, Span
+from ...settings.analysis import AnalysisKeys, Endpoint, Span
 
 Counted = Annotated[int, Field(strict=True, ge=1)]
 
@@ -18,6 +19,11 @@ class RailwayKeys(AnalysisKeys):
     spans: tuple[Counted, Counted] | None = Field(default=None, description=(
         "[first, last] span for the statistics, counted from 1 at position 0"))
     window: Span | None = Field(default=None, description="[from, to] in m along the track, instead of spans")
+
+    def judged(self, links: Sequence[tuple[Endpoint, Endpoint]]) -> Iterable[Endpoint]:
+        """The wire's height at every contact point, on either wire, and the uplifts at supports."""
+        heights = [source for source, (_, name) in links if name.rpartition(".")[2] == "wire_height"]
+        return (*heights, *((unit, "support_uplift") for unit in dict.fromkeys(unit for unit, _ in heights)))
 
     @model_validator(mode="after")
     def _one_of_them(self) -> RailwayKeys:

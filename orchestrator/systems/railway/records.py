@@ -123,14 +123,15 @@ def passages(result: Result) -> list[Passage]:
     One with two strips comes three times: with the sum of their forces, as EN 50317 judges it, then either strip. So does one on
     two contact wires: with the sum, at the lower wire's height, then on either wire.
     """
-    all_passages = []
+    all_passages, left_out = [], {}
     for connection in result.scene.arrows:
         source, target = (part.strip() for part in connection.split("->"))
         unit, _, name = target.rpartition(".")
         if name != "wire_height":
             continue
         needed = [f"{unit}.contact_force", f"{unit.removesuffix(SECOND)}.contact_position", source]
-        if any(n not in result.columns for n in needed):
+        if missing := [n for n in needed if n not in result.columns]:
+            left_out[unit] = missing
             continue
         force, position, height = (result.columns[n] for n in needed)
         catenary = source.rpartition(".")[0].removesuffix(SECOND)
@@ -139,6 +140,10 @@ def passages(result: Result) -> list[Passage]:
         record = ContactRecord(result.time, position, force, height, tuple(result.columns[n] for n in watched))
         all_passages.append(Passage(unit, catenary, speed, record, _support_positions(result, catenary, watched)))
     named = {p.pantograph: p for p in all_passages}
+    for unit, missing in left_out.items():
+        if any(other in named for other in (unit.removesuffix(SECOND), unit.removesuffix(STRIPS), unit + SECOND, unit + STRIPS)):
+            raise BadInput(f"{result.scene.name}: record.signals", f"no {' and no '.join(missing)}",
+                           "all of a collector's force, which is judged as a whole", "Add it, or leave out [record].")
     parts = set()
     for name, rear in named.items():
         if name.endswith(SECOND) and (first := named.get(name.removesuffix(SECOND))):

@@ -105,10 +105,14 @@ def test_a_slack_dropper_softens_the_wire():
     assert np.array_equal(*light)  # no dropper slackens under 5 N: the effect changes no bit
 
 
+NARROW = {"moving_window.ahead": 180.0, "moving_window.behind": 180.0}
+
+
 @pytest.mark.full
 def test_window_follows_the_contact_and_forgets_the_rest():
     full, height = passage(spans=10, seconds=3.0)
-    windowed, near = passage((*REFERENCE, "moving_window"), spans=10, seconds=3.0)
+    with pytest.warns(UserWarning, match="moving_window.ahead = 180 m may cost"):
+        windowed, near = passage((*REFERENCE, "moving_window"), spans=10, seconds=3.0, **NARROW)
     assert np.abs(near - height).max() < 0.02 * np.ptp(height)
     N, position = windowed.mesh.mass.size, windowed.mesh.position
     outside = np.repeat((position < 30.0 + 69.4 * 3.0 - 185.0) | (position > 30.0 + 69.4 * 3.0 + 185.0), 2)
@@ -122,7 +126,7 @@ def test_window_follows_the_contact_and_forgets_the_rest():
 def test_window_spans_both_contact_points(first, second):
     """Its ends follow the foremost and the rearmost one, whichever input that is."""
     def height(effects):
-        catenary = Catenary([*REFERENCE, "second_pantograph", *effects], {"spans": 12})
+        catenary = Catenary([*REFERENCE, "second_pantograph", *effects], {"spans": 12} | (NARROW if effects else {}))
         catenary.set("contact_position", first)
         catenary.set("second_pantograph.contact_position", second)
         catenary.set("contact_force", 120.0)
@@ -136,7 +140,9 @@ def test_window_spans_both_contact_points(first, second):
             found.append((catenary["wire_height"], catenary["second_pantograph.wire_height"]))
         return np.array(found)
 
-    full, windowed = height([]), height(["moving_window"])
+    full = height([])
+    with pytest.warns(UserWarning, match="moving_window"):
+        windowed = height(["moving_window"])
     assert np.abs(windowed - full).max() < 0.02 * np.ptp(full)  # what the edges do not send back within 1.5 s
 
 
