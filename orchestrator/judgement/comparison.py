@@ -25,6 +25,7 @@ from ..units.interface import Signal
 from .thresholds import APART, CONVERGING, FEW, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
+FEWEST_ROWS = 10  # that tell how a signal goes on between two
 EXCERPT = 160  # rows of two signals where they differ most
 SURE, UNSURE = 2.0, 3.0  # error over the difference of two runs: at first order, and where the order is not known
 
@@ -155,6 +156,26 @@ def _signal(result: Result, name: str) -> Signal | None:
     unit, output = result.scene.split(name)
     interface = result.scene.coupling.interfaces.get(unit)
     return interface.outputs.get(output) if interface is not None else None
+
+
+def between_rows(first: Result, second: Result) -> dict[str, float]:
+    """How far signals depart from straight lines between the rows of the first run (rms, shares of their scales).
+
+    Read from the rows that the second run has between them; of numbers that are no flags. What departs by much is not shown by
+    its rows: extremes, counts and shares of time miss what lies between two.
+    """
+    there = common_rows(first.time, second.time)[1]
+    if there is None or second.rows < 2 * there.size - 1 or there.size < FEWEST_ROWS:
+        return {}
+    between = np.setdiff1d(np.arange(there[0], there[-1]), there)
+    gaps = {}
+    for name, x in ((name, second[name]) for name in second.columns):
+        signal = _signal(first, name)
+        if signal is None or signal.kind != "real" or (signal.unit == "1" and _whole(x)) or not np.isfinite(x).all():
+            continue
+        if scale := scale_of(x, signal.nominal):
+            gaps[name] = _rms(x[between] - np.interp(second.time[between], second.time[there], x[there])) / scale
+    return gaps
 
 
 def excerpt(first: Result, second: Result, name: str) -> dict[str, Any]:

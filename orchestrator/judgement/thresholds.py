@@ -7,6 +7,7 @@ WARN = 0.05  # error from which a run warns: a twentieth of a signal's deviation
 AIM = 0.01  # error that the suggested step is for: less is not seen in a curve
 ORDER_UNSURE = 0.02  # difference from which a third run is made: below it, twice the difference bounds an error of first order
 HARDLY = 1e-3  # deviation over rms below which a signal is judged by its size: it stands still, as a conserved quantity does
+UNSEEN = 0.5  # departure from a straight line between two rows from which rows do not show a signal; one that jumps has a third
 ROUNDING = 1e-6  # of a signal's nominal value: what is smaller counts as nothing, as a momentum that is conserved at 0
 
 # -- budget ------------------------------------------------------------------------------------------------------------------

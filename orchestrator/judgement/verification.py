@@ -22,9 +22,19 @@ from ..results import Result
 from ..run import run as run_once
 from ..scene.scene import Scene
 from ..shorter_steps import shorter
-from .comparison import SignalError, common_rows, differences, excerpt, figure_errors, needs_third, signal_errors, worst_of
+from .comparison import (
+    SignalError,
+    between_rows,
+    common_rows,
+    differences,
+    excerpt,
+    figure_errors,
+    needs_third,
+    signal_errors,
+    worst_of,
+)
 from .internal import finer_inside
-from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, PROBED, SECONDS, WARN
+from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, PROBED, SECONDS, UNSEEN, WARN
 from .windows import WindowsWish
 
 Wish = Literal["auto", "whole", "full", "no"]
@@ -41,6 +51,7 @@ class Verification:
     length (s).  slower: signals slower than a window.
     growing: whose difference still grows there, see `windows`.
     excerpt: `time` (s) and the values `run` and `finer` of the signal with the largest error, where the two differ most.
+    unseen: signals that their rows do not show -> how far they depart from straight lines between two.
     parts: place of an internal setting -> worst signal and how much
     it changes.  seconds: CPU time that it took.
     """
@@ -58,6 +69,7 @@ class Verification:
     growing: tuple[str, ...] = ()
     parts: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     excerpt: Mapping[str, Any] = field(default_factory=dict)
+    unseen: Mapping[str, float] = field(default_factory=dict)
     seconds: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
@@ -72,6 +84,7 @@ class Verification:
                             "growing": list(self.growing)}}
                if self.windows else {}),
             **({"parts": {place: {"signal": s, "difference": d} for place, (s, d) in self.parts.items()}} if self.parts else {}),
+            **({"unseen": dict(self.unseen)} if self.unseen else {}),
             **({"excerpt": dict(self.excerpt)} if self.excerpt else {}),
             "seconds": self.seconds,
         }
@@ -148,7 +161,8 @@ def _repeated(result: Result, wish: Wish, in_process: bool) -> Verification:
                    for name, e in signals.items()}
         figures = {name: e + of_place.get(name, nan) for name, e in figures.items()}
     return Verification(True, step=0.5 * scene.master.step, how="whole", runs=len(shown), signals=signals, figures=figures,
-                        parts=parts, excerpt=excerpt(result, second, worst_of(signals)))
+                        parts=parts, excerpt=excerpt(result, second, worst_of(signals)),
+                        unseen={name: gap for name, gap in between_rows(result, second).items() if gap > UNSEEN})
 
 
 def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
@@ -271,7 +285,21 @@ def warnings_of(scene: Scene, verification: Verification) -> list[str]:
         texts.append(f"with half the macro step, {others} jump{'s' if len(shifted) == 1 else ''} at other instants: the error of "
                      f"{worst} is {_percent(shifted[worst].rms)} of its deviation (rms), nearly all of it in 1 % of the rows. "
                      f"{_suggestion(scene, verification, worst)}")
+    if unseen := verification.unseen:
+        worst = max(unseen, key=lambda name: unseen[name])
+        others = _listed([worst, *(name for name in unseen if name != worst)])
+        texts.append(f"rows are too far apart for {others}: between two, {worst} departs from a straight line by "
+                     f"{_percent(unseen[worst])} of its deviation (rms), and its extremes, counts and shares of time miss what "
+                     f"lies there. {_denser(scene)}")
     return texts
+
+
+def _denser(scene: Scene) -> str:
+    """How rows get denser."""
+    interval = scene.record.interval
+    if interval is not None and interval > scene.master.step:
+        return f"Lower record.interval, which is {interval:g} s"
+    return f"Shorten master.step, which is {scene.master.step:g} s"
 
 
 def _suggestion(scene: Scene, verification: Verification, name: str) -> str:

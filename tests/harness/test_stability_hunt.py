@@ -11,13 +11,13 @@ from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.harness.stability_hunt import Choice, Hunt, Run, choices, compared, main, table, true_errors
 
-SAMPLE = ("critical-speed", "friction-drive-step", "gyroscopic-rotor", "lumped-catenary", "pipe-robots-in-tow", "wrist-motion")
+SAMPLE = ("gimbal-scan", "lumped-catenary", "pipe-robots-in-tow", "wrist-motion")
 
 
 def test_a_mass_on_a_spring_is_never_wrong_by_more_than_it_says():
     """Its coupling is unstable at some of these settings; the reference is held against its closed form."""
     hunt = Hunt(load_scene("mass-on-spring"))
-    runs = [hunt.judged(choice) for choice in choices(["mass-on-spring"], 30, seed=1)["mass-on-spring"]]
+    runs = [hunt.judged(choice) for choice in choices(["mass-on-spring"], 16, seed=1)["mass-on-spring"]]
     assert {run.verdict for run in runs} == {"right", "said"}
     reference = hunt.reference(Choice("mass-on-spring", "jacobi", 0, 1)).result
     own = reference.scene
@@ -66,6 +66,6 @@ def test_the_table_counts_and_names_what_was_missed(tmp_path, capsys, monkeypatc
 @pytest.mark.parametrize("scene", SAMPLE)
 def test_a_sample_of_the_hunt(scene):
     hunt = Hunt(load_scene(scene))
-    runs = [hunt.judged(choice) for choice in choices([scene], 10, seed=7)[scene]]
+    runs = [hunt.judged(choice) for choice in choices([scene], 8, seed=7)[scene]]
     assert [run for run in runs if run.verdict == "missed"] == []
     assert [run for run in runs if run.verdict == "right"]

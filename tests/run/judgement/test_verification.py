@@ -198,3 +198,15 @@ def test_components_that_run_as_fmus_are_repeated_in_process():
     scene = load_scene("en50318-2002").with_changes({"stop_time": 0.3})
     here, fmu = (cosimo.run(scene, in_process=in_process).info["verification"] for in_process in (True, False))
     assert here["signals"] == fmu["signals"]
+
+
+@pytest.mark.parametrize(("changes", "remedy"), [
+    ({}, ""), ({"record.interval": 0.05}, ""), ({"record.interval": 0.5}, "Lower record.interval, which is 0.5 s"),
+    ({"master.step": 0.25, "units.mass.parameters.start_velocity_x": 0.0}, "")])
+def test_rows_too_far_apart_to_show_a_signal_are_a_warning(changes, remedy):
+    """An oscillation of 0.6 s: rows half a second apart miss its extremes, whatever the step; what stands still is shown."""
+    result = cosimo.run(load_scene("mass-on-spring").with_changes(changes), in_process=True)
+    said = [w for w in result.info["warnings"] if "rows are too far apart" in w]
+    assert bool(said) == bool(remedy)
+    assert all(remedy in w for w in said)
+    assert bool(result.info["verification"].get("unseen")) == bool(remedy)
