@@ -42,6 +42,7 @@ FINER = (4, 8)  # parts of the scene's own macro step, of the reference and of w
 ENOUGH = 2.0  # a true error of more than so many stated ones is a miss
 FLOOR = 1e-3  # of a signal's deviation, or of a figure: a smaller error counts as none
 UNCLEAR = 0.25  # of a true error: a reference that is worse tells nothing of it
+TURN = 2.0 * math.pi + 1e-9
 STILL = 1e-3  # deviation over size below which a signal is judged by its size
 VERDICTS = ("right", "said", "missed", "refused", "no reference")
 
@@ -180,7 +181,10 @@ def true_errors(result: Result, finer: Result) -> dict[str, float]:
         both = np.isfinite(x) & np.isfinite(y_here)
         size = float(np.sqrt((y_here[both] ** 2).mean())) if both.any() else 0.0
         scale = max(float(y_here[both].std()) if both.any() else 0.0, STILL * size)
-        rms = float(np.sqrt(((x - y_here)[both] ** 2).mean())) if both.any() else 0.0
+        gap = (x - y_here)[both]
+        if result.measures.get(name) == "rad" and np.ptp(y) <= TURN and np.abs(np.diff(y)).max(initial=0.0) > 0.5 * TURN:
+            gap = (gap + 0.5 * TURN) % TURN - 0.5 * TURN  # it begins anew after each turn
+        rms = float(np.sqrt((gap**2).mean())) if both.any() else 0.0
         errors[name] = rms / scale if scale > 1e-9 else 0.0
     return errors
 
