@@ -40,6 +40,7 @@ from .windows import WindowsWish
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
 NOT_ASKED = "not asked for"
+NO_MATTER = 5e-3  # of a figure: what its ends make of it may stay in its error
 
 
 @dataclass(frozen=True)
@@ -185,11 +186,13 @@ def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
 
 
 def _gaps(result: Result, figures: Mapping[str, float], rows: np.ndarray) -> dict[str, float]:
-    """How far the figures of some rows are from those given: with the ends of the run, from which ways and energies count, or
-    without them, as spectra need even rows; the smaller one.
+    """How far the figures of some rows are from those given: without the ends of the run, as spectra need even rows, and where
+    that matters with them, from which ways and energies count; the smaller one.
     """
     gaps: dict[str, float] = {}
     for some in (rows, np.union1d(rows, [0, result.rows - 1])):
+        if gaps and all(gap <= NO_MATTER * abs(figures[name]) for name, gap in gaps.items()):
+            break
         with suppress(BadInput):
             for name, value in _values(_at(result, some)).items():
                 if isfinite(gap := abs(value - figures.get(name, nan))):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -47,18 +48,27 @@ class Filter:
         The causal pass starts as if the first sample had stood for ever; the zero-phase one extends both ends by odd
         reflection. So keep some periods of the cut-off between a window of interest and the ends of the signal.
         """
-        from scipy.signal import butter, sosfilt, sosfilt_zi, sosfiltfilt
+        from scipy.signal import sosfilt, sosfilt_zi, sosfiltfilt
 
         if not self.cutoff < 0.5 * rate:
             raise BadInput("filter", f"cut-off {self.cutoff:g} Hz at {rate:g} samples per second", f"less than {0.5 * rate:g} Hz")
+        sections = _sections(self, rate)
         if not self.zero_phase:
-            sections = butter(self.order, self.cutoff, self.kind, fs=rate, output="sos")
             return sosfilt(sections, x, zi=sosfilt_zi(sections) * x[0])[0]
-        n = self.order // 2
-        # The bilinear transform warps frequencies by tan; shifting the cut-off on the warped axis is exact at any rate.
-        warped = np.tan(np.pi * self.cutoff / rate) * EDGE ** (-1.0 / n if self.kind == "lowpass" else 1.0 / n)
-        sections = butter(n, rate / np.pi * np.arctan(warped), self.kind, fs=rate, output="sos")
         return sosfiltfilt(sections, x, padlen=min(x.size - 1, int(3 * rate / self.cutoff)))
+
+
+@lru_cache(maxsize=64)  # a report and the errors of its numbers apply the same few filters many times
+def _sections(of: Filter, rate: float) -> np.ndarray:
+    """Second-order sections of a pass at a rate in Hz."""
+    from scipy.signal import butter
+
+    if not of.zero_phase:
+        return butter(of.order, of.cutoff, of.kind, fs=rate, output="sos")
+    n = of.order // 2
+    # The bilinear transform warps frequencies by tan; shifting the cut-off on the warped axis is exact at any rate.
+    warped = np.tan(np.pi * of.cutoff / rate) * EDGE ** (-1.0 / n if of.kind == "lowpass" else 1.0 / n)
+    return butter(n, rate / np.pi * np.arctan(warped), of.kind, fs=rate, output="sos")
 
 
 def uniform(time: np.ndarray, *signals: np.ndarray) -> tuple[float, np.ndarray, list[np.ndarray]]:

@@ -1,0 +1,30 @@
+"""What the errors beside the numbers cost: a verified run over the stepping of one without, CPU time, least of several in turns.
+
+Run with `pytest -m benchmark -n 0 -s`. Two runs have 1 + 2 times the steps, three 1 + 2 + 4 times; what is above is opening the
+units again, comparing, and reading the figures from other rows.
+"""
+
+import cosimo
+import pytest
+from cosimo.orchestrator.run import run
+from cosimo.orchestrator.systems import load_scene
+
+pytestmark = pytest.mark.benchmark
+
+SCENES = ("en50318-2002", "en50318-2018-ac-simple", "gimbal-scan", "friction-drive-step", "rov-manoeuvre", "wind-pump-start",
+          "pipe-robot-level", "wrist-motion", "critical-speed", "mass-on-spring")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_verified_run_costs_its_steps_and_little_more(name):
+    scene = load_scene(name)
+    stepping, verifying, runs = [], [], 0
+    cosimo.run(scene, in_process=True)
+    for _ in range(7):
+        stepping.append(run(scene, in_process=True).info["timing"]["cpu"])
+        verified = cosimo.run(scene, in_process=True).info
+        verifying.append(verified["timing"]["cpu"] + verified["verification"]["seconds"])
+        runs = verified["verification"]["runs"]
+    ratio, steps = min(verifying) / min(stepping), {2: 3, 3: 7}[runs]
+    print(f"\n{name:24} {runs} runs, {steps} times the steps: {1e3 * min(stepping):7.1f} ms, verified {ratio:5.2f} times that")
+    assert ratio < 3.0 * steps
