@@ -165,7 +165,7 @@ def between_rows(first: Result, second: Result) -> dict[str, float]:
     its rows: extremes, counts and shares of time miss what lies between two.
     """
     there = common_rows(first.time, second.time)[1]
-    if there is None or second.rows < 2 * there.size - 1 or there.size < FEWEST_ROWS:
+    if there is None or 2 * second.rows < 3 * there.size or there.size < FEWEST_ROWS:
         return {}
     between = np.setdiff1d(np.arange(there[0], there[-1]), there)
     gaps = {}

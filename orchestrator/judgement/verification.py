@@ -180,7 +180,7 @@ def _figures(results: list[Result], *, unsure: bool) -> dict[str, float]:
     errors = figure_errors(same, unsure=unsure)
     gaps = [_gaps(first, same[0], np.arange(k, first.rows, 2)) for k in (0, 1)]
     there = common_rows(first.time, second.time)[1]
-    if there is not None and second.rows >= 2 * there.size - 1:
+    if there is not None and 2 * second.rows >= 3 * there.size:
         gaps.append(_gaps(second, same[1], np.setdiff1d(np.arange(second.rows), there)))
     return {name: error + max((gap.get(name, 0.0) for gap in gaps), default=0.0) for name, error in errors.items()}
 
