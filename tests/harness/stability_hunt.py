@@ -244,12 +244,11 @@ def choices(scenes: Iterable[str], runs: int, seed: int) -> dict[str, list[Choic
 
 def table(runs: list[Run]) -> str:
     """Counts by scene, and every run that is wrong by more than it says, in Markdown."""
-    lines = [f"| scene | runs | {' | '.join(VERDICTS)} | largest error of a right one |", "|---" * (len(VERDICTS) + 3) + "|"]
+    lines = [f"| scene | runs | {' | '.join(VERDICTS)} |", "|---" * (len(VERDICTS) + 2) + "|"]
     for scene in [*dict.fromkeys(one.choice["scene"] for one in runs), "all"]:
         mine = [one for one in runs if scene in (one.choice["scene"], "all")]
-        largest = max((one.largest for one in mine if one.verdict == "right"), default=0.0)
         counts = (sum(one.verdict == verdict for one in mine) for verdict in VERDICTS)
-        lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} | {largest:.2%} |")
+        lines.append(f"| {scene} | {len(mine)} | {' | '.join(map(str, counts))} |")
     lines += ["", "| missed | settings | worst | true error | stated |", "|---|---|---|---|---|"]
     lines += [f"| {one.choice['scene']} | {Choice(**one.choice)} | {one.worst} | {one.true:.2%} | {one.said:.2%} |"
               for one in runs if one.verdict == "missed"]
