@@ -22,10 +22,9 @@ import numpy as np
 from ..engine.coupling.graph import is_discrete
 from ..results import Result
 from ..units.interface import Signal
-from .thresholds import APART, CONVERGING, FEW, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
+from .thresholds import APART, CONVERGING, FEW, FEWEST_ROWS, HARDLY, MOST, ORDER_UNSURE, PARTS, ROUNDING, SAME_SPREAD, TOGETHER
 
 HIGHEST_ORDER = 4.0  # that two differences are taken for
-FEWEST_ROWS = 10  # that tell how a signal goes on between two
 EXCERPT = 160  # rows of two signals where they differ most
 SURE, UNSURE = 2.0, 3.0  # error over the difference of two runs: at first order, and where the order is not known
 

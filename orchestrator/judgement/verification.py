@@ -34,13 +34,12 @@ from .comparison import (
     worst_of,
 )
 from .internal import finer_inside
-from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, PROBED, SECONDS, UNSEEN, WARN
+from .thresholds import AIM, GROWN, LOST, LOWEST_ORDER, NO_MATTER, PROBED, SECONDS, UNSEEN, WARN
 from .windows import WindowsWish
 
 Wish = Literal["auto", "whole", "full", "no"]
 WISHES: tuple[Wish, ...] = ("auto", "whole", "full", "no")
 NOT_ASKED = "not asked for"
-NO_MATTER = 5e-3  # of a figure: what its ends make of it may stay in its error
 
 
 @dataclass(frozen=True)
