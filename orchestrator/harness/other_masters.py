@@ -49,7 +49,7 @@ def as_other_masters(scene: Scene, step: float | None = None) -> Scene:
     """The scene as other masters step it; `step`: s, in the place of its own."""
     coupling = scene.coupling
     master = {"algorithm": "jacobi", "step": step or scene.master.step}
-    master |= {"extrapolation": 0} if coupling.links else {}
+    master |= {"extrapolation": 0, "moving_places": "held"} if coupling.links else {}
     master |= {"feedthrough": "delayed"} if coupling.feedthrough_schedule else {}
     return scene.with_changes({"master": master, "faults": [], **{f"units.{name}.every": 1 for name in coupling.rates}})
 

@@ -48,6 +48,8 @@ class MasterSettings(Model):
         "fit outputs, needs rollback; interface-model: contacts solved inside the step"))
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
+    moving_places: Literal["linear", "held"] = Field(default="linear", description=(
+        "with extrapolation = 0: places that move on, such as a contact's, follow a line; or are held, as other masters do"))
     smoothing: Truth = Field(default=False, description="extrapolated inputs start where they ended, without a jump")
     feedthrough: Literal["immediate", "delayed"] = Field(
         default="immediate", description="outputs follow their inputs within an instant, or one step later")
@@ -71,6 +73,8 @@ class MasterSettings(Model):
     def _options_matter(self) -> MasterSettings:
         if self.order and self.algorithm != "gauss-seidel":
             raise BadInput("order", "an order of units", f"none; {self.algorithm} does not go by one", "Remove it.")
+        if self.moving_places == "held" and self.extrapolation != 0:
+            raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
         if self.iteration is not None and self.algorithm != "iterative":
             raise BadInput("iteration", "settings of an iteration", f"none; {self.algorithm} does not iterate",
                            'Remove them, or take algorithm = "iterative".')

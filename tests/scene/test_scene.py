@@ -85,6 +85,7 @@ BAD = [
     ("master.step", "1e-3", ["master.step", "'1e-3'", "number"]),
     ("master.algorithm", "gauss_seidel", ["master.algorithm", "'gauss_seidel'", "did you mean 'gauss-seidel'"]),
     ("master.extrapolation", 3, ["master.extrapolation", "3", "0, 1 or 2"]),
+    ("master.moving_places", "held", ["master.moving_places", "'held'", "'linear'"]),
     ("master.feedthrough", "old", ["master.feedthrough", "'old'"]),
     ("master.order", ["a"], ["master.order", "every unit once"]),
     ("master.order", ["a", "a"], ["master.order", "every unit once"]),

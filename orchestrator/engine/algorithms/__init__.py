@@ -26,5 +26,5 @@ def master_of(scene: SceneSettings, units: Mapping[str, Unit], coupling: Couplin
     own: dict[str, Any] = {"iteration": given.iteration} if given.algorithm == "iterative" else {}
     return ALGORITHMS[given.algorithm](
         units, coupling, watched, degree=given.extrapolation, feedthrough=given.feedthrough, order=given.order,
-        smoothing=given.smoothing, end=scene.stop_time, **own,
+        smoothing=given.smoothing, moving_places=given.moving_places, end=scene.stop_time, **own,
     )

@@ -62,12 +62,12 @@ class Master:
 
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), *, degree: int = 1,
                  feedthrough: Literal["immediate", "delayed"] = "immediate", order: Sequence[str] = (), smoothing: bool = False,
-                 end: float = inf):
+                 moving_places: Literal["linear", "held"] = "linear", end: float = inf):
         read = list(dict.fromkeys([*(link.source for link in coupling.links), *watched]))
         # in the order of the units' own outputs, which they can hand over in one piece
         ranks = {(u, n): (i, k) for i, u in enumerate(units) for k, n in enumerate(coupling.interfaces[u].outputs)}
         read.sort(key=ranks.__getitem__)
-        self.coupling, self.degree = coupling, degree
+        self.coupling, self.degree, self._moving_places = coupling, degree, moving_places
         self.positions: dict[Endpoint, int] = {end: k for k, end in enumerate(read)}
         guessed = [source for source in read if source[0] in coupling.rates]  # their estimates stand behind all that is read
         self.cells = self.positions | {source: len(read) + k for k, source in enumerate(guessed)}  # what links take, by source
@@ -119,7 +119,8 @@ class Master:
         by_rate: dict[int, list[int]] = {}
         for k, link in enumerate(links):
             by_rate.setdefault(rates.get(link.source[0], 1), []).append(k)
-        moving = [k for k, link in enumerate(links) if interfaces[name].inputs[link.target[1]].moving and k not in held]
+        moving = [k for k, link in enumerate(links) if interfaces[name].inputs[link.target[1]].moving and k not in held
+                  and self._moving_places == "linear"]
         past = history(self.degree, rows, len(links), held, by_rate, moving)
         used: Unit | MultirateUnit = unit
         if name in rates:

@@ -270,7 +270,7 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
     master, given = scene.master, scene.master.model_fields_set
     if master.order and sorted(master.order) != sorted(coupling.interfaces):
         raise BadInput("master.order", ", ".join(master.order), f"every unit once: {', '.join(coupling.interfaces)}")
-    needless = given & {"extrapolation", "smoothing", "feedthrough", "order"}
+    needless = given & {"extrapolation", "moving_places", "smoothing", "feedthrough", "order"}
     if not coupling.links and needless:
         option = min(needless)
         raise BadInput(f"master.{option}", "a value without connections", "none; it would have no effect", "Remove it.")

@@ -2,11 +2,34 @@
 
 import numpy as np
 import pytest
+from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms.polynomial import History
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
-from cosimo.tests.support import two_masses
+from cosimo.tests.support import Integrals, two_masses
 from scipy.linalg import expm
+
+
+class Traces(Integrals):
+    """Integrates a place that moves on, and the same number as one that does not."""
+
+    place = input_(0.0, "m", "a place that moves on", moving=True)
+    number = input_(0.0, "m", "another input")
+    traced = output("m.s", "integral of the place")
+    summed = output("m.s", "integral of the number")
+
+
+@pytest.mark.parametrize(("places", "held"), [("linear", 1), ("held", 10)])
+def test_a_place_that_moves_on_is_held_only_where_the_scene_says_so(places, held):
+    """x = 2 t over 1 s in 10 steps; `held`: steps in which the place is, which without a past the first one is."""
+    result = run(read_scene({
+        "stop_time": 1.0, "connections": ["a.x_out -> b.place", "a.x_out -> b.number"],
+        "master": {"algorithm": "jacobi", "step": 0.1, "extrapolation": 0, "moving_places": places},
+        "units": {"a": {"component": "cosimo.tests.support:Mass", "parameters": {"v0": 2.0}},
+                  "b": {"component": "cosimo.tests.engine.algorithms.test_places:Traces"}}}))
+    missed = 2.0 * 0.1**2 / 2.0  # by a step with a held place
+    assert result["b.summed"][-1] == pytest.approx(1.0 - 10 * missed, rel=1e-12)
+    assert result["b.traced"][-1] == pytest.approx(1.0 - held * missed, rel=1e-12)
 
 
 def test_order_of_units_is_irrelevant_for_jacobi():
