@@ -11,8 +11,8 @@ from typing import Annotated
 
 import typer
 
-from .common import FAILED_CHECK, STOPPED, Changes, Presets, app, print_table, scene_of, status_spinner, warn
-from .many import Conditions, Jobs, Limits, SceneName, Scheduler, stopped_early
+from .common import FAILED_CHECK, STOPPED, Changes, NoVerify, Presets, app, print_table, scene_of, status_spinner, warn
+from .many import Conditions, Jobs, Limits, SceneName, Scheduler, stopped_early, verified
 
 Quantities = Annotated[list[str] | None, typer.Option("--quantity", help=(
     '"unit.output, kind" or a figure of the summary; may be repeated. Default: those of the plan, or of [study].'))]
@@ -30,6 +30,7 @@ def sensitivity(
         "Blocks of as many runs as parameters, and 2 (sobol) or 1 more."))] = 128,
     output: Directory = Path("sensitivity"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
 ) -> None:
     """Which parameters matter. Example: cosimo sensitivity scene.toml --plan plan.toml --quantity "mass.position, end" -o out"""
     from ..harness.report import answers
@@ -39,13 +40,14 @@ def sensitivity(
     loaded = scene_of(scene, values, presets)
     with locked(output):
         answer = many.sensitivity(loaded, plan, output, quantities=quantity or [], method=method, samples=samples, jobs=jobs,
-                                  scheduler=scheduler, progress=True)
+                                  scheduler=scheduler, progress=True, verify=not no_verify)
         stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
         written = [answer.save(output), answers.for_sensitivity(answer, output)]
     first, total = answer.columns
     print_table("", ["quantity", "parameter", first, "±", total, "±"],
                 [(i.quantity, i.parameter, i.first, i.first_half, i.total, i.total_half) for i in answer.indices])
     warn(answer.messages)
+    print(verified(answer.sweep))
     print(f"{len(answer.sweep.outcomes)} runs; wrote {', '.join(map(str, written))}")
 
 
@@ -58,6 +60,7 @@ def uncertainty(
     limits: Limits = "", condition: Conditions = None,
     output: Directory = Path("uncertainty"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
 ) -> None:
     """Distributions and tolerance intervals. Example: cosimo uncertainty scene.toml --plan plan.toml --quantity mean -o out"""
     from ..harness.many.uncertainty import FOR_TOLERANCE
@@ -68,12 +71,15 @@ def uncertainty(
     loaded = scene_of(scene, values, presets)
     with locked(output):
         answer = many.uncertainty(loaded, plan, output, quantities=quantity or [], effects=effects, share=share, jobs=jobs,
-                                  scheduler=scheduler, progress=True, limits=limits, conditions=condition or ())
+                                  scheduler=scheduler, progress=True, limits=limits, conditions=condition or (),
+                                  verify=not no_verify)
         stopped_early(answer.sweep, answer.sweep.outcomes.count("not run"))
         written = [*answer.save(output), answers.for_uncertainty(answer, output)]
     too_few = f"needs {FOR_TOLERANCE} samples"
-    print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high"],
-                [(s.quantity, s.mean, s.deviation, *(too_few if isnan(end) else end for end in s.tolerance))
+    errors = answer.sweep.repeated.errors if answer.sweep.repeated is not None else {}
+    print_table("", ["quantity", "mean", "standard deviation", "tolerance low", "tolerance high", "error of a run"],
+                [(s.quantity, s.mean, s.deviation, *(too_few if isnan(end) else end for end in s.tolerance),
+                  errors.get(s.quantity, "not known"))
                  for s in answer.spreads])
     if answer.limits:
         print_table("Probability of keeping the limits", ["limit", "low", "high", "standing", "samples", "probability", "95 %"],
@@ -82,6 +88,7 @@ def uncertainty(
         print(f"effects that are needed: {', '.join(answer.needed) or 'none'}; the others change {answer.left_error:.3g} of a "
               "standard deviation at most")
     warn(answer.messages)
+    print(verified(answer.sweep))
     print(f"{len(answer.sweep.outcomes)} runs; wrote {', '.join(map(str, written))}")
 
 
@@ -90,6 +97,7 @@ def fit(
     scene: SceneName, plan: Settings,
     output: Directory = Path("fit"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
 ) -> None:
     """Parameters from measurements. Example: cosimo fit scene.toml --plan fit.toml -o out"""
     from ..harness.report import answers
@@ -98,7 +106,7 @@ def fit(
 
     loaded = scene_of(scene, values, presets)
     with locked(output), _searched() as observe:
-        answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe)
+        answer = many.fit(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe, verify=not no_verify)
         written = [answer.save(output), answers.for_fit(answer, output)]
     print_table("", ["parameter", "unit", "value", "standard deviation", "low (95 %)", "high (95 %)"],
                 [(n, answer.units[n], *rest) for n, *rest in answer.fit.rows()])
@@ -113,9 +121,11 @@ def design(
     scene: SceneName, plan: Settings, limits: Limits = "", condition: Conditions = None,
     output: Directory = Path("design"),
     values: Changes = None, presets: Presets = None, jobs: Jobs = None, scheduler: Scheduler = "",
+    no_verify: NoVerify = False,
 ) -> None:
     """Parameters for small or large quantities within limits. Example: cosimo design scene.toml --plan design.toml -o out"""
     from ..harness.many.limits import recalled
+    from ..harness.many.repetition import shown
     from ..harness.report import answers
     from ..output import locked
     from ..systems import many
@@ -123,7 +133,7 @@ def design(
     loaded = scene_of(scene, values, presets)
     with locked(output), _searched() as observe:
         answer = many.design(loaded, plan, output, jobs=jobs, scheduler=scheduler, observe=observe,
-                             limits=limits, conditions=condition or ())
+                             limits=limits, conditions=condition or (), verify=not no_verify)
         written = [answer.save(output), answers.for_design(answer, loaded, output)]
     if len(answer.quantities) > 1:
         points = [answer.steps[k] for k in answer.front]
@@ -132,10 +142,10 @@ def design(
         print_table("", ["parameter", "unit", "value"], [(n, answer.units[n], v) for n, v in answer.values.items()])
     if answer.best >= 0 and len(answer.quantities) == 1:
         active = f"; at their limits: {'; '.join(answer.active)}" if answer.active else ""
-        print(f"{answer.quantity} = {answer.steps[answer.best].quantity:.6g}{active}")
+        print(f"{answer.quantity} = {shown(answer.steps[answer.best].quantity, answer.repeated, answer.quantity)}{active}")
     elif answer.best < 0:
         print("no run keeps all limits")
-    warn([*([answer.message] if answer.message else []), *recalled(answer.constraints)])
+    warn([*answer.messages, *recalled(answer.constraints)])
     print(f"{_runs(len(answer.steps), answer.computed)}; wrote {', '.join(map(str, written))}")
     if answer.best < 0:
         raise SystemExit(FAILED_CHECK)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...components.core.errors import BadInput
-from .common import FAILED_RUN, STOPPED, Changes, Presets, app, range_of, scene_of, warn
+from .common import FAILED_RUN, STOPPED, Changes, NoVerify, Presets, app, range_of, scene_of, warn
 from .completion import scenes
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def sweep(
     scheduler: Scheduler = "",
     add: Annotated[int, typer.Option("--add", help="Further points of a plan by Sobol's sequence or at random.")] = 0,
     retry: Annotated[bool, typer.Option("--retry", help="Run points that have failed again.")] = False,
-    limits: Limits = "", condition: Conditions = None,
+    limits: Limits = "", condition: Conditions = None, no_verify: NoVerify = False,
 ) -> None:
     """Run a scene over the values of parameters. Example: cosimo sweep scene.toml --over bearing.speed=100:400:31 -o out"""
     from ..harness import report
@@ -53,7 +53,7 @@ def sweep(
     loaded = scene_of(scene, values, presets, {"sweep": dict(map(range_of, over))} if over else {})
     with locked(output):  # now, not after a long sweep
         results = many.sweep(loaded, plan, output, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=True,
-                             limits=limits, conditions=condition or ())
+                             limits=limits, conditions=condition or (), verify=not no_verify)
         written = [*results.files, *([report.for_sweep(results, output)] if "done" in results.outcomes else [])]
     warn(results.remarks)
     failed = [o for o in results.outcomes if o not in ("done", NOT_RUN)]
@@ -61,11 +61,17 @@ def sweep(
     earlier = len(results.outcomes) - results.computed
     kept = f", {earlier} of an earlier call" if earlier else ""
     print(f"{len(results.outcomes)} points{kept}, {len(failed)} failed; wrote {', '.join(map(str, written))}")
+    print(verified(results))
     for reason in list(dict.fromkeys(failed))[:20]:
         print(f"cosimo: {reason}", file=sys.stderr)
     stopped_early(results, left)
     if failed:
         raise SystemExit(FAILED_RUN)
+
+
+def verified(results: Sweep) -> str:
+    """How far the numbers can be trusted."""
+    return results.repeated.summary(len(results.outcomes)) if results.repeated is not None else "no point was repeated: no errors"
 
 
 def stopped_early(results: Sweep, left: int) -> None:

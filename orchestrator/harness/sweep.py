@@ -32,6 +32,7 @@ from .many.limits import check_limits, with_rows
 from .many.live import Live
 from .many.measures import OUTCOMES, Task, check_analysis, prepared
 from .many.plan import Points, plan_of, plan_settings, read_plan, unit_of
+from .many.repetition import Repeated, compared, ends_and_some, repeat
 from .many.workers import Cluster, Pool, Workers, cores
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Sweep:
     run failed.  outcomes: "done" or the reason, (n,).  section: per point the values of the section's signal, (k,) each.
     units: unit of measure of every column.  stopped: the signal that has ended it before its last point.
     plan: how the points were chosen.  files: what was written.  efficiency: share of the workers' time in runs.
+    repeated: what half of every macro step changes at some points; None where nothing was repeated.
     """
 
     scene: Scene
@@ -64,6 +66,7 @@ class Sweep:
     computed: int = 0
     efficiency: float = 1.0
     located: store.Located | None = None
+    repeated: Repeated | None = None
 
     def signals(self, name: str) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """(time, values), (m,) each, of a kept signal at every point, read as they are asked for; empty where a run failed.
@@ -99,15 +102,15 @@ def points(scene: Scene) -> list[tuple[dict[str, Any], Scene]]:
 def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | None = None,
           directory: str | Path | None = None, *, jobs: int | None = 1, scheduler: str = "", add: int = 0, retry: bool = False,
           progress: bool = False, summarize: Callable[[Result], Summary] | None = None,
-          cube: np.ndarray | None = None, limits: str = "", conditions: Sequence[str] = ()) -> Sweep:
+          cube: np.ndarray | None = None, limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `directory`: where the points, the table and the data set go; what is there of the same scene is not run again. `jobs`:
     processes of this machine, 1: this one, None: all cores where it pays; `scheduler`: address of a Dask cluster instead.
     `add`: further points of a sampled plan. `retry`: points that have failed run again. `summarize`: figures of a run.
     `cube`: points (n, d) of the unit cube in the place of the method's own. `limits`, `conditions`: a validation table whose rows
-    are limits, and which of them. Neither the number of workers nor their order changes
-    a number.
+    are limits, and which of them. `verify`: whether some points, those at the ends and three at random, run again with half of
+    every macro step, as far as they take no more than 5 s. Neither the number of workers nor their order changes a number.
     Ctrl-C, SIGTERM and SIGHUP end it with the points it has; the others have the outcome "not run". Raises `BadInput`.
     """
     settings = (sweep_settings(scene) if plan is None else read_plan(plan) if isinstance(plan, str | Path)
@@ -127,10 +130,12 @@ def sweep(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path | No
         with Live(folder, title, chosen.size, chosen.size - missing.size, progress) as live:
             if missing.size:
                 stopped = _compute(task, chosen, digests, missing, parts, live, jobs, scheduler)
-            live.end("stopped" if stopped is not None else "done")
             efficiency = live.efficiency()
-        collected = collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
-                                    computed=missing.size, efficiency=efficiency)
+            if verify and stopped is None:
+                live.repeating()
+            collected = collected_sweep(scene, chosen, folder, base, digests=digests, stopped=stopped, kept=directory is not None,
+                                        computed=missing.size, efficiency=efficiency, verify=task if verify else None)
+            live.end("stopped" if stopped is not None else "done")
     if collected.measures and stopped is None:
         check_limits(settings.limits, collected.units)
     return collected
@@ -173,16 +178,24 @@ def _compute(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray,
 
 
 def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, digests: np.ndarray | None = None,
-                    stopped: Signals | None = None, kept: bool = True, computed: int = 0, efficiency: float = 1.0) -> Sweep:
-    """The points as they lie in the folder, with table and data set where they stay there."""
-    located = store.locate_points(store.points_folder(folder, base), plan.digests(base) if digests is None else digests)
+                    stopped: Signals | None = None, kept: bool = True, computed: int = 0, efficiency: float = 1.0,
+                    verify: Task | None = None) -> Sweep:
+    """The points as they lie in the folder, with table and data set where they stay there; `verify`: whose runs to repeat."""
+    parts = store.points_folder(folder, base)
+    digests = plan.digests(base) if digests is None else digests
+    located = store.locate_points(parts, digests)
     collected = store.collect(located, folder)
+    repeated = None
+    if verify is not None and stopped is None:
+        places = ends_and_some(plan, collected.outcomes == OUTCOMES.index("done"))
+        repeated = compared(places, repeat(verify, plan, digests, places, parts), collected.numbers)
     varied = {name: column.labels for name, column in plan.columns.items()}
     units = {name: unit_of(scene, name) for name in plan.columns} | dict(collected.units)
     units |= {n: limit.unit for n, limit in plan.settings.limits.items() if units.get(n) == ""}  # own functions say none
     files: list[Path] = []
     if kept:
         about = store.provenance(scene, plan, base, units)
+        about |= {"verification": repeated.to_json()} if repeated is not None else {}
         store.write_provenance(folder, about)
         files.append(store.write_tables(folder, varied, units, collected))
         attributes = {"title": scene.title or scene.name, "source": f"cosimo {about['versions']['cosimo']}",
@@ -192,8 +205,8 @@ def collected_sweep(scene: Scene, plan: Points, folder: Path, base: str, *, dige
     outcomes = tuple(OUTCOMES[o] if OUTCOMES[o] in ("done", NOT_RUN) else collected.reasons[r]
                      for o, r in zip(collected.outcomes, collected.reason, strict=True))
     return Sweep(scene, varied, dict(collected.numbers), outcomes, collected.section, units, stopped, plan.settings,
-                 tuple(files), tuple(plan.remarks), computed, efficiency,
-                 located if kept else None)
+                 tuple(files), (*plan.remarks, *(repeated.messages() if repeated is not None else ())), computed, efficiency,
+                 located if kept else None, repeated)
 
 
 def _json(content: Any) -> str:

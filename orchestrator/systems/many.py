@@ -24,18 +24,19 @@ PlanLike = PlanSettings | Mapping[str, Any] | str | Path
 
 def sweep(scene: Scene, plan: PlanLike | None = None, directory: str | Path | None = None, *, jobs: int | None = 1,
           scheduler: str = "", add: int = 0, retry: bool = False, progress: bool = False,
-          limits: str = "", conditions: Sequence[str] = ()) -> Sweep:
+          limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Sweep:
     """Run the points of a plan, by default of the scene's [sweep]; one that fails leaves NaN and its reason.
 
     `plan`: a file, or the same as plain data, such as `{"vary": {"unit.parameter": [1.0, 2.0]}}`. `directory`: where the points,
     the table and the data set go; what is there of the same scene is not run again. `jobs`: processes of this machine, 1: this
     one, None: all cores where it pays; `scheduler`: address of a Dask cluster. `add`: further points of a sampled plan. `retry`:
-    failed points run again. `limits`: a validation table, or the file of one, whose rows are limits, under these `conditions`. A
-    script that uses several processes keeps its own calls behind `if __name__ == "__main__":`.
+    failed points run again. `limits`: a validation table, or the file of one, whose rows are limits, under these `conditions`.
+    `verify`: some points run again with half of every macro step, for the errors of the numbers. A script that uses several
+    processes keeps its own calls behind `if __name__ == "__main__":`.
     Raises `BadInput`.
     """
     return sweeps.sweep(scene, plan, directory, jobs=jobs, scheduler=scheduler, add=add, retry=retry, progress=progress,
-                        summarize=summary, limits=limits, conditions=conditions)
+                        summarize=summary, limits=limits, conditions=conditions, verify=verify)
 
 
 def sensitivity(scene: Scene, plan: PlanLike, directory: str | Path | None = None, **options: Any) -> Sensitivity:

@@ -69,7 +69,6 @@ class Run:
 
     verdict: "right"; "said", by a warning or an outcome other than done; "missed"; "refused"; "no reference".
     true, said: error of the worst signal or figure, as share of its scale, and what the run states of it.  worst: its name.
-    largest: the largest true error of any signal.
     """
 
     choice: dict[str, Any]
@@ -79,7 +78,6 @@ class Run:
     true: float = math.nan
     said: float = math.nan
     worst: str = ""
-    largest: float = math.nan
     seconds: float = 0.0
 
 
@@ -201,13 +199,12 @@ def compared(choice: Choice, result: Result, reference: Reference, seconds: floa
             for name, true in true_errors(result, reference.result).items() if name in info["verification"]["signals"]]
     gaps += list(figures(result, reference))
     clear = [(name, true - own, said) for name, true, said, own in gaps if own <= UNCLEAR * true or true < FLOOR]
-    largest = max((true for name, true, said, own in gaps), default=0.0)
     if not clear:
         return Run(asdict(choice), result.outcome, warned, "said" if warned else "no reference", seconds=seconds)
     worst = max(clear, key=lambda one: one[1] / max(one[2], FLOOR / ENOUGH))
     wrong = worst[1] > ENOUGH * worst[2] + FLOOR
     verdict = "said" if warned else "missed" if wrong else "right"
-    return Run(asdict(choice), result.outcome, warned, verdict, worst[1], worst[2], worst[0], largest, seconds)
+    return Run(asdict(choice), result.outcome, warned, verdict, worst[1], worst[2], worst[0], seconds)
 
 
 def figures(result: Result, reference: Reference) -> Iterator[tuple[str, float, float, float]]:
@@ -258,7 +255,7 @@ def table(runs: list[Run]) -> str:
 def main() -> None:
     """Hunt through the scenes and write one line of JSON for each run, as it comes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="*", metavar="SCENE")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="only their runs, of those that are drawn of all scenes")
     parser.add_argument("-o", "--output", type=Path, default=Path("hunt.jsonl"))
     parser.add_argument("--runs", type=int, default=3000)
     parser.add_argument("--seed", type=int, default=0)
@@ -271,7 +268,8 @@ def main() -> None:
         return
     known = {Choice(**one.choice) for one in runs}
     with given.output.open("a", encoding="utf-8") as file:
-        for name, chosen in choices(given.scenes or sorted(scene_files()), given.runs, given.seed).items():
+        drawn = choices(sorted(scene_files()), given.runs, given.seed)
+        for name, chosen in ((name, drawn[name]) for name in given.scenes or drawn):
             hunt = Hunt(load_scene(name))
             for choice in chosen:
                 if choice in known:

@@ -22,11 +22,13 @@ from .front import check_pymoo, search_front, still_growing, unbeaten
 from .limits import check_limits, with_rows
 from .measures import Row
 from .plan import unit_of
+from .repetition import Repeated
 from .sampling import other_starts
 from .searches import Ask, differences, run_searches
 
 FEASIBLE = 1e-6  # of a limit's size: how far a constraint may be exceeded by rounding
 EVALUATIONS = 200  # at most, each start
+REPEATED = 5  # runs of a front, from end to end, that are made again with half of every macro step
 BAD = 1e3  # a failed run is this many scales worse than the start
 
 
@@ -53,7 +55,8 @@ class Design:
     quantities, maximise: the aims, and which of them are made large.  names: of the parameters.  constraints: of the columns with
     limits.  units: of measure of all these.  front: places in `steps` that no other one beats in one aim without losing in
     another, in the order of the first aim; of one aim the best run, none where no run keeps the limits.  active: constraints of
-    the best run of one aim that are at a limit.  starts: searches.  computed: runs of this call; the others were kept.  sweep:
+    the best run of one aim that are at a limit.  repeated: what half of every macro step changes at the best run, or at some of a
+    front.  starts: searches.  computed: runs of this call; the others were kept.  sweep:
     all of them.
     """
 
@@ -65,7 +68,8 @@ class Design:
     steps: tuple[Step, ...]
     front: tuple[int, ...]
     active: tuple[str, ...]
-    message: str
+    messages: tuple[str, ...]
+    repeated: Repeated | None
     starts: int
     computed: int
     sweep: Sweep | None = None
@@ -109,13 +113,14 @@ def design_settings(data: DesignSettings | Mapping[str, Any] | str | Path) -> De
 
 def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
            jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None, observe: Observe = lambda n: None,
-           limits: str = "", conditions: Sequence[str] = ()) -> Design:
+           limits: str = "", conditions: Sequence[str] = (), verify: bool = True) -> Design:
     """Search for the least (or largest) quantity within bounds and limits: local searches, from one or several starts. Of several
     quantities a front, by NSGA-II.
 
     `directory`: where the runs are kept; those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs
     of differences, and of several starts, as in a sweep; they change no number. `limits`, `conditions`: a
-    validation table whose rows are constraints as well, and which of them. Raises `BadInput`, also where the start cannot be
+    validation table whose rows are constraints as well, and which of them. `verify`: whether the best run, of a front some of its
+    runs, are made again with half of every macro step. Raises `BadInput`, also where the start cannot be
     run, and `Stopped` where a signal has ended it.
     """
     wanted = with_rows(design_settings(settings), table=limits, conditions=conditions)
@@ -144,14 +149,20 @@ def design(scene: Scene, settings: DesignSettings | Mapping[str, Any] | str | Pa
         good = np.flatnonzero([s.feasible for s in steps])
         values = sign * np.array([steps[k].quantities for k in good]).reshape(good.size, len(aims))
         front = good[unbeaten(values)] if several else good[values[:, 0].argmin()][None] if good.size else good
-        if several:
-            message = still_growing(values, good, len(steps))
+        messages = [message] if message else []
+        if several and (text := still_growing(values, good, len(steps))):
+            messages.append(text)
+        repeated = None
+        if verify and front.size:
+            some = dict.fromkeys(front[np.linspace(0, front.size - 1, min(REPEATED, front.size)).round().astype(int)].tolist())
+            repeated = runs.repeated([np.array(steps[k].parameters) for k in some])[1]
+            messages += [*repeated.messages(), *_undecided([steps[k] for k in some], limits_of, repeated)]
         ends = zip(limits_of.items(), steps[front[0]].constraints, strict=True) if front.size and not several else ()
         active = tuple(name for (name, limit), v in ends if _at_limit(v, limit))
         units = {n: unit_of(scene, n) for n in runs.names} | {n: first.units.get(n, "") for n in aims}
         units |= {n: first.units.get(n, "") or limit.unit for n, limit in limits_of.items()}
         return Design(aims, tuple((sign < 0.0).tolist()), tuple(runs.names), units, limits_of, steps, tuple(front.tolist()),
-                      active, message, wanted.starts, runs.computed, runs.sweep())
+                      active, tuple(messages), repeated, wanted.starts, runs.computed, runs.sweep())
 
 
 def _one_aim(wanted: DesignSettings, runs: Evaluations, quantity: str, limits: Mapping[str, LimitSettings], first: Row,
@@ -234,6 +245,17 @@ def _step(p: np.ndarray, row: Row, aims: Sequence[str], limits: Mapping[str, Lim
     inside = all(limit.keeps(v, FEASIBLE * limit.size) for v, limit in zip(values, limits.values(), strict=True))
     good = row.outcome == "done" and bool(np.isfinite(sizes).all()) and inside
     return Step(tuple(p.tolist()), sizes, values, good, row.outcome if row.outcome == "done" else f"{row.outcome}: {row.reason}")
+
+
+def _undecided(steps: Sequence[Step], limits: Mapping[str, LimitSettings], repeated: Repeated) -> list[str]:
+    """Limits that are kept by less than the numerical error."""
+    texts = []
+    for i, (name, limit) in enumerate(limits.items()):
+        error = repeated.errors.get(name, 0.0)
+        near = [s for s in steps if s.feasible and not limit.keeps(s.constraints[i], -error)]
+        if near and error > FEASIBLE * limit.size:
+            texts.append(f"{name} is kept by less than its numerical error of ±{error:.2g}: with exact steps it may be exceeded")
+    return texts
 
 
 def _at_limit(value: float, limit: LimitSettings) -> bool:

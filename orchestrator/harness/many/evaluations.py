@@ -26,6 +26,7 @@ from .batches import SUFFIX, BatchReport
 from .execute import compute_here, compute_with
 from .measures import Row, Task, prepared
 from .plan import Column, Points, changes, place, plan_settings
+from .repetition import Repeated, compared, repeat
 from .workers import Cluster, Pool, Workers, cores
 
 if TYPE_CHECKING:
@@ -148,6 +149,14 @@ class Evaluations:
         if missing:
             self._compute(plan, digests, np.array(missing))
         return [self._row(*self._lies[d]) for d in digests.tolist()]
+
+    def repeated(self, points: Sequence[np.ndarray]) -> tuple[list[Row | None], Repeated]:
+        """Rows at points that were run, with half of every macro step, None where that takes too long; and what this changes."""
+        rows, plan = self(points), self._plan(points)
+        names = dict.fromkeys(n for row in rows for n in row.numbers)
+        numbers = {n: np.array([row.numbers.get(n, np.nan) for row in rows]) for n in names}
+        again = repeat(self._task, plan, plan.digests(self._base), range(len(points)), self._folder)
+        return [again.get(k) for k in range(len(points))], compared(range(len(points)), again, numbers)
 
     def _plan(self, points: Sequence[np.ndarray]) -> Points:
         columns = np.array(points, dtype=float).T

@@ -113,14 +113,16 @@ class Schedule:
 
 def compute_here(task: Task, plan: Points, digests: np.ndarray, missing: np.ndarray, folder: Path, live: Observer,
                  seconds: float = inf) -> Signals | None:
-    """In this process, one after the other, for about so many s; the signal that has ended it early."""
+    """In this process, one after the other, a batch at least, for about so many s; the signal that has ended it early."""
     schedule, since = Schedule(plan, missing, 1), perf_counter()
-    while perf_counter() - since < seconds and (batch := schedule.next(0)) is not None:
+    while (batch := schedule.next(0)) is not None:
         report = run_batch(task, list(_points(plan, digests, batch)), str(folder))
         live.count(report)
         if report.stopped is not None:
             return signal_of(report)
         schedule.ended(batch, report.seconds)
+        if perf_counter() - since >= seconds:
+            break
     return None
 
 

@@ -25,6 +25,7 @@ from ..validation.spectra import compare_spectrum, read_spectrum
 from .evaluations import Computing, Evaluations, Observe, Summarize, column_name, keep_for
 from .measures import Row
 from .plan import changes, unit_of
+from .repetition import OF_DEVIATION
 from .sampling import other_starts
 from .searches import Ask, differences, run_searches
 
@@ -73,14 +74,15 @@ def fit_settings(data: FitSettings | Mapping[str, Any], name: str = "fit") -> Fi
 
 def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
         folder: str | Path = ".", jobs: int | None = 1, scheduler: str = "", summarize: Summarize | None = None,
-        observe: Observe = lambda n: None) -> SceneFit:
+        observe: Observe = lambda n: None, verify: bool = True) -> SceneFit:
     """Fit parameters to measured curves, spectra and numbers. `folder`: of their files, where the settings are no file.
 
     Residuals are (simulated - measured) / standard deviation, curves at the run's instants where both exist. A curve is filtered
     on both sides where it has a cut-off; a spectrum is estimated as its settings say, and compared at the measured frequencies.
     Samples count as independent, which makes the deviations too small where they are not. `directory`: where the runs are kept;
     those of an earlier call are not run again. `jobs`, `scheduler`: who computes the runs of a Jacobian, and of several starts,
-    as in a sweep; they change no number. Raises `BadInput`, also where the start
+    as in a sweep; they change no number. `verify`: whether the fitted run is made again with half of every macro step, which
+    tells how large its numerical error is beside that of the measurements. Raises `BadInput`, also where the start
     cannot be run, and `Stopped` where a signal has ended it.
     """
     if isinstance(settings, str | Path):
@@ -94,7 +96,7 @@ def fit(scene: Scene, settings: FitSettings | Mapping[str, Any] | str | Path, di
     keep = keep_for([t.quantity for t in wanted.targets], KeepSettings())
     keep = keep.model_copy(update={"signals": tuple(dict.fromkeys(signals))})
     with Evaluations(scene, wanted.vary, keep, summarize, Computing(directory, jobs, scheduler, observe)) as runs:
-        return _Fitting(scene, wanted, folder, runs).answer()
+        return _Fitting(scene, wanted, folder, runs).answer(verify)
 
 
 @dataclass(frozen=True)
@@ -124,8 +126,8 @@ class _Fitting:
         self.low, self.width = runs.low, runs.high - runs.low
         self.size = 0  # residuals: as many as at the start
 
-    def answer(self) -> SceneFit:
-        """Search from every start; the fit with the least residuals, and what the others came to."""
+    def answer(self, verify: bool) -> SceneFit:
+        """Search from every start; the fit with the least residuals, what the others came to, and what shorter steps change."""
         runs, names = self.runs, self.runs.names
         first = runs.start(self.wanted.vary)
         (row,) = runs([first])
@@ -142,6 +144,7 @@ class _Fitting:
         (row,) = runs([best.values])
         if row.outcome != "done":
             raise BadInput("fit", f"a last run that is {row.outcome}: {row.reason}", "runs that come to their end near the fit")
+        messages += self._blurred(best, row) if verify else []
         fitted = self.scene.with_changes(changes(self.scene, runs.values(best.values)))
         charts = [*(compare_curve(c, self.folder, _KeptRun(fitted, row)).chart() for c in self.wanted.curves),
                   *(compare_spectrum(s, self.folder, _KeptRun(fitted, row)).chart() for s in self.wanted.spectra)]
@@ -149,6 +152,17 @@ class _Fitting:
         return SceneFit(replace(best, messages=tuple(messages)), {n: unit_of(self.scene, n) for n in names}, fitted,
                         runs.values(first), tuple(charts), targets, len(runs.history), runs.computed,
                         runs.sweep())
+
+    def _blurred(self, best: Fit, row: Row) -> list[str]:
+        """What half of every macro step changes at the fit, where that is not small beside what is left of the residuals."""
+        rows, repeated = self.runs.repeated([best.values])
+        (again,) = rows
+        if again is None or again.outcome != "done":
+            return repeated.messages()
+        change = 2.0 * (self._residuals(best.values, again) - self._residuals(best.values, row))
+        share = float(np.sqrt(np.mean(change**2) / best.variance)) if best.variance > 0.0 else 0.0
+        return [f"the numerical error of the fitted run is {100.0 * share:.2g} % of the standard deviation of the measurements: "
+                "reduce master.step"] if share > OF_DEVIATION else []
 
     def _search(self, start: np.ndarray) -> Callable[[Ask], Fit]:
         names, wanted = self.runs.names, self.wanted

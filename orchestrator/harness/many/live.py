@@ -62,6 +62,11 @@ class Live:
         if perf_counter() - self._page_at >= PAGE_EVERY:
             self._write("running")
 
+    def repeating(self) -> None:
+        """All points have ended; some of them are run again."""
+        if self._bar is not None:
+            self._bar.update(self._task, description="Repeating some points with half of every macro step")
+
     def end(self, state: str) -> None:
         """The last page, which no longer reloads itself."""
         self._write(state)

@@ -24,6 +24,7 @@ from ...settings.plan import PlanSettings
 from ..sweep import Sweep, sweep
 from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .plan import plan_settings, read_plan
+from .repetition import blurred
 from .sampling import SMALLEST
 
 METHODS = ("sobol", "morris")
@@ -74,6 +75,8 @@ class Sensitivity:
         if wide := [i for i in self.indices if self.method == "sobol" and i.total_half > 0.1]:
             texts.append(f"{len(wide)} of {len(self.indices)} total indices are known to ± 0.1 or worse: take more samples")
         texts += [f"{name} is the same everywhere" for name in self.constant]
+        varying = {i.quantity: float(np.nanstd(self.sweep.measures[i.quantity])) for i in self.indices}
+        texts += blurred(self.sweep.repeated, varying)
         return texts
 
     def save(self, directory: str | Path) -> Path:
@@ -86,7 +89,8 @@ class Sensitivity:
 
 def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
                 quantities: Sequence[str] = (), method: str = "sobol", samples: int = 128, jobs: int | None = 1,
-                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None) -> Sensitivity:
+                scheduler: str = "", progress: bool = False, summarize: Summarize | None = None,
+                verify: bool = True) -> Sensitivity:
     """Indices of quantities over what the plan varies; `samples` blocks of d + 2 runs (Sobol) or d + 1 (Morris).
 
     `quantities`: columns of a sweep, by default those of the plan or of the scene's [study]. The plan's own method and number of
@@ -110,7 +114,7 @@ def sensitivity(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
     cube = sample(problem, method, samples, settings.seed)
     chosen = settings.model_copy(update={"keep": keep})
     points = MARGIN + (1.0 - 2.0 * MARGIN) * cube if method == "morris" else cube
-    runs = sweep(scene, chosen, directory, jobs=jobs, scheduler=scheduler, progress=progress, summarize=summarize,
+    runs = sweep(scene, chosen, directory, jobs=jobs, scheduler=scheduler, progress=progress, summarize=summarize, verify=verify,
                  cube=np.clip(points, SMALLEST, 1.0 - SMALLEST))
     indices: list[Index] = []
     constant: list[str] = []

@@ -25,6 +25,7 @@ from .evaluations import Summarize, column_name, default_quantities, keep_for
 from .limits import recalled, with_rows
 from .measures import Row, Task, measure
 from .plan import plan_settings, read_plan
+from .repetition import blurred
 
 CONTENT, CONFIDENCE = 0.95, 0.95
 PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
@@ -149,7 +150,7 @@ def tolerance_rank(n: int, content: float = CONTENT, confidence: float = CONFIDE
 def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Path, directory: str | Path | None = None, *,
                 quantities: Sequence[str] = (), effects: bool = False, share: float = 1.0, jobs: int | None = 1,
                 scheduler: str = "", progress: bool = False, summarize: Summarize | None = None, limits: str = "",
-                conditions: Sequence[str] = ()) -> Uncertainty:
+                conditions: Sequence[str] = (), verify: bool = True) -> Uncertainty:
     """Distributions of quantities over the samples of a plan, and the probability of keeping each of its limits.
 
     `limits`, `conditions`: a validation table whose rows are limits as well, and which of them.
@@ -167,7 +168,7 @@ def uncertainty(scene: Scene, plan: PlanSettings | Mapping[str, Any] | str | Pat
         raise BadInput("uncertainty", "no quantity", "one or more", 'Give --quantity "unit.output, maximum".')
     keep = keep_for([*names, *settings.limits], settings.keep)
     runs = sweep(scene, settings.model_copy(update={"keep": keep}), directory, jobs=jobs, scheduler=scheduler, progress=progress,
-                 summarize=summarize)
+                 summarize=summarize, verify=verify)
     if runs.stopped is not None:
         return Uncertainty(runs, ())
     names = [column_name(runs.measures, name, "uncertainty") for name in names]
@@ -198,7 +199,7 @@ def _messages(runs: Sweep, spreads: Sequence[Spread], method: str) -> list[str]:
     elif method != "random":
         texts.append(f"the confidence of tolerance intervals is that of independent samples; those of method {method!r} are more "
                      "even, so that it is not exact")
-    return texts + recalled(runs.plan.limits)
+    return [*texts, *recalled(runs.plan.limits), *blurred(runs.repeated, {s.quantity: s.deviation for s in spreads})]
 
 
 def _with_effects(task: Task, answer: Uncertainty, share: float) -> Uncertainty:

@@ -136,9 +136,11 @@ def for_sweep(sweep: Sweep, directory: str | Path) -> Path:
     ranges = [_range(name, values, sweep.units[name]) for name, values in sweep.varied.items()]
     lead = (f"{len(sweep.outcomes)} runs of the scene {scene.name}; the numbers are in sweep.csv. All that does not vary is as "
             f"in: {scene.title or scene.name}.")
-    blocks.append(Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True))
+    settings: list[Block] = [Facts("Scene", generic.flattened(scene.model_dump(mode="json")), True)]
+    trusted = Section("How far these numbers can be trusted", sweeps.trust(sweep))
     title = f"Sweep of {', '.join(ranges)}"
-    return write_page(Page(title, lead, [Section("Sweep", blocks)]), Path(directory) / "report.html")
+    sections = [Section("Sweep", blocks), trusted, Section("Settings", settings)]
+    return write_page(Page(title, lead, sections), Path(directory) / "report.html")
 
 
 def _range(name: str, values: np.ndarray, unit: str) -> str:

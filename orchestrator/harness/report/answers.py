@@ -14,7 +14,7 @@ from ..charts.chart import Band, Chart, Panel, Series
 from ..charts.charts import draw_chart
 from ..charts.style import BLUE, ORANGE, axis, drawn, layout, number
 from ..many.limits import recalled
-from . import generic, many_runs
+from . import generic, many_runs, sweeps
 from .page import Page, Section, write_page
 
 if TYPE_CHECKING:
@@ -90,9 +90,11 @@ def for_uncertainty(answer: Uncertainty, directory: str | Path) -> Path:
         text = "Lines: tolerance interval, which holds 95 % of all values with 95 % confidence."
         blocks.append(draw_chart(Chart("Distributions", "", tuple(panels), text, columns=min(2, len(panels)), height=240)))
     rows = [(s.quantity, s.unit, number(s.mean), number(s.deviation), number(s.percentiles[0]), number(s.percentiles[-1]),
-             number(s.tolerance[0]), number(s.tolerance[1])) for s in answer.spreads]
+             number(s.tolerance[0]), number(s.tolerance[1]), sweeps.error_of(answer.sweep.repeated, s.quantity))
+            for s in answer.spreads]
     blocks.append(Cells("Numbers", ("quantity", "unit", "mean", "standard deviation", "2.5 %", "97.5 %", "tolerance, low",
-                                    "tolerance, high"), rows, right=frozenset(range(2, 8))))
+                                    "tolerance, high", "error of a run"), rows, sweeps.trust_text(answer.sweep),
+                        right=frozenset(range(2, 9))))
     if answer.limits:
         blocks.append(Cells("Probability of keeping the limits", (
             "limit", "low", "high", "standing", "samples", "probability", "95 %"), limit_rows(answer.limits),
@@ -168,7 +170,7 @@ def for_design(answer: Design, scene: Scene, directory: str | Path) -> Path:
         lead = f"{answer.quantity} = {number(best.quantity)}, the {kind} of {len(y)} runs."
     else:
         lead = f"None of {len(y)} runs keeps all limits."
-    notes = [*([answer.message] if answer.message else []), *recalled(answer.constraints)]
+    notes = [*answer.messages, *recalled(answer.constraints)]
     notes.append("A local search: another start may lead to a better place." if answer.starts == 1 else
                  f"{answer.starts} local searches from points spread over the bounds: there may be a better place still.")
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
@@ -206,7 +208,7 @@ def _for_front(answer: Design, scene: Scene, directory: str | Path) -> Path:
         lead = f"{front.size} of {len(answer.steps)} runs make the front of {ways}."
     else:
         lead = f"None of {len(answer.steps)} runs keeps all limits."
-    notes = [*([answer.message] if answer.message else []), *recalled(answer.constraints),
+    notes = [*answer.messages, *recalled(answer.constraints),
              "The front of these runs: NSGA-II has no proof that there is none beyond."]
     return _page(f"Design of {scene.name}", lead, blocks, notes, scene, directory)
 

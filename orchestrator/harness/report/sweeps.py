@@ -6,13 +6,16 @@ import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ..charts.blocks import Block, Cells, Text
 from ..charts.chart import Chart, Panel, Series
 from ..charts.style import number
 from .bifurcation import section_panel
+from .trust import SHOWN, percent
 
 MOST_GROUPS = 7  # colours of lines
 
 if TYPE_CHECKING:
+    from ..many.repetition import Repeated
     from ..sweep import Sweep
 
 
@@ -59,6 +62,40 @@ def few_groups(sweep: Sweep) -> bool:
     *others, last = sweep.varied.values()
     combinations = len(set(zip(*others, strict=True))) if others else 1
     return sweep.plan.method == "grid" and last.dtype.kind == "f" and combinations <= MOST_GROUPS and bool(sweep.measures)
+
+
+def trust(sweep: Sweep) -> list[Block]:
+    """Which points were repeated, and the errors of the columns, the worst first."""
+    blocks: list[Block] = [Text([trust_text(sweep)], "" if sweep.repeated is not None else "note")]
+    if (repeated := sweep.repeated) is not None and repeated.errors:
+        worst = sorted(repeated.errors, key=lambda name: -repeated.shares[name])
+        rows = [(name, error_of(repeated, name), sweep.units.get(name, ""), percent(repeated.shares[name]),
+                 _point(sweep, repeated.at[name])) for name in worst[:SHOWN]]
+        rest = f" The other {len(worst) - SHOWN} columns have smaller ones." if len(worst) > SHOWN else ""
+        blocks.append(Cells("Errors of columns", ("column", "±", "unit", "share", "at"), rows,
+                            "±: twice what half of every macro step changes at the repeated points, the largest of them. Share: "
+                            "of the column's largest size; of a signal's statistics, of the largest of them. The points of a "
+                            f"section have no error.{rest}", frozenset({1, 3})))
+    return blocks
+
+
+def trust_text(sweep: Sweep) -> str:
+    """In one sentence."""
+    if sweep.repeated is None:
+        return "No point was repeated: the errors of these numbers are not known."
+    text = sweep.repeated.summary(len(sweep.outcomes))
+    return f"{text[0].upper()}{text[1:]}."
+
+
+def error_of(repeated: Repeated | None, name: str) -> str:
+    """The largest error of a column."""
+    return number(repeated.errors[name]) if repeated is not None and name in repeated.errors else "not known"
+
+
+def _point(sweep: Sweep, k: int) -> str:
+    """The values of a point."""
+    values = ((name, column[k]) for name, column in sweep.varied.items())
+    return ", ".join(f"{name} = {v if isinstance(v, str) else number(float(v))}{_unit(sweep, name)}" for name, v in values)
 
 
 def _groups(sweep: Sweep) -> Iterator[tuple[str, list[int]]]:

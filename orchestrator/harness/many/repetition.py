@@ -1,0 +1,154 @@
+"""How far the numbers of many runs can be trusted: some of the points are run again, with half of every macro step.
+
+The runs are kept beside those of the points, in points/<base>/half, and are not made again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...judgement.thresholds import SECONDS, WARN
+from ...output import not_written
+from ...shorter_steps import shorter_steps
+from ..analysis.records import KINDS
+from ..summary import with_error
+from .batches import BatchReport
+from .execute import compute_here
+from .measures import Row, Task
+from .plan import Points
+from .store import locate_points, read_row
+
+AT_RANDOM = 3  # points besides those at the ends
+SEED = 0
+OF_DEVIATION = 0.1  # of a column over the points, from which a numerical error changes its distribution
+SHOWN = 3  # columns that a message names
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """What half of every macro step changes at some points.
+
+    chosen: places of the points that were to be repeated; points: of those that were, within the time for it.  errors: by column,
+    twice the largest difference of any point.  shares: the same over the column's scale, its largest size at any point, or that
+    of its signal's other statistics.  at: by column, the place of that point.  failed: by place, why the run with half the step
+    has not come to its end.
+    """
+
+    chosen: tuple[int, ...]
+    points: tuple[int, ...]
+    errors: Mapping[str, float]
+    shares: Mapping[str, float]
+    at: Mapping[str, int]
+    failed: Mapping[int, str]
+
+    def summary(self, total: int) -> str:
+        """Which points were repeated, and how large the errors are, in one sentence."""
+        if not self.points:
+            return "no point was repeated: the errors of these numbers are not known"
+        over = "" if len(self.points) == len(self.chosen) else f"; {len(self.chosen)} were to be, which takes too long"
+        worst = max(self.shares, key=self.shares.__getitem__, default="")
+        largest = f"errors up to {100.0 * self.shares[worst]:.2g} % ({worst})" if worst else "no number to compare"
+        return (f"{len(self.points)} of {total} points, at the ends and at random, repeated with half of every macro step: "
+                f"{largest}{over}")
+
+    def messages(self) -> list[str]:
+        """What a user must know of the errors: those that are too large, and runs that only come to their end with long steps."""
+        large = sorted((n for n, share in self.shares.items() if share > WARN), key=lambda n: -self.shares[n])
+        texts = []
+        if large:
+            named = "; ".join(f"{n} by up to ±{self.errors[n]:.2g}, {100.0 * self.shares[n]:.2g} %" for n in large[:SHOWN])
+            more = f", and {len(large) - SHOWN} more" if len(large) > SHOWN else ""
+            texts.append(f"half of every macro step changes {named}{more}: reduce master.step")
+        texts += [f"point {k} does not come to its end with half of every macro step: {why}" for k, why in self.failed.items()]
+        return texts
+
+    def to_json(self) -> dict[str, Any]:
+        """What sweep.json says of it."""
+        return {"chosen": list(self.chosen), "points": list(self.points), "seed": SEED, "macro step": 0.5,
+                "errors": {n: {"error": self.errors[n], "share": self.shares[n], "point": self.at[n]} for n in self.errors},
+                "failed": {str(k): why for k, why in self.failed.items()}}
+
+
+def ends_and_some(plan: Points, done: np.ndarray) -> list[int]:
+    """Places of the points at the ends of what varies, then of some at random; done: (n,) truth values of those that count."""
+    able = np.flatnonzero(done)
+    if not able.size:
+        return []
+    chosen = [able[0], able[-1]] if plan.settings.method == "grid" else []
+    for column in plan.columns.values():
+        if column.labels.dtype.kind == "f":
+            values = column.labels[able]
+            chosen += [able[values.argmin()], able[values.size - 1 - values[::-1].argmax()]]
+    some = np.random.default_rng(SEED).permutation(able)
+    return list(dict.fromkeys(map(int, [*chosen, *some[:AT_RANDOM]])))
+
+
+def repeat(task: Task, plan: Points, digests: np.ndarray, places: Sequence[int], folder: Path, seconds: float = SECONDS
+           ) -> dict[int, Row]:
+    """Rows with half of every macro step by place, as far as they are known or computed in this time, s; one in any case."""
+    half = folder / "half"
+    try:
+        half.mkdir(exist_ok=True)
+    except OSError as error:
+        raise not_written(half, error) from None
+    wanted = np.array(places, dtype=int)
+    missing = wanted[locate_points(half, digests[wanted]).missing]
+    if missing.size:
+        with shorter_steps(2):
+            compute_here(task, plan, digests, missing, half, _Unseen(), seconds)
+    located = locate_points(half, digests[wanted])
+    return {int(place): read_row(located.files[part], int(row))
+            for place, part, row in zip(wanted, located.part, located.row, strict=True) if part >= 0}
+
+
+def compared(places: Sequence[int], rows: Mapping[int, Row], numbers: Mapping[str, np.ndarray]) -> Repeated:
+    """The rows with half of every macro step against the numbers (n,) of all points by column."""
+    done = [k for k in places if k in rows and rows[k].outcome == "done"]
+    scales = _scales(numbers)
+    errors, shares, at = {}, {}, {}
+    for name, values in numbers.items():
+        differences = {k: abs(rows[k].numbers.get(name, np.nan) - values[k]) for k in done}
+        known = {k: d for k, d in differences.items() if np.isfinite(d)}
+        if known:
+            at[name] = max(known, key=known.__getitem__)
+            errors[name] = 2.0 * known[at[name]]
+            shares[name] = errors[name] / scales[name] if errors[name] else 0.0
+    failed = {k: rows[k].reason for k in places if k in rows and rows[k].outcome != "done"}
+    return Repeated(tuple(places), tuple(k for k in places if k in rows), errors, shares, at, failed)
+
+
+def _scales(numbers: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """By column its largest size, or that of the largest statistic of the same signal: a mean may be near zero."""
+    sizes = {n: float(np.abs(x[np.isfinite(x)]).max(initial=0.0)) for n, x in numbers.items()}
+    signals: dict[str, float] = {}
+    for name, size in sizes.items():
+        signal, _, kind = name.rpartition(", ")
+        if kind in KINDS:
+            signals[signal] = max(signals.get(signal, 0.0), size)
+    return {n: max(size, signals.get(n.rpartition(", ")[0], 0.0), np.finfo(float).tiny) for n, size in sizes.items()}
+
+
+def shown(value: float, repeated: Repeated | None, name: str) -> str:
+    """A number of a column with its error, "116.0 ± 0.3", where points were repeated."""
+    return with_error(value, repeated.errors.get(name, float("nan")) if repeated is not None else float("nan"))
+
+
+def blurred(repeated: Repeated | None, deviations: Mapping[str, float]) -> list[str]:
+    """What a user must know of columns whose numerical error is not small beside their standard deviation over the points."""
+    if repeated is None:
+        return []
+    shares = {n: repeated.errors[n] / d for n, d in deviations.items() if repeated.errors.get(n, 0.0) > OF_DEVIATION * d > 0.0}
+    return [f"{name}: the numerical error of a run, up to ±{repeated.errors[name]:.2g}, is {100.0 * share:.2g} % of the standard "
+            "deviation over the points: reduce master.step" for name, share in shares.items()]
+
+
+class _Unseen:
+    """Repeated points do not count among those of the sweep."""
+
+    def count(self, report: BatchReport) -> None:
+        pass
