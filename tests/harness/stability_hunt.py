@@ -44,6 +44,7 @@ FLOOR = 1e-3  # of a signal's deviation, or of a figure: a smaller error counts 
 UNCLEAR = 0.25  # of a true error: a reference that is worse tells nothing of it
 TURN = 2.0 * math.pi + 1e-9
 STILL = 1e-3  # deviation over size below which a signal is judged by its size
+NOTHING = 1e-6  # of a signal's nominal value: a deviation below it is rounding, as of a momentum that is conserved at 0
 VERDICTS = ("right", "said", "missed", "refused", "no reference")
 
 
@@ -164,10 +165,13 @@ def quietly(run: Any, scene: Scene) -> Result:
 def true_errors(result: Result, finer: Result) -> dict[str, float]:
     """Error of every recorded number (rms, as share of its deviation) against a run with shorter steps, at times of the first.
 
-    A signal that stands still is judged by its size. What has whole numbers only, as flags and modes have, and a text is judged
-    by the share of time in which it differs. Own code, for what it judges must not share its mistakes.
+    A signal that stands still is judged by its size, one that is rounding and no more by its nominal value. What has whole
+    numbers only, as flags and modes have, and a text is judged by the share of time in which it differs. Own code, for what it
+    judges must not share its mistakes.
     """
     errors = {}
+    interfaces = result.scene.coupling.interfaces
+    nominal = {f"{unit}.{name}": signal.nominal for unit, i in interfaces.items() for name, signal in i.outputs.items()}
     for name in (*result.columns, *result.texts):
         x, y = result[name], finer[name]
         rows = np.clip(np.searchsorted(finer.time, result.time + 1e-9 * finer.time[-1], side="right") - 1, 0, None)
@@ -178,12 +182,12 @@ def true_errors(result: Result, finer: Result) -> dict[str, float]:
         y_here[finer.time[rows] == result.time] = y[rows][finer.time[rows] == result.time]
         both = np.isfinite(x) & np.isfinite(y_here)
         size = float(np.sqrt((y_here[both] ** 2).mean())) if both.any() else 0.0
-        scale = max(float(y_here[both].std()) if both.any() else 0.0, STILL * size)
+        scale = max(float(y_here[both].std()) if both.any() else 0.0, STILL * size, NOTHING * nominal[name])
         gap = (x - y_here)[both]
         if result.measures.get(name) == "rad" and np.ptp(y) <= TURN and np.abs(np.diff(y)).max(initial=0.0) > 0.5 * TURN:
             gap = (gap + 0.5 * TURN) % TURN - 0.5 * TURN  # it begins anew after each turn
         rms = float(np.sqrt((gap**2).mean())) if both.any() else 0.0
-        errors[name] = rms / scale if scale > 1e-9 else 0.0
+        errors[name] = rms / scale
     return errors
 
 
