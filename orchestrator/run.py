@@ -344,7 +344,7 @@ class Run:
     def _answer(self, wish: WindowsWish, cpu: float) -> None:
         """Repeat windows of the run if it is too long to be repeated; units and account move: call it last."""
         if self.windows is not None:
-            self.windows.answer(wish, cpu)
+            self.windows.answer(wish, cpu, self.signals.table.chunks())
         elif 2.0 * cpu > wish.budget:
             wish.why = f"windows of it cannot be repeated with {obstacle(self.scene)}"
 

@@ -96,9 +96,10 @@ def summary(measured: Accuracy) -> dict[str, Any]:
     return {
         "name": measured.name, "reference": measured.reference, "second_solution": measured.second_solution,
         "shared_with_reference": measured.shares, "agreement": dict(measured.agreement), "mesh_error": dict(measured.mesh_error),
-        "machine": measured.machine, "versions": measured.versions, "calibration": measured.calibration,
+        "machine": measured.machine, "versions": measured.versions,
         "fronts": {cost: [{"series": p.series, "size": p.size, "changes": dict(p.changes), "error": p.error,
-                           "error_with_finer": p.error_with_finer, "seconds": p.seconds, "work": dict(p.work)}
+                           "error_with_finer": p.error_with_finer, "largest": p.largest, "seconds": p.seconds,
+                           "work": dict(p.work)}
                           for p in measured.front(cost)]
                    for cost in ("seconds", "calls")},
         "outcomes": {o: sum(p.outcome == o for p in measured.points) for o in dict.fromkeys(p.outcome for p in measured.points)},

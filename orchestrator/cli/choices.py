@@ -46,9 +46,10 @@ def setting_within(scene: Scene, tolerance: float, on_message: Callable[[str], N
         keep(scene, measure(scene, on_message=on_message))
         front = known(scene)
         assert front is not None
-    point = choose(front.measured, tolerance)
+    point = choose(scene, front.measured, tolerance)
     reasons = why(point, front, tolerance)
-    messages = (f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)}; "
+    messages = (f"accuracy {percent(tolerance)}: {point.series}, {point.size:.3g}, error {percent(point.error_with_finer)} "
+                f"(rms where the signals move; {percent(point.largest)} at its largest); "
                 f"{reasons['reason']}", f"  from: {front.origin}")
     return ChosenSetting(scene.with_changes(point.changes) if point.changes else scene, reasons, messages)
 

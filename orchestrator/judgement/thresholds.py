@@ -15,6 +15,7 @@ ROUNDING = 1e-6  # of a signal's nominal value: what is smaller counts as nothin
 # -- budget ------------------------------------------------------------------------------------------------------------------
 SECONDS = 5.0  # CPU time that the repetition of a whole run may take without being asked for
 WINDOWS = 4  # of a run that is too long to repeat: the begin, two places within and the end
+WINDOWS_PLACES = 50  # where a window may begin: half of one, which is what is judged of it, is as long as from one to the next
 WINDOWS_SHARE = 0.5  # of the run's own cost that windows may take together
 PROBED = 0.02  # of a run that is made to see what the whole costs, and in a dry run how large errors are
 PREFIX_STEPS = 400  # macro steps of it at least in a dry run: motions begin

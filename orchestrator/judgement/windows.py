@@ -4,12 +4,15 @@ Both start from a state that was saved on the way, so that what a window shows i
 That is the error of the run where the system forgets within a window. Where a difference still grows at the end of a window, as
 a phase does that drifts away, it is taken to go on like that over the whole run. `slower` names the signals that do not return
 to their mean in a window.
+
+A run that waits, then moves, shows its error where it moves: states are saved at many instants, and beside the first window and
+the last those are repeated in which the recorded signals bend most.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -23,10 +26,13 @@ from ..engine.stepping.loop import Steppable, Stepping
 from ..engine.stepping.observers import BatchObserver
 from ..scene.scene import Scene
 from .comparison import Difference, difference
-from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_SHARE
+from .thresholds import GROWING, NEGLIGIBLE, UNRELATED, WINDOWS, WINDOWS_PLACES, WINDOWS_SHARE
 
 FEWEST = 8  # macro steps of a window
-JUDGED = 0.5  # part of a window behind which it is judged: its start has no difference yet
+JUDGED = 0.5  # part of a window behind which it is judged: its start has no difference yet, as the run's own start has none
+
+
+Chunks = Iterable[tuple[np.ndarray, np.ndarray, Any]]  # of recorded rows: times (n,) s, values (n, columns), texts
 
 
 class WindowsResult(NamedTuple):
@@ -73,48 +79,61 @@ class Windows(BatchObserver):
         self._stepper: Steppable = account if account is not None and account.correction else master
         # a window is one step at H and two at H/2, so that its cost is three times its share of the run
         self._steps = max(int(steps * WINDOWS_SHARE / (3 * WINDOWS)), FEWEST)
-        self._every = max(steps // WINDOWS, self._steps)
+        self._every = max(steps // WINDOWS_PLACES, 1)
         self._saved: list[tuple[int, float, Any]] = []
 
     def __call__(self, tick: int, t: float) -> None:
         step, rest = divmod(tick, self._stepping.stride)
-        if step % self._every == 0 and rest == 0 and self._fits(tick):
+        if rest == 0 and (step % self._every == 0 or step == self._last) and self._fits(tick):
             self._saved.append((tick, t, self._stepper.save()))
 
     def _fits(self, tick: int) -> bool:
         """Whether a window from a tick ends before the run does."""
         return tick + self._steps * self._stepping.stride <= self._stepping.end
 
-    def keeps(self, n: int) -> range:
+    @property
+    def _last(self) -> int:
+        """The step before the last window."""
+        return self._stepping.end // self._stepping.stride - self._steps
+
+    def keeps(self, n: int) -> Iterable[int]:
         """As in `BatchObserver`."""
-        return range(-(self._stepping.tick // self._stepping.stride + 1) % self._every, n, self._every)
+        next_step = self._stepping.tick // self._stepping.stride + 1
+        yield from range(-next_step % self._every, n, self._every)
+        yield from (k for k in [self._last - next_step] if 0 <= k < n)
 
     def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
         """As in `BatchObserver`; in batches, no account takes part in steps."""
         self._saved += [one for one in saved if self._fits(one[0])]
 
-    def answer(self, wish: WindowsWish, cpu: float) -> None:
-        """Repeat the windows if the run, which took `cpu` s, is too long to be repeated; call it when the run has ended."""
+    def answer(self, wish: WindowsWish, cpu: float, rows: Chunks) -> None:
+        """Repeat the windows if the run, which took `cpu` s, is too long to be repeated; call it when the run has ended.
+
+        rows: what the run has recorded.
+        """
         if 2.0 * cpu <= wish.budget:
             return
         if not self._saved or not self._master.positions:
             wish.why = "no connection has a signal to compare" if self._saved else "the run has too few macro steps for windows"
             return
         try:
-            wish.result = self.compare()
+            wish.result = self.compare(rows)
         except StepFailed as error:
             wish.why = f"a repeated window failed: {error}"
 
-    def compare(self) -> WindowsResult:
+    def compare(self, recorded: Chunks) -> WindowsResult:
         """Repeat the windows; the units are not where the run has ended afterwards. Raises `StepFailed`."""
         master = self._master
         h = self._stepping.clock.seconds(self._stepping.stride)
         names = [".".join(end) for end in master.positions]
         rows: list[tuple[np.ndarray, np.ndarray]] = []
+        begins = np.array([t for _, t, _ in self._saved])
+        judged = np.where(begins > 0.0, JUDGED * self._steps, 0).astype(int)  # steps of a window before what is judged
+        chosen = places(bends(recorded, begins + judged * h, begins + self._steps * h))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                for _, t, saved in self._saved:
+                for _, t, saved in (self._saved[k] for k in chosen):
                     one = self._stepped(saved, t, h, self._steps)
                     rows.append((one, self._stepped(saved, t, 0.5 * h, 2 * self._steps)[1::2]))
             finally:
@@ -122,19 +141,21 @@ class Windows(BatchObserver):
                     for node, state in zip(master.nodes, getattr(saved, "master", saved).units, strict=True):
                         node.unit.release(state)
         slower = tuple(name for k, name in enumerate(names) if all(_crossings(two[:, k]) < 2 for _, two in rows))
-        differences, growing, first = {}, [], int(JUDGED * self._steps)
+        differences, growing, half = {}, [], int(JUDGED * self._steps)
         longer = (self._stepping.end // self._stepping.stride) / self._steps
         for k, name in enumerate(names):
-            one, two = (np.concatenate([pair[i][first:, k] for pair in rows]) for i in range(2))
+            one, two = (np.concatenate([pair[i][judged[place] :, k] for place, pair in zip(chosen, rows, strict=True)])
+                        for i in range(2))
             gap = difference(one, two, angle=name in self._angles)
-            third, last = (np.concatenate([(pair[0] - pair[1])[at, k] for pair in rows])
-                           for at in np.array_split(np.arange(first, self._steps), 2))
-            if np.square(last).mean() > GROWING**2 * np.square(third).mean() and gap.rms > NEGLIGIBLE:
+            third, last = (np.array([np.square((pair[0] - pair[1])[at, k]).mean() for pair in rows])
+                           for at in np.array_split(np.arange(half, self._steps), 2))
+            grows = last > GROWING**2 * third  # in a window; one with an event in its last quarter does, and its run does not
+            if 2 * grows.sum() > grows.size and last.mean() > GROWING**2 * third.mean() and gap.rms > NEGLIGIBLE:
                 growing.append(name)
                 factor = max(min(longer, UNRELATED / gap.rms), 1.0)
                 gap = replace(gap, rms=factor * gap.rms, largest=factor * gap.largest)
             differences[name] = gap
-        return WindowsResult(differences, self._steps * h, tuple(float(t) for _, t, _ in self._saved), slower, tuple(growing))
+        return WindowsResult(differences, self._steps * h, tuple(begins[chosen].tolist()), slower, tuple(growing))
 
     def _stepped(self, saved: Any, t: float, h: float, n: int) -> np.ndarray:
         """The master's signals behind each of n steps from a saved state, (n, signals)."""
@@ -151,6 +172,39 @@ class Windows(BatchObserver):
             self._stepper.step(time, h)
             rows.append(list(self._master.sample()))
         return np.array(rows)
+
+
+def bends(rows: Chunks, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """(m, columns): how much each recorded column bends between times low and high (m,), s, as share of its largest bend.
+
+    A bend is the second difference of three rows.
+    """
+    largest, whole = np.zeros((low.size, 0)), np.zeros(0)
+    for time, values, _ in rows:
+        if not largest.size:
+            largest, whole = np.zeros((low.size, values.shape[1])), np.zeros(values.shape[1])
+        if time.size < 3 or not values.size:
+            continue
+        bend = np.nan_to_num(np.abs(np.diff(values, 2, axis=0)), posinf=0.0)
+        whole = np.maximum(whole, bend.max(axis=0))
+        ends = [np.searchsorted(time[1:-1], edges) for edges in (low, high)]
+        for k, (first, behind) in enumerate(zip(*ends, strict=True)):
+            if behind > first:
+                largest[k] = np.maximum(largest[k], bend[first:behind].max(axis=0))
+    return largest / np.where(whole > 0.0, whole, 1.0)
+
+
+def places(bending: np.ndarray) -> list[int]:
+    """Of m windows the first, the last, and those that show most of what the others do not; bending: (m, columns)."""
+    m = len(bending)
+    chosen = list(dict.fromkeys([0, m - 1]))
+    while len(chosen) < min(WINDOWS, m):
+        shown = bending[chosen].max(axis=0)
+        gains = np.maximum(bending - shown, 0.0).sum(axis=1)
+        gains[chosen] = -1.0
+        even = np.abs(np.arange(m)[:, None] - chosen).min(axis=1)  # where nothing bends, far from the others
+        chosen.append(max(range(m), key=lambda k: (gains[k], even[k])))
+    return sorted(chosen)
 
 
 def _crossings(values: np.ndarray) -> int:

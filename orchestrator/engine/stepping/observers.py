@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,9 +27,9 @@ class BatchObserver:
         """Of the coming n steps, counted from 0, those behind which it wants all inputs."""
         return range(0)
 
-    def keeps(self, n: int) -> range:
+    def keeps(self, n: int) -> Iterable[int]:
         """Of the coming n steps, counted from 0, those behind which it wants the master saved."""
-        return range(0)
+        return ()
 
     def observe_saved(self, saved: Sequence[tuple[int, float, Any]]) -> None:
         """Ticks, times (s) and what the master has saved behind the `keeps` of all observers; before `observe_batch`."""

@@ -20,7 +20,7 @@ from ...scene.scene import Scene
 from .quantities import Quantity, errors, quantities_to_judge, recording
 from .reference import Reference, reference
 from .settings_axes import Setting, finer_inside, macro_steps, pinned, settings, without_effects
-from .timing import SCATTER, Timing, calibrate
+from .timing import SCATTER, Timing
 from .trial import REPEATS, Trial, trial
 
 USELESS = 1.0  # error from which a run tells nothing
@@ -42,7 +42,8 @@ class Point:
     series, axis, size, changes: see `Setting`.  outcome: "done", "failed", "refused", "useless" (error above 1) or "skipped"
     (for want of time), with the reason.  errors: distance from the reference, by quantity.  error: the largest of them, the
     reference's own error added.  error_with_finer: the largest error of this setting and of all finer ones of its series: one
-    that is small by chance does not count.  seconds, median: CPU time, smallest and median; NaN where no two measurements
+    that is small by chance does not count.  largest: distance of a time history at any instant, at most.  seconds, median: CPU
+    time, smallest and median; NaN where no two measurements
     agree.  scatter: of the two smallest times, see `Timing`.  work: see `WORK`.
     """
 
@@ -54,6 +55,7 @@ class Point:
     reason: str = ""
     error: float = inf
     error_with_finer: float = inf
+    largest: float = nan
     seconds: float = nan
     median: float = nan
     scatter: float = nan
@@ -80,7 +82,7 @@ class Accuracy:
 
     reference, second_solution: how they were computed.  agreement: by quantity, how far the two are apart.  shares: what the
     reference has in common with the runs.  mesh_error: by quantity, of the reference's mesh.  machine, versions: where it was
-    measured.  calibration: CPU time of the calibration workload there, s.  marks: whose it is, as further columns.
+    measured.  marks: whose it is, as further columns.
     """
 
     name: str
@@ -93,7 +95,6 @@ class Accuracy:
     versions: str
     shares: str = ""
     mesh_error: Mapping[str, float] = field(default_factory=dict)
-    calibration: float = nan
     marks: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -161,7 +162,7 @@ def accuracy(scene: Scene, *, budget: float = BUDGET, repeats: int = REPEATS,
         bench.measure(setting)
     return Accuracy(scene.name, scene.title or scene.name, tuple(with_finer_errors(bench.points)), truth.method,
                     "; ".join(s.method for s in truth.second), truth.agreement, machine_name(), versions(),
-                    ", ".join(truth.shares), truth.mesh_error, calibrate().seconds)
+                    ", ".join(truth.shares), truth.mesh_error)
 
 
 class _Bench:
@@ -213,15 +214,22 @@ class _Bench:
             worst = max(each, key=lambda name: each[name])
             return replace(point, outcome="useless", reason=f"error of {worst}: {100.0 * error:.3g} %", errors=distances,
                            error=error)
-        return replace(point, error=error, errors=distances)
+        largest = max(q.largest(run.history, self._truth.history) for q in self._quantities)
+        return replace(point, error=error, errors=distances, largest=largest)
 
 
 def with_finer_errors(points: Iterable[Point]) -> list[Point]:
-    """The points with the largest error of each and of the finer ones of its series."""
+    """The points with the largest error of each and of the finer ones of its series.
+
+    A setting that differs in its macro step alone is of the same series, whatever it is called there.
+    """
     kept = list(points)
+    but_step = [{place: value for place, value in p.changes.items() if place != "master.step"} for p in kept]
 
     def largest(p: Point) -> float:
-        return max(q.error for q in kept if q.series == p.series and q.size <= p.size and q.outcome != "skipped")
+        alike = but_step[kept.index(p)]
+        return max(q.error for q, other in zip(kept, but_step, strict=True)
+                   if (q.series == p.series or other == alike) and q.size <= p.size and q.outcome != "skipped")
 
     return [replace(p, error_with_finer=largest(p)) if p.outcome == "done" else p for p in kept]
 

@@ -25,7 +25,7 @@ from .accuracy import OWN, PATIENCE, USELESS, Accuracy, Point, machine_name, ver
 from .coupled_ode import rate_kernel
 from .quantities import Quantity, TimeHistory
 from .reference import EQUATIONS, INTEGRATORS, Solution
-from .timing import calibrate, repeated
+from .timing import repeated
 from .trial import REPEATS, WORK
 
 SUBSTEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # times the component's own
@@ -179,8 +179,9 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
         useless = not largest <= USELESS
         counted = {n: int(work.get({"unit_steps": "steps"}.get(n, n), 0)) for n in WORK} | {"calls": max(work.values())}
         reason = f"error of {worst}: {100.0 * largest:.3g} %" if useless else ""
+        distances = (q.largest(solved[0].history, truth.history) for q in quantities)
         return replace(point, outcome="useless" if useless else "done", errors=each, error=largest, reason=reason,
-                       work=counted).timed(timing)
+                       largest=max(distances), work=counted).timed(timing)
 
     one.own(), one.own()  # compiled, and its caches warm
     measure(OWN, usual or one.step, one.own)
@@ -194,7 +195,7 @@ def component_accuracy(name: str, effects: tuple[str, ...] = (), parameters: Map
                 measure(f"SciPy {method}", tolerance, partial(one.by_scipy, method, tolerance, 0.05 * budget))
     title = ", ".join([f"{one.cls.title} alone", *([preset] if preset else []), f"{one.stop:g} s"])
     return Accuracy(f"component:{name}", title, tuple(with_finer_errors(points)), truth.method, second.method, agreement,
-                    machine_name(), versions(), ", ".join(truth.shares), calibration=calibrate().seconds)
+                    machine_name(), versions(), ", ".join(truth.shares))
 
 
 def _solutions(one: ComponentRun, usual: float | None, on_message: Callable[[str], None]) -> list[Solution]:

@@ -2,7 +2,9 @@
 
 The error of a quantity is its distance from the reference's over the range that the reference's signal goes through, or over
 its magnitude where it is constant; of a low-pass-filtered signal, over its standard deviation, as contact forces are compared.
-The error of a run is the largest of its quantities'.
+The distance of two histories is its rms over the part of the run in which the reference moves, so that rest does not make an
+error smaller, or over the whole run where that is larger, as it is for a law that creeps at rest. The largest distance stands
+beside it. The error of a run is the largest of its quantities'.
 """
 
 from __future__ import annotations
@@ -20,6 +22,8 @@ from ..analysis.records import KINDS
 from ..analysis.signals import Filter, amplitude_at, uniform
 
 CONSTANT = 1e-6  # of a signal's magnitude or nominal value: what varies less is constant
+MOVES = 0.01  # of the whole range: a reference that covers more within `ABOUT` of the run moves there
+ABOUT = 0.01
 EDGE = 2.0  # periods of the cut-off: within them of an end of a run, a filtered signal depends on how it is continued there
 
 
@@ -69,15 +73,25 @@ class Quantity:
         """
         if history.time.size < 2 or history.time[-1] < reference.time[-1] * (1.0 - 1e-9):
             return inf
-        scale = self.scale(reference)
         if self.kind == "time history":
-            time, x = self._kept(history)
-            there = self._signal(reference)
-            there = np.interp(time, reference.time, np.unwrap(there) if self.unit == "rad" else there)
-            distance = float(np.sqrt(np.mean(self._apart(x - there) ** 2))) if np.isfinite(x).all() else inf
+            there, distances = self._distances(history, reference)
+            distance = max(float(np.sqrt(np.mean(part**2))) for part in (distances, distances[moving(there)]))
         else:
             distance = abs(float(self._apart(np.array(self.value(history) - self.value(reference)))))
-        return distance / scale if isfinite(distance) else inf
+        return distance / self.scale(reference) if isfinite(distance) else inf
+
+    def largest(self, history: TimeHistory, reference: TimeHistory) -> float:
+        """As `error`, with the largest distance of two histories in the place of its rms."""
+        if self.kind != "time history" or not isfinite(self.error(history, reference)):
+            return self.error(history, reference)
+        return float(np.abs(self._distances(history, reference)[1]).max()) / self.scale(reference)
+
+    def _distances(self, history: TimeHistory, reference: TimeHistory) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) the reference at the history's instants, and how far the history is from it; NaN where it is not finite."""
+        time, x = self._kept(history)
+        there = self._signal(reference)
+        there = np.interp(time, reference.time, np.unwrap(there) if self.unit == "rad" else there)
+        return there, self._apart(x - there)
 
     def between_samples(self, reference: TimeHistory) -> float:
         """How far a sampled extreme may be from the true one, by a parabola through it and its neighbours, over the scale."""
@@ -121,6 +135,16 @@ class Quantity:
         if not self.cutoff < 0.5 * rate:
             return np.full_like(x, np.nan)
         return np.interp(history.time, even, Filter(self.cutoff).apply(samples, rate))
+
+
+def moving(reference: np.ndarray) -> np.ndarray:
+    """(n,) truth values: where a signal (n,) moves; everywhere for one that nowhere does."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    about = max(3, int(ABOUT * reference.size))
+    covers = maximum_filter1d(reference, about) - minimum_filter1d(reference, about)
+    there = covers > MOVES * np.ptp(reference)
+    return there if there.any() else np.ones(reference.size, dtype=bool)
 
 
 def quantities_of(scene: Scene) -> tuple[Quantity, ...]:

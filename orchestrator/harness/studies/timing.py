@@ -1,4 +1,4 @@
-"""CPU times that can be compared: checked against one another when they are measured, and carried from machine to machine.
+"""CPU times that can be compared: checked against one another when they are measured.
 
 A time that another measurement of the same thing does not confirm says something of the machine's load and nothing of the
 setting; it is measured again, and refused if the measurements still differ. CPU time is not lengthened by programs that take
@@ -9,16 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf, isnan, nan, sin
+from math import inf, nan
 from statistics import median as median_of
-from time import process_time
-
-import numpy as np
 
 SCATTER = 0.2  # of the smallest time, by which the next one may be longer
 ATTEMPTS = 6  # measurements until a time is refused
-STEPS = 10000  # of the calibration workload: some 20 ms
-CALIBRATIONS = 5
 
 
 @dataclass(frozen=True)
@@ -61,34 +56,3 @@ def repeated(measure: Callable[[], float], *, repeats: int, patience: float = in
     while needed():
         times.append(measure())
     return timing_of(times)
-
-
-def workload() -> float:
-    """A fixed amount of work like that of a stepping loop: a few numbers in plain Python, small arrays in NumPy."""
-    x, v, h = 1.0, 0.0, 1e-2
-    matrix, state = np.eye(8) * 0.5 + 0.05, np.linspace(0.0, 1.0, 8)
-    for k in range(STEPS):
-        for _ in range(4):
-            force = -x - 0.1 * v - 0.2 * x * x * x + 0.3 * sin(h * k)
-            v += 0.25 * h * force
-            x += 0.25 * h * v
-        state = matrix @ state
-        state[0] = x
-    return x + float(state.sum())
-
-
-def calibrate() -> Timing:
-    """CPU time of `workload` on this machine now."""
-    workload()
-
-    def measure() -> float:
-        start = process_time()
-        workload()
-        return process_time() - start
-
-    return repeated(measure, repeats=CALIBRATIONS)
-
-
-def scaled(seconds: float, there: float, here: float) -> float:
-    """A time measured where the calibration took `there` seconds, as it is expected where it takes `here` seconds."""
-    return seconds if isnan(there) or isnan(here) else seconds * here / there

@@ -1,10 +1,10 @@
-"""Times: confirmed by a second measurement or refused, and carried from one machine to another."""
+"""Times: confirmed by a second measurement or refused."""
 
 import math
 
 import pytest
 from cosimo.orchestrator.harness.studies.accuracy import Point, front_of
-from cosimo.orchestrator.harness.studies.timing import ATTEMPTS, calibrate, repeated, scaled, timing_of, workload
+from cosimo.orchestrator.harness.studies.timing import ATTEMPTS, repeated, timing_of
 
 
 def measuring(*times):
@@ -48,16 +48,3 @@ def test_patience_ends_repetition_but_not_confirmation():
     assert repeated(measuring(1.0, 1.0), repeats=9, patience=0.5).scatter == 0.0
     assert math.isnan(repeated(measuring(1.0, 1.0), repeats=9, patience=0.5, confirm=False).scatter)
     assert not timing_of([1.0]).confirmed
-
-
-def test_times_are_scaled_by_the_calibration():
-    assert scaled(3.0, 0.02, 0.04) == pytest.approx(6.0)
-    assert scaled(3.0, math.nan, 0.04) == 3.0  # a table without one
-
-
-def test_the_calibration_workload_is_the_same_work_every_time():
-    assert workload() == workload()
-    assert math.isfinite(workload())
-    assert calibrate().seconds > 0.0
-
-

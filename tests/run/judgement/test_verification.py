@@ -160,6 +160,46 @@ class Driven(OfTime):
         self.y[0] = 10.0 * (np.sin(2.0 * t) - self.u[0, 0])
 
 
+@pytest.mark.parametrize("event", [0.003, 0.19, 0.5, 0.71, 0.995])
+def test_windows_lie_where_the_signals_bend(event, monkeypatch):
+    """At rest but for a knock of 0.1 s somewhere in a run of 200 s: all of its error is there."""
+    begin = 200.0 * event - 0.2
+    scene = read_scene({
+        "stop_time": 200.0, "connections": ["s.force -> m.force", "m.x_out -> s.position"],
+        "units": {"m": {"component": "cosimo.tests.support:Mass", "parameters": {"k": 40.0, "c": 4.0, "v0": 0.0}},
+                  "s": {"component": f"{HERE}:Knocked", "parameters": {"begin": begin}}},
+        "master": {"algorithm": "jacobi", "step": 4e-3, "extrapolation": 0}})
+    whole = cosimo.run(scene, in_process=True, verify="whole").info["verification"]["signals"]["m.x_out"]
+    monkeypatch.setattr(verification, "SECONDS", 0.0)
+    some = cosimo.run(scene, in_process=True).info["verification"]
+    assert some["how"] == "windows"
+    assert any(t <= begin <= t + some["windows"]["length"] for t in some["windows"]["begins"])
+    assert some["windows"]["growing"] == []
+    assert 0.5 * whole["rms"] < some["signals"]["m.x_out"]["rms"] < 2.0 * whole["rms"]
+
+
+class Knocked(OfTime):
+    """A spring of 10 N/m to a ground that moves 1 m for 0.1 s."""
+
+    begin = parameter(0.0, "s", "when")
+    position = input_(0.0, "m", "position")
+    force = output("N", "force", feedthrough=("position",))
+
+    def _outputs(self, t):
+        there = 0.0 <= t - self.parameters["begin"] < 0.1
+        self.y[0] = 10.0 * (there - self.u[0, 0])
+
+
+def test_places_of_windows_are_the_ends_and_what_they_do_not_show():
+    still = np.zeros((50, 3))
+    assert windows.places(still) == [0, 16, 33, 49] or windows.places(still)[0] == 0
+    bent = still.copy()
+    bent[7, 0] = bent[30, 1] = bent[31, 2] = 1.0
+    assert windows.places(bent) == [0, 7, 30, 49]
+    assert windows.places(bent[:2]) == [0, 1]
+    assert windows.places(bent[:1]) == [0]
+
+
 def test_a_run_too_long_to_repeat_names_what_keeps_windows_out(monkeypatch):
     scene = read_scene({**two_masses("jacobi", 1e-2, 1), "faults": [{"kind": "freeze", "signal": "b.force", "begin": 0.5}]})
     assert windows.obstacle(scene) == "faults"

@@ -225,8 +225,7 @@ def _reference(measured: Accuracy) -> list[tuple[str, str]]:
             ("second solution", measured.second_solution)]
     rows += [(f"distance of the two, {name}", percent(value)) for name, value in measured.agreement.items()]
     rows += [(f"mesh of the reference, {name}", f"{percent(value)} (Richardson)") for name, value in measured.mesh_error.items()]
-    calibration = f"{1e3 * measured.calibration:.3g} ms CPU time of the calibration workload"
-    return [*rows, ("machine", f"{measured.machine}; {calibration}"), ("versions", measured.versions)]
+    return [*rows, ("machine", measured.machine), ("versions", measured.versions)]
 
 
 def _seconds(point: Point) -> str:
