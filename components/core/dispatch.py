@@ -49,6 +49,17 @@ class KernelDispatcher(CPUDispatcher):
                 raise  # what calls it has failed, too, and tries again
         return self.compile(sig)
 
+    def for_kernels(self, sig):
+        """Machine code for a signature, which is called by address."""
+        args = tuple(normalize_signature(sig)[0])
+        if args not in self.overloads:
+            before, self._for_kernels = self._for_kernels, True
+            try:
+                self.compile(args)
+            finally:
+                self._for_kernels = before
+        return self.overloads[args]
+
     def add_overload(self, cres):
         if callable_from_python(cres):
             super().add_overload(cres)

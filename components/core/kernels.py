@@ -28,6 +28,8 @@ if COMPILED:
     OPTIONS["pipeline_class"] = KernelCompiler
 
 DONE, NOT_FINITE, NOT_CONVERGED, OUT_OF_RANGE, STEP_TOO_LONG = range(5)
+RAISED = 99  # an error inside a kernel that is no status, such as an index out of range
+OWN = 100  # the first status that a component may give a meaning of its own, see `contract.Refusal`
 REASONS = {
     NOT_FINITE: ("the state is not finite", "Reduce the macro step, or the component's substep"),
     NOT_CONVERGED: ("the iteration inside the step did not converge", "Reduce the component's substep"),

@@ -31,6 +31,9 @@ class Kind(enum.Enum):
     TEXT = "text"
 
 
+STRUCTURAL = {Kind.INTEGER: "a count", Kind.CHOICE: "a choice between models", Kind.TEXT: "a table as long as its text"}
+
+
 @dataclass(frozen=True)
 class Variable:
     """One declared variable; `name` carries the effect it belongs to ("bump_stops.stiffness")."""
@@ -47,11 +50,21 @@ class Variable:
     choices: tuple[str, ...] = ()
     feedthrough: tuple[str, ...] = ()  # of an output: the inputs it depends on directly, without a step between, whatever is on
     moving: bool = False  # of an input: a place that moves on, which is wrong where it is held over a step
+    # of a parameter that decides how large the component's memory is, or which of several models it is: why; a native FMU has the
+    # value of its build. Whole numbers, choices and texts always are such parameters.
+    structural: str = ""
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
         object.__setattr__(self, "name", name)
         parse(self.unit, f"{owner.__name__}.{name}")
+
+    def __post_init__(self) -> None:
+        if self.kind is Kind.REAL:
+            start = tuple(map(float, self.start)) if isinstance(self.start, tuple) else float(self.start)
+            object.__setattr__(self, "start", start)
+        if self.causality is Causality.PARAMETER and self.kind is not Kind.REAL and not self.structural:
+            object.__setattr__(self, "structural", STRUCTURAL[self.kind])
 
     @property
     def scalars(self) -> tuple[Variable, ...]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from typing import Any
 
 from ..core.component import Effect
-from ..core.high_order import SmoothComponent, rk8
-from ..core.integrators import rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, kernel
+from ..core.smooth import SmoothComponent, smooth_kernels, stability_radius
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
 
@@ -79,42 +78,59 @@ class JeffcottRotor(SmoothComponent):
     speed = output("rad/s", "speed of rotation", nominal=100.0)
     angle = output("rad", "angle of the rotor, in [0, 2 pi)")
 
-    def initial_state(self) -> np.ndarray:
-        """Equilibrium under the forces, or the straight shaft where nothing holds it (x: x, y, x', y', angle)."""
-        p, e = self.arguments
-        cross = e.internal_damping.coefficient * speed_at(self.t, p.start_speed,
-                                                          e.run_up) if e.internal_damping is not None else 0.0
-        kx, ky = p.stiffness, p.stiffness * (e.orthotropy.ratio if e.orthotropy is not None else 1.0)
-        fx, fy = self.u[0]
-        fy -= p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
-        determinant = kx * ky + cross**2
-        x, y = ((ky * fx - cross * fy) / determinant, (kx * fy + cross * fx) / determinant) if determinant > 0.0 else (0.0, 0.0)
-        return np.array([x, y, 0.0, 0.0, p.start_angle % TURN])
+    def states(self) -> int:
+        """x, y, x', y', angle."""
+        return 5
+
+    def shapes(self) -> dict[str, Any]:
+        """`matrix`: of the linear equations, and workspace."""
+        return super().shapes() | {"matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """Energy of motion and of the shaft's bending, and of the height where there is gravity, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         x, y, vx, vy, _ = self.x
         ratio = e.orthotropy.ratio if e.orthotropy is not None else 1.0
         weight = p.mass * e.gravity.acceleration if e.gravity is not None else 0.0
         return 0.5 * (p.mass * (vx**2 + vy**2) + p.stiffness * (x**2 + ratio * y**2)) + weight * y
 
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue|, s."""
-        p, e = self._declared_arguments()
-        ratio = e.orthotropy.ratio if e.orthotropy is not None else 1.0
-        c, cross = p.damping, 0.0
-        if e.internal_damping is not None:
-            fastest = max(abs(p.start_speed), abs(e.run_up.end_speed) if e.run_up is not None else 0.0)
-            c, cross = c + e.internal_damping.coefficient, e.internal_damping.coefficient * fastest
-        K = np.array([[p.stiffness, cross], [-cross, ratio * p.stiffness]])
-        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K / p.mass, -c / p.mass * np.eye(2)]])
-        largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return self.stability_radius / largest if largest > 0.0 else math.inf
+
+@kernel
+def jeffcott_start(t, s, p, e):
+    """Equilibrium under the forces, or the straight shaft where nothing holds it."""
+    x = s.x
+    cross = e.internal_damping.coefficient * speed_at(t, p.start_speed, e.run_up) if e.internal_damping is not None else 0.0
+    kx, ky = p.stiffness, p.stiffness * (e.orthotropy.ratio if e.orthotropy is not None else 1.0)
+    fx, fy = s.u[0, 0], s.u[0, 1]
+    if e.gravity is not None:
+        fy -= p.mass * e.gravity.acceleration
+    determinant = kx * ky + cross * cross
+    if determinant > 0.0:
+        x[0], x[1] = (ky * fx - cross * fy) / determinant, (kx * fy + cross * fx) / determinant
+    x[4] = p.start_angle % TURN
+    return DONE
 
 
 @kernel
-def jeffcott_derivatives(t, x, u, dx, p, e):
+def jeffcott_stable(t, s, p, e):
+    """Limit of the internal step, radius / max |eigenvalue|, at the highest speed."""
+    c, cross = p.damping, 0.0
+    if e.internal_damping is not None:
+        fastest = abs(p.start_speed)
+        if e.run_up is not None:
+            fastest = max(fastest, abs(e.run_up.end_speed))
+        c, cross = c + e.internal_damping.coefficient, e.internal_damping.coefficient * fastest
+    ratio = e.orthotropy.ratio if e.orthotropy is not None else 1.0
+    A = s.matrix[0]
+    A[:] = 0.0
+    A[0, 2], A[1, 3] = 1.0, 1.0
+    A[2, 0], A[2, 1], A[2, 2] = -p.stiffness / p.mass, -cross / p.mass, -c / p.mass
+    A[3, 0], A[3, 1], A[3, 3] = cross / p.mass, -ratio * p.stiffness / p.mass, -c / p.mass
+    return step_within(stability_radius(e), spectral_radius(A, s.matrix[1]))
+
+
+@kernel
+def jeffcott_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (x, y, x', y', angle)."""
     speed = speed_at(t, p.start_speed, e.run_up)
     fx = u[0] - p.stiffness * x[0] - p.damping * x[2]
@@ -138,26 +154,28 @@ def jeffcott_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def jeffcott_outputs(t, x, u, y, p, e):
+def jeffcott_outputs(t, s, p, e):
     """Motion of the disk, speed and angle."""
+    x, y = s.x, s.y
     y[0], y[1], y[2], y[3] = x[0], x[1], x[2], x[3]
     y[4] = speed_at(t, p.start_speed, e.run_up)
     y[5] = x[4]
+    return DONE
 
 
-_advance = bind(rk4, __name__, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs)
+_ode = smooth_kernels(__name__, start=jeffcott_start, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs,
+                      stable=jeffcott_stable)
+_advance = _ode.step
 
 
 @kernel
-def jeffcott_advance(t, h, n, x, u, y, work, counts, p, e):
-    """RK4 for the motion; the angle, whose rate is given, is exact at the end of every macro step, and wrapped."""
-    angle = angle_after(x[4], t, h, p.start_speed, e.run_up)
-    status = _advance(t, h, n, x, u, y, work, counts, p, e)
-    x[4] = angle
-    y[5] = angle
+def jeffcott_step(t, h, s, p, e):
+    """A step of the motion; the angle, whose rate is given, is exact at the end of every macro step, and wrapped."""
+    angle = angle_after(s.x[4], t, h, p.start_speed, e.run_up)
+    status = _advance(t, h, s, p, e)
+    s.x[4] = angle
+    s.y[5] = angle
     return status
 
 
-JeffcottRotor.advance = jeffcott_advance
-JeffcottRotor.output_kernel = jeffcott_outputs
-JeffcottRotor.advance_high_order = bind(rk8, __name__, derivatives=jeffcott_derivatives, outputs=jeffcott_outputs)
+JeffcottRotor.kernels = _ode._replace(step=jeffcott_step)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...components.core.contract import KernelComponent
 from ...components.core.kernels import DONE
 from .machine_code import INITIAL_STATE, Code, compile_entries
 from .settable import settable_parameters
@@ -42,7 +43,13 @@ def initialized(component: Any, t: float = 0.0) -> Any:
 
 def compiled_with_image(make: Callable[[], Any]) -> tuple[Any, Code, Image]:
     """(component, machine code, image) of the component that `make` makes, in its configuration and with its start values."""
-    component = initialized(make())
+    if isinstance(component := make(), KernelComponent):
+        from .kernel_code import kernel_code, kernel_image
+
+        component.initialize(0.0)
+        code = kernel_code(component)
+        return component, code, kernel_image(component, code)
+    component = initialized(component)
     code = compile_entries(component)
     image = code.block.image()
     left_out = ("x",) if code.start == INITIAL_STATE else ()  # which the FMU computes itself

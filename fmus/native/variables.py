@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
 from .image import Image
 from .machine_code import Code
@@ -84,13 +85,15 @@ def tables(component: Any, code: Code, image: Image, variables: tuple[NativeVari
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
     rows.append('{"time", REAL, CLOCK_TIME, 0, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
-    reasons = [f"{{{status}, {quoted(text)}}}" for status, text in reasons_of(component, code)]
+    reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}"
+               for status, text, cells in reasons_of(component, code)]
     copies = [f"{{{code.block.parameters[name]}, {cell}}}" for name, cells in image.settable.items() for cell in cells]
     cells = [f"{value:#x}u" for value in image.cells.view("uint64").tolist()]
     block = code.block
+    first = min(block.parameters.values(), default=block.saved)
     numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": block.cells, "saved": block.saved,
                "u": block.u, "u_size": component.u.size, "y": block.y, "y_size": component.y.size,
-               "parameters": min(block.parameters.values(), default=block.saved), "parameters_size": len(block.parameters),
+               "parameters": first, "parameters_size": block.saved - first,
                "copy_count": len(copies), "bound_time": int(image.bound_time)}
     start = "int32_t model_start(double t, int64_t block);\n" if "@model_start(" in code.text else ""
     return "\n".join([
@@ -123,8 +126,8 @@ def quoted(text: str) -> str:
     return '"' + "".join(chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'
 
 
-def reasons_of(component: Any, code: Code) -> list[tuple[int, str]]:
-    """(status, message) of all that a step or the outputs may return, kernels' statuses in the component's own words."""
+def reasons_of(component: Any, code: Code) -> list[tuple[int, str, list[int]]]:
+    """(status, message, cells of numbers in it) of all that a step or the outputs may return, kernels' statuses in the component's own words."""
     from ...components.core.errors import StepFailed
     from ...components.core.kernels import REASONS
     from .hooks import FIRST_RAISED
@@ -135,6 +138,11 @@ def reasons_of(component: Any, code: Code) -> list[tuple[int, str]]:
         try:
             component._check(status)
         except StepFailed as failure:
-            reasons.append((status, failure.reason + (f". {failure.remedy}" if failure.remedy else "")))
+            text = failure.reason + (f". {failure.remedy}" if failure.remedy else "")
+            reasons.append((status, text.replace("%", "%%"), []))
     del component.left_range
-    return reasons + [(FIRST_RAISED + k, text) for k, text in enumerate(code.messages)]
+    if isinstance(component, KernelComponent):
+        from .kernel_code import refusals_of
+
+        return reasons + refusals_of(component)
+    return reasons + [(FIRST_RAISED + k, text.replace("%", "%%"), []) for k, text in enumerate(code.messages)]

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...components.catalogue import component_class
 from ...components.core.component import Component
+from ...components.core.contract import KernelComponent
 from ...components.core.errors import StepFailed
 from ..settings import UnitSettings
 from .call_names import IN_MEMORY, OF_COMPONENT
@@ -102,6 +103,8 @@ class ComponentUnit:
     def call_table(self, h: float) -> CallTable:
         """For compiled steps of length h, s, of the initialized component."""
         c = self.component
+        if isinstance(c, KernelComponent):
+            return self._kernel_table(c)
 
         def refresh(t: float, _: float) -> None:
             c.t = t
@@ -115,6 +118,14 @@ class ComponentUnit:
         none_held = (False,) * len(self._at[0])
         return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at, none_held)
 
+    def _kernel_table(self, c: KernelComponent) -> CallTable:
+        block = c.block
+        assert block is not None
+        self._hooks: tuple[Entry | Callback, ...] = ()
+        self.written = [block.memory] if type(c).stepped is Component.stepped else None
+        calls = (c.entry("outputs"), block.address, c.entry("step"), block.address, c.u.strides[0])
+        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, (block,), *self._at, (False,) * len(self._at[0]))
+
     def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | Callback:
         try:
             return Entry(calls())
@@ -124,6 +135,8 @@ class ComponentUnit:
     def python_hooks(self, h: float) -> dict[str, str]:
         """What of the hooks is Python in steps of length h, s, of the initialized component: hook -> statement."""
         self.call_table(h)
+        if not self._hooks:
+            return {}
         hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
         return {name: hook.reason for name, hook in hooks if isinstance(hook, Callback)}
 

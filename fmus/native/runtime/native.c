@@ -47,6 +47,7 @@ static void fill(Instance *m, int anew) {
         if (anew || !((k >= ends[0] && k < ends[1]) || (k >= ends[2] && k < ends[3]))) memcpy(m->block + k, model_image + k, 8);
     fill_rest(m);
     m->stale = 1;
+    m->initialized = 0;
 }
 
 Instance *create(const char *name, const char *token, int logging, int fmi3, Logger log, void *environment, void *callback) {
@@ -73,9 +74,13 @@ Instance *create(const char *name, const char *token, int logging, int fmi3, Log
 void discard_instance(void *m) { free(m); }
 
 /* ---- the run ---- */
-static const char *reason(int32_t status) {
-    for (uint32_t k = 0; k < model_reason_count; k++)
-        if (model_reasons[k].status == status) return model_reasons[k].text;
+static const char *reason(const Instance *m, int32_t status, char text[700]) {
+    for (uint32_t k = 0; k < model_reason_count; k++) {
+        const uint32_t *at = model_reasons[k].cells;
+        if (model_reasons[k].status != status) continue;
+        snprintf(text, 700, model_reasons[k].text, m->block[at[0]], m->block[at[1]], m->block[at[2]], m->block[at[3]]);
+        return text;
+    }
     return "an error inside a kernel";
 }
 static const char *not_finite(const Instance *m) {
@@ -98,16 +103,18 @@ static int bound(const Instance *m) {
 static int freshen(Instance *m) {
     int32_t status = 0;
     const char *bad;
+    char text[700];
     if (!m->stale) return OK;
     if (m->phase == INITIALIZATION) {
         fill(m, 0);
         m->block[0] = m->t = m->start;
         if (model_start_entry) status = model_start_entry(m->t, ADDRESS(m));
+        m->initialized = 1;
     }
     if (!status) status = model_outputs(m->t, ADDRESS(m));
     if (status) {
         m->phase = FAILED;
-        return report(m, ERROR, "at t = %.9g s: %s", m->t, reason(status));
+        return report(m, ERROR, "at t = %.9g s: %s", m->t, reason(m, status, text));
     }
     if ((bad = not_finite(m))) {
         m->phase = FAILED;
@@ -151,6 +158,7 @@ int reset(Instance *m) {
 int do_step(Instance *m, double t, double h) {
     int32_t status;
     const char *bad;
+    char text[700];
     if (!allowed(m, STEPPING, "DoStep")) return ERROR;
     if (!(h > 0.0 && h < INFINITY)) return report(m, ERROR, "DoStep: step size %g; expected more than 0", h);
     if (!(fabs(t - m->t) <= 1e-6 * h + 1e-15 * fabs(m->t)))
@@ -162,7 +170,7 @@ int do_step(Instance *m, double t, double h) {
     if (status || bad) {
         m->phase = FAILED;
         return bad ? report(m, DISCARD, "step from t = %.9g s discarded: output %s is not finite", t, bad)
-                   : report(m, DISCARD, "step from t = %.9g s discarded: %s", t, reason(status));
+                   : report(m, DISCARD, "step from t = %.9g s discarded: %s", t, reason(m, status, text));
     }
     m->block[0] = m->t = t + h;
     m->stale = 0;
@@ -348,8 +356,12 @@ int get_state(Instance *m, void **state) {
 int set_state(Instance *m, const void *state) {
     const State *s;
     if (!m || !(s = known(m, state, "SetFMUState"))) return ERROR;
-    memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, */
-    fill_rest(m);                                        /* which also go to where a state begins, */
+    if (!m->initialized || memcmp(m->block + model_parameters, s->cells + model_parameters, 8 * (size_t)model_parameters_size)) {
+        memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, */
+        fill(m, 0);                                          /* what follows from them, */
+        if (model_start_entry) model_start_entry(s->start, ADDRESS(m));
+        m->initialized = 1;
+    }
     memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* and the state as it was saved */
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;
     return OK;

@@ -26,7 +26,7 @@ typedef struct {
     double low, high;          /* limits of a parameter */
     const char *text;          /* of a constant String */
 } Variable;
-typedef struct { int32_t status; const char *text; } Reason;
+typedef struct { int32_t status; const char *text; uint32_t cells[4]; } Reason; /* a format, and numbers of the block for it */
 typedef struct { uint32_t from, to; } Copy; /* a cell that holds a parameter for the kernels */
 
 /* ---- written at build ---- */
@@ -47,6 +47,7 @@ typedef struct Instance Instance;
 typedef void (*Logger)(const Instance *, int status, const char *category, const char *text);
 struct Instance {
     uint32_t phase, stale;       /* stale: the outputs do not belong to the present inputs */
+    int initialized;             /* what follows from the parameters stands in the block */
     int logging, fmi3;
     double t, start, stop;
     Logger log;

@@ -9,6 +9,7 @@ import numpy as np
 
 from ....components.core import integrators, rosenbrock
 from ....components.core.component import Component
+from ....components.core.contract import KernelComponent
 from ....components.core.errors import BadInput
 from ....components.core.integrators import OdeComponent
 from ...scene.scene import Scene
@@ -23,6 +24,8 @@ def rate_kernel(cls: type[Component]) -> Callable[..., None] | None:
 
     What advances a component with events, samples or a method of its own is no smooth differential equation.
     """
+    if issubclass(cls, KernelComponent):
+        return cls.kernels.derivatives
     if not issubclass(cls, OdeComponent):
         return None
     advance: Any = cls.advance

@@ -1,0 +1,233 @@
+"""One block of memory for all that a component is, and the functions through which others call its kernels on it.
+
+A kernel of a component gets `s`, `p` and `e`, NamedTuples of views of the block (see `contract`). The block consists of cells of
+eight bytes: the time, `u`, `y`, `x`, the counters, the parameters, and behind them what follows from the parameters, and
+workspace. A number of `p` or `e` is one cell, an array as many as it has bytes for.
+
+An entry is a function `int32 f(double t, double h, void *block)`, made from the layout alone: it loads the numbers, adds the
+offsets of the arrays to the address of the block and calls the kernel, with the arguments that Numba flattens `s`, `p` and `e`
+into. The same text serves this process, where the address of the kernel stands in the block, and a library, where it is a symbol.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .kernels import RAISED
+
+CELL = 8  # bytes
+TIME = 0  # the cell that holds the time
+ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
+ENTRIES = {"initialize": ("double %t",), "step": ("double %t", "double %h"), "outputs": ("double %t",)}  # what each hands on
+
+
+class Leaf(NamedTuple):
+    """A number or an array of the block; kind: "f8", "i8", "array" or "none", which takes no cell."""
+
+    kind: str
+    cell: int = 0
+    shape: tuple[int, ...] = ()
+    itemsize: int = CELL
+
+
+class Block:
+    """The layout of `s`, `p` and `e`, and the memory itself, (cells,) float64.
+
+    `s` holds arrays, whose contents are those that the block begins with.
+    """
+
+    def __init__(self, s: Any, p: Any, e: Any):
+        self.cells, self._leaves = TIME + 1, dict[tuple[str | int, ...], Leaf]()
+        first = [name for name in ("u", "y", "x", "counts") if name in s._fields]
+        for name in first:
+            self._place(("s", name), getattr(s, name))
+            if name == "x":
+                self.state_end = self.cells  # time, inputs, outputs, state: what a repeated step depends on
+        self.parameters_at = self.cells
+        self._place(("p",), p)
+        self._place(("e",), e)
+        self.saved = self.cells
+        self.addresses_at = self.cells
+        self.cells += len(ENTRIES)
+        for name in s._fields:
+            if name not in first:
+                self._place(("s", name), getattr(s, name))
+        self.memory = np.zeros(self.cells)
+        self.address = self.memory.ctypes.data
+        self._begin = s  # also the order of its fields
+        self.s = type(s)(*(self._with_contents(("s", n), getattr(s, n)) for n in s._fields))
+
+    def _place(self, path: tuple[str | int, ...], value: Any) -> None:
+        if isinstance(value, tuple):
+            for name, item in zip(getattr(value, "_fields", range(len(value))), value, strict=True):
+                self._place((*path, name), item)
+        elif isinstance(value, np.ndarray):
+            self._leaves[path] = Leaf("array", self.cells, value.shape, value.itemsize)
+            self.cells += max(1, -(-value.nbytes // CELL))
+        elif value is None:
+            self._leaves[path] = Leaf("none")
+        else:
+            self._leaves[path] = Leaf("f8" if isinstance(value, float) else "i8", self.cells)
+            self.cells += 1
+
+    def _with_contents(self, path: tuple[str | int, ...], value: Any) -> Any:
+        if isinstance(value, tuple):
+            names = getattr(value, "_fields", range(len(value)))
+            return type(value)(*(self._with_contents((*path, n), v) for n, v in zip(names, value, strict=True)))
+        if value is None:
+            return None
+        view = self.view(path, value.dtype)
+        view[...] = value
+        return view
+
+    def view(self, path: tuple[str | int, ...], dtype: Any = np.float64) -> np.ndarray:
+        """An array of the block."""
+        leaf = self._leaves[path]
+        size = int(np.prod(leaf.shape))
+        first = CELL * leaf.cell
+        return self.memory.view(np.uint8)[first : first + size * leaf.itemsize].view(dtype).reshape(leaf.shape)
+
+    def cell(self, *path: str | int) -> int:
+        """The first cell of what lies at a path, such as ("p", "mass")."""
+        return self._leaves[path].cell
+
+    def write(self, path: tuple[str | int, ...], value: Any) -> Any:
+        """Put numbers where they belong; returns them as kernels get them, arrays as views."""
+        if isinstance(value, tuple):
+            names = getattr(value, "_fields", range(len(value)))
+            items = [self.write((*path, name), item) for name, item in zip(names, value, strict=True)]
+            return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+        leaf = self._leaves[path]
+        if leaf.kind == "none":
+            return None
+        if leaf.kind == "array":
+            view = self.view(path, value.dtype)
+            view[...] = value
+            return view
+        (self.memory if leaf.kind == "f8" else self.memory.view(np.int64))[leaf.cell] = value
+        return value
+
+    def begin_anew(self) -> None:
+        """All that follows from parameters as it was at the beginning, tables with their contents; inputs stay."""
+        for name in self._begin._fields:
+            if name not in ("u", "y"):
+                self._with_contents(("s", name), getattr(self._begin, name))
+
+    def in_order(self) -> Iterator[Leaf]:
+        """The leaves in the order of a kernel's arguments `s`, `p`, `e`."""
+        for name in self._begin._fields:
+            yield from (leaf for path, leaf in self._leaves.items() if path[:2] == ("s", name))
+        for part in ("p", "e"):
+            yield from (leaf for path, leaf in self._leaves.items() if path[0] == part)
+
+    def body(self, entry: str, kinds: Sequence[str], kernel: str = "") -> str:
+        """The text of an entry's instructions. kinds: types of the kernel's arguments behind its times; kernel: its symbol."""
+        return "\n".join(self._lines(entry, list(kinds), kernel))
+
+    def _lines(self, entry: str, kinds: list[str], kernel: str) -> Iterator[str]:
+        arguments = ["ptr %result", "ptr %raised", *ENTRIES[entry]]
+        yield "%result = alloca i64\n%raised = alloca ptr\nstore i64 0, ptr %result"
+        given = iter(kinds)
+        for k, leaf in enumerate(self.in_order()):
+            if leaf.kind != "none":
+                yield f"%p{k} = getelementptr i64, ptr %block, i64 {leaf.cell}"
+            if leaf.kind == "array":
+                strides = [leaf.itemsize * int(np.prod(leaf.shape[i + 1 :])) for i in range(len(leaf.shape))]
+                size = int(np.prod(leaf.shape))
+                arguments += [f"{next(given)} {value}" for value in
+                              ("null", "null", size, leaf.itemsize, f"%p{k}", *leaf.shape, *strides)]
+            elif leaf.kind == "none":
+                kind = next(given)
+                arguments.append(f"{kind} {'null' if kind == 'ptr' else 0}")
+            else:
+                kind, load = next(given), "double" if leaf.kind == "f8" else "i64"
+                yield f"%v{k} = load {load}, ptr %p{k}"
+                if kind != load:
+                    yield f"%w{k} = trunc i64 %v{k} to {kind}"
+                arguments.append(f"{kind} %{'v' if kind == load else 'w'}{k}")
+        if next(given, None) is not None:
+            raise TypeError(f"{entry}: a kernel with more arguments than the block has")
+        called = f'@"{kernel}"'
+        if not kernel:
+            cell = self.addresses_at + list(ENTRIES).index(entry)
+            yield f"%place = getelementptr i64, ptr %block, i64 {cell}\n%called = load ptr, ptr %place"
+            called = "%called"
+        yield f"%failed = call i32 {called}({', '.join(arguments)})"
+        yield "%fine = icmp eq i32 %failed, 0\n%wide = load i64, ptr %result\n%status = trunc i64 %wide to i32"
+        yield f"%given = select i1 %fine, i32 %status, i32 {RAISED}\nret i32 %given"
+
+    def entry(self, name: str, kernel: Any, arguments: tuple[Any, ...]) -> int:
+        """The address of an entry that calls a kernel, compiled for these arguments, behind its times, in this process."""
+        address, kinds = compiled(kernel, len(ENTRIES[name]), tuple(map(kernel.typeof_pyval, arguments)))
+        self.memory.view(np.int64)[self.addresses_at + list(ENTRIES).index(name)] = address
+        return _function(self.body(name, kinds))
+
+
+def callable_of(address: int) -> Callable[[float, float, int], int]:
+    """An entry for Python."""
+    return ENTRY(address)
+
+
+def kinds_of(overload: Any, times: int) -> tuple[str, ...]:
+    """Types, in machine code, of a compiled kernel's arguments behind its times."""
+    packer = overload.target_context.get_arg_packer(overload.fndesc.argtypes)
+    return tuple("ptr" if str(k).endswith("*") else str(k) for k in packer.argument_types)[times:]
+
+
+@lru_cache(maxsize=1024)
+def compiled(kernel: Any, times: int, signature: tuple[Any, ...]) -> tuple[int, tuple[str, ...]]:
+    """(address, types of its arguments behind the times) of a kernel's machine code."""
+    overload = kernel.for_kernels((*[kernel.typeof_pyval(0.0)] * times, *signature))
+    check_result(kernel, overload)
+    return overload.library.get_pointer_to_function(overload.fndesc.llvm_func_name), kinds_of(overload, times)
+
+
+def check_result(kernel: Any, overload: Any) -> None:
+    """Raises `TypeError` for a kernel that returns something else than a status."""
+    from numba.core.types import unliteral
+
+    if str(unliteral(overload.signature.return_type)) not in ("int64", "none"):
+        raise TypeError(f"{kernel.__name__} returns {overload.signature.return_type}, expected a status")
+
+
+@lru_cache(maxsize=256)
+def _function(body: str) -> int:
+    """The address of a function with this body; kept on disk, for nothing in it depends on the process."""
+    import llvmlite.binding as llvm
+
+    from .kept import read_kept, write_kept
+    from .kernel_cache import private_folder
+
+    name = "entry_" + hashlib.sha256(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}".encode()).hexdigest()
+    folder = private_folder("entries")
+    code = None if folder is None else read_kept(folder / f"{name}.o")
+    engine = _engine()
+    if code is None:
+        code = _machine().emit_object(llvm.parse_assembly(f"define i32 @{name}(double %t, double %h, ptr %block) {{\n{body}\n}}"))
+        if folder is not None:
+            write_kept(folder / f"{name}.o", code)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine.get_function_address(name)
+
+
+@lru_cache(maxsize=1)
+def _engine() -> Any:
+    """What owns the machine code, as long as the process lives."""
+    import llvmlite.binding as llvm
+
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+
+
+def _machine() -> Any:
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.Target.from_default_triple().create_target_machine(opt=1, jit=True)

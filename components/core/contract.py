@@ -1,0 +1,218 @@
+"""A component is its declaration and three kernels over one block of memory.
+
+    initialize(t, s, p, e) -> status        step(t, h, s, p, e) -> status        outputs(t, s, p, e) -> status
+
+`s` is what a run changes and what follows from the parameters, arrays all: inputs `u` (3, m), value, slope and half of the second
+derivative over the coming step; outputs `y` (k,); state `x` (n,); `counts`; and what the component's `shapes` names. `p` are the
+parameters, `e` the effects: of each its `Values`, or None where it is off. A status that is not `DONE` ends the initialization or
+the step; one that the class lists in `refusals` is the user's to mend.
+
+Parameters that are not structural are numbers in the block, and `initialize` computes what follows from them: so they can be set
+wherever the component runs. `shapes` sees the structural ones and the effects that are on, and nothing else.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import namedtuple
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from .block import TIME, Block, callable_of
+from .component import Component, _tuple_type
+from .errors import BadInput
+from .kernels import COMPILED, DONE, RAISED, kernel_tuple
+from .variables import Causality
+
+STANDARD = ("u", "y", "x", "counts")  # fields of every `s`
+
+
+class Kernels(NamedTuple):
+    """What a component consists of; `derivatives(t, x, u, dx, s, p, e)` where a smooth differential equation is all of it."""
+
+    initialize: Callable[..., int]
+    step: Callable[..., int]
+    outputs: Callable[..., int]
+    derivatives: Callable[..., None] | None = None
+
+
+class Refusal(NamedTuple):
+    """The message of a status by which `initialize` refuses parameters or inputs.
+
+    The texts may name parameters, inputs and elements of `s` in braces, such as {substep} and {limits[1]}: their values.
+    """
+
+    actual: str
+    expected: str
+    remedy: str = ""
+
+
+def filled(text: str, value: Callable[[str], str]) -> str:
+    """A text of a refusal with `value` of each name in braces."""
+    return re.sub(r"\{([^{}]+)\}", lambda match: value(match[1]), text)
+
+
+class KernelComponent(Component):
+    """Base of components that are kernels; a subclass gives `kernels` and, for what is in `s` besides the standard, `shapes`."""
+
+    kernels: ClassVar[Kernels]
+    refusals: ClassVar[Mapping[int, Refusal]] = {}  # by status; those of base classes are inherited
+    Memory: ClassVar[Any] = None  # NamedTuple of the arrays of `s`, for kernels
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.Memory = None
+        if not cls.Values._fields:  # Numba has no NamedTuple without a field
+            cls.Values = _tuple_type(cls, "Values", ["none"])
+        cls.refusals = {n: r for base in reversed(cls.__mro__) for n, r in vars(base).get("refusals", {}).items()}
+        if not cls.effects:
+            cls.Present = _tuple_type(cls, "Present", ["none"])
+
+    def shapes(self) -> dict[str, Any]:
+        """What `s` holds besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
+
+        `x` is the state. It depends on the structural parameters and the effects that are on; its names are always the same.
+        """
+        return {}
+
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        self.block: Block | None = None
+        super().__init__(*arguments, **more)
+        self._lay_out_if_possible()
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a parameter (before `initialize`) or the present value of an input."""
+        super().set(name, value)
+        if self.block is not None and name in self.parameters and self._structure != self._present_structure():
+            self._lay_out_if_possible()
+
+    # -- memory ------------------------------------------------------------------------------------------------------
+    def _present_structure(self) -> tuple[Any, ...]:
+        variables = type(self).variables
+        return tuple(value for name, value in self.parameters.items() if variables[name].structural)
+
+    def _lay_out_if_possible(self) -> None:
+        with suppress(BadInput, ArithmeticError, ValueError):  # initialization says what is wrong
+            self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Memory for the present structure; inputs are taken over."""
+        cls = type(self)
+        shapes = self.shapes()
+        contents = {"u": self.u, "y": self.y, "x": np.zeros(0), "counts": np.zeros_like(self.counts)}
+        contents |= {n: v if isinstance(v, np.ndarray) or v is None else np.zeros(v) for n, v in shapes.items()}
+        if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
+            cls.Memory = self._memory_type(tuple(contents))
+        p, e = self._parameters()
+        self.block = block = Block(cls.Memory(**contents), p, e)
+        self.u, self.y, self.x, self.counts = block.s.u, block.s.y, block.s.x, block.s.counts
+        self._structure, self._calls = self._present_structure(), dict[str, Any]()
+        self.arguments = (block.s, block.write(("p",), p), block.write(("e",), e))
+
+    @classmethod
+    def _memory_type(cls, fields: tuple[str, ...]) -> Any:
+        values = namedtuple("Memory", fields)  # type: ignore[misc]
+        values.__module__, values.__qualname__ = cls.__module__, f"{cls.__qualname__}.Memory"
+        return kernel_tuple(values)
+
+    def _parameters(self) -> tuple[Any, Any]:
+        cls = type(self)
+        values = [self._value(v) for v in cls.own_variables if v.causality is Causality.PARAMETER]
+        return cls.Values(*(values or [None])), cls.Present(*(map(self._effect_values, cls.effects) if cls.effects else (None,)))
+
+    # -- the run -----------------------------------------------------------------------------------------------------
+    def entry(self, name: str) -> int:
+        """The address of the function `int32 f(double t, double h, void *block)` that calls a kernel: compiled, if need be."""
+        assert self.block is not None
+        return self.block.entry(name, getattr(type(self).kernels, name), self.arguments)
+
+    def call(self, name: str, t: float, h: float = 0.0) -> int:
+        """The status of a kernel for the present block."""
+        if not COMPILED:
+            times = (t, h) if name == "step" else (t,)
+            return getattr(type(self).kernels, name)(*times, *self.arguments) or DONE
+        if name not in self._calls:
+            self._calls[name] = callable_of(self.entry(name))
+        return self._calls[name](t, h, self.block.address)  # type: ignore[union-attr]
+
+    def _prepare(self) -> Block:
+        """The block with the present parameters, and nothing else in it but inputs."""
+        if self.block is None or self._structure != self._present_structure():
+            self._lay_out()
+        assert self.block is not None
+        p, e = self._parameters()
+        self.block.begin_anew()
+        self.arguments = (self.block.s, self.block.write(("p",), p), self.block.write(("e",), e))
+        return self.block
+
+    def _initialize(self, t: float) -> int:
+        self._prepare()
+        status = self.call("initialize", t)
+        if status == DONE and not np.isfinite(self.x).all():
+            raise ArithmeticError("the initial state is not finite")
+        return status
+
+    def _step(self, t: float, h: float) -> int:
+        return self.call("step", t, h)
+
+    def _outputs(self, t: float) -> None:
+        self._check(self.call("outputs", t))
+
+    def _check(self, status: int) -> None:
+        if status == DONE:
+            return
+        if status == RAISED:
+            raise RuntimeError(f"a kernel of {self.name} has raised an exception")
+        if refusal := type(self).refusals.get(status):
+            raise BadInput(self.name, *(self._with_values(text) for text in refusal))
+        super()._check(status)
+
+    def _with_values(self, text: str) -> str:
+        """A text of a refusal with the present values."""
+        inputs = dict(zip(self.inputs, self.u[0].tolist(), strict=True))
+
+        def value(name: str) -> str:
+            if name in self.parameters or name in inputs:
+                number = self.parameters.get(name, inputs.get(name))
+            else:
+                array, _, index = name.partition("[")
+                number = float(getattr(self.arguments[0], array).flat[int(index.rstrip("]") or 0)])
+            return f"{number:.6g}" if isinstance(number, float) else f"{number}"
+
+        return filled(text, value)
+
+    def of_initialization(self, name: str, index: int) -> float:
+        """An element of an array of `s` as `initialize` computes it for the present parameters and inputs.
+
+        The component stays as it is. A refusal is none here.
+        """
+        if self.block is None or self._structure != self._present_structure():
+            self._lay_out()
+        assert self.block is not None
+        if COMPILED:
+            self.entry("initialize")  # its address stands in the block, too
+        before = self.block.memory.copy()
+        self._prepare()
+        try:
+            self.call("initialize", self.t)
+            return float(getattr(self.arguments[0], name).flat[index])
+        finally:
+            self.block.memory[:] = before
+
+    def save(self) -> bytes:
+        """Everything a repeated step depends on; `restore` gives back every bit."""
+        assert self.block is not None
+        self.block.memory[TIME] = self.t
+        return self.block.memory[: self.block.state_end].tobytes()
+
+    def restore(self, state: bytes) -> None:
+        """Take back a state of `save`, of this instance or of one with the same effects and parameters."""
+        values = np.frombuffer(state)
+        if self.block is None or values.size != self.block.state_end:
+            size = 1 + self.u.size + self.y.size + self.x.size if self.block is None else self.block.state_end
+            raise BadInput(self.name, f"a state of {values.size} numbers", f"{size} numbers")
+        self.block.memory[: values.size] = values
+        self.t = float(values[TIME])

@@ -1,0 +1,73 @@
+"""The largest eigenvalue of a small matrix, and from it the longest stable step of an explicit method, in kernels."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .kernels import bind, kernel
+from .ode import derivatives
+
+SQUARINGS = 24  # the matrix is raised to the power 2^24: the result is some 1e-6 too large at most
+
+
+@kernel
+def spectral_radius(A, B):
+    """max |eigenvalue| of A (n, n), by squaring: |A^m|^(1/m) (Gelfand). B: (n, n) workspace; A is lost."""
+    n = A.shape[0]
+    exponent, power = 0.0, 1.0  # the matrix that A stands for is A e^exponent, and the power of the first one
+    for _ in range(SQUARINGS):
+        norm = 0.0
+        for i in range(n):
+            for j in range(n):
+                norm = max(norm, abs(A[i, j]))
+        if not norm > 0.0 or not math.isfinite(norm):
+            return norm
+        for i in range(n):
+            for j in range(n):
+                A[i, j] /= norm
+        exponent += math.log(norm)
+        for i in range(n):
+            for j in range(n):
+                B[i, j] = 0.0
+            for k in range(n):
+                factor = A[i, k]
+                if factor != 0.0:
+                    for j in range(n):
+                        B[i, j] += factor * A[k, j]
+        for i in range(n):
+            for j in range(n):
+                A[i, j] = B[i, j]
+        exponent, power = 2.0 * exponent, 2.0 * power
+    norm = 0.0
+    for i in range(n):
+        for j in range(n):
+            norm = max(norm, abs(A[i, j]))
+    return math.exp((exponent + math.log(norm)) / power) if norm > 0.0 else 0.0
+
+
+@kernel
+def step_within(radius, largest):
+    """Longest step, s, for a method's stability radius and the largest |eigenvalue|, 1/s; infinite where nothing moves."""
+    return radius / largest if largest > 0.0 else math.inf
+
+
+def jacobian(t, x, s, p, e):
+    """d(derivatives)/dx at x for the present inputs by central differences, into s.jacobian[0]; (3, n, n), the others work."""
+    n = x.size
+    J, high, there = s.jacobian[0], s.jacobian[1, 0], s.jacobian[2, 0]
+    for j in range(n):
+        for i in range(n):
+            there[i] = x[i]
+        by = 6e-6 * max(abs(x[j]), 1.0)
+        there[j] = x[j] + by
+        derivatives(t, there, s.u[0], high, s, p, e)
+        there[j] = x[j] - by
+        derivatives(t, there, s.u[0], s.work[0, :n], s, p, e)
+        for i in range(n):
+            J[i, j] = (high[i] - s.work[0, i]) / (2.0 * by)
+
+
+def bind_jacobian(module: str, derivatives: Any) -> Any:
+    """The kernel `jacobian` of a component's derivatives."""
+    return bind(jacobian, module, derivatives=derivatives)
