@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...components.core.contract import KernelComponent
 from ...components.core.kernels import DONE
-from .machine_code import INITIAL_STATE, Code, compile_entries
+from .kernel_code import kernel_code, kernel_image
+from .machine_code import INITIAL_STATE, Code, Image, compile_entries
 from .settable import settable_parameters
 
 SHIFTS = ((1.01, 1e-6), (0.5, -1e-3), (1.0, 0.3), (-1.0, 1.0))  # factor and summand of inputs that are tried
 LATER = 0.3712  # s, a start that is tried
-
-
-@dataclass(frozen=True)
-class Image:
-    """The block that an instance begins with.
-
-    `bound_inputs`: the inputs at whose start values the initial state was computed, and from which it follows: the run has to
-    begin with them. `bound_time`: likewise the start time, 0.
-    """
-
-    cells: np.ndarray
-    bound_inputs: frozenset[str]
-    bound_time: bool
-    settable: Mapping[str, tuple[int, ...]]  # parameters that an instance can be given -> cells that they go into
 
 
 def initialized(component: Any, t: float = 0.0) -> Any:
@@ -44,8 +30,6 @@ def initialized(component: Any, t: float = 0.0) -> Any:
 def compiled_with_image(make: Callable[[], Any]) -> tuple[Any, Code, Image]:
     """(component, machine code, image) of the component that `make` makes, in its configuration and with its start values."""
     if isinstance(component := make(), KernelComponent):
-        from .kernel_code import kernel_code, kernel_image
-
         component.initialize(0.0)
         code = kernel_code(component)
         return component, code, kernel_image(component, code)

@@ -14,9 +14,8 @@ from numba.core.typing.typeof import typeof
 from ...components.core.block import ENTRIES, check_result, kinds_of
 from ...components.core.contract import KernelComponent, filled
 from ...components.core.variables import Causality
-from .image import Image
 from .kept_code import digest_of, load, save
-from .machine_code import Code, _Compiler, _linked, called_kernels
+from .machine_code import Code, Image, _Compiler, _linked, called_kernels
 
 SYMBOLS = {"initialize": ("start", "double %t"), "step": ("step", "double %t, double %h"), "outputs": ("outputs", "double %t")}
 

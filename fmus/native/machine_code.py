@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
 from .block import Block
@@ -138,6 +140,20 @@ class Code:
     messages: tuple[str, ...]
     block: Block
     start: str  # the hook behind the entry `start`, "" where there is none
+
+
+@dataclass(frozen=True)
+class Image:
+    """The block that an instance begins with.
+
+    `bound_inputs`: the inputs at whose start values the initial state was computed, and from which it follows: the run has to
+    begin with them. `bound_time`: likewise the start time, 0.
+    """
+
+    cells: np.ndarray
+    bound_inputs: frozenset[str]
+    bound_time: bool
+    settable: Mapping[str, tuple[int, ...]]  # parameters that an instance can be given -> cells that they go into
 
 
 def compile_entries(component: Any) -> Code:

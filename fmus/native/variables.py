@@ -12,8 +12,8 @@ from typing import Any
 
 from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
-from .image import Image
-from .machine_code import Code
+from .kernel_code import refusals_of
+from .machine_code import Code, Image
 
 TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 
@@ -142,7 +142,5 @@ def reasons_of(component: Any, code: Code) -> list[tuple[int, str, list[int]]]:
             reasons.append((status, text.replace("%", "%%"), []))
     del component.left_range
     if isinstance(component, KernelComponent):
-        from .kernel_code import refusals_of
-
         return reasons + refusals_of(component)
     return reasons + [(FIRST_RAISED + k, text.replace("%", "%%"), []) for k, text in enumerate(code.messages)]

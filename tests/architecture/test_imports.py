@@ -12,7 +12,7 @@ from cosimo.components.core.closure import closure
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("components", "fmus", "orchestrator")
-COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba"}
+COMPONENTS_MAY_IMPORT = {"numpy", "scipy", "numba", "llvmlite"}  # llvmlite is what Numba compiles with
 # From the ground up; a module imports from its own floor and from those below it. Names in brackets share a floor.
 FLOORS = (
     ("components",),
