@@ -1,7 +1,7 @@
 """Components without a state: massless couplings, tables, courses over time. Kernels as templates.
 
-What a component supplies: `outputs(t, s, p, e) -> status`, and where something follows from the parameters a kernel `start` of the
-same form.
+What a component supplies: `outputs(t, s, p, e) -> status`, and where something follows from the parameters a kernel `start` of
+the same form.
 """
 
 from __future__ import annotations

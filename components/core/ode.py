@@ -13,7 +13,6 @@ and what `ode_kernels` makes of them. `s` has the fields of `OdeComponent.shapes
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 from .contract import KernelComponent, Kernels, Refusal
@@ -135,7 +134,10 @@ class OdeComponent(KernelComponent):
 
     method: ClassVar[str] = "RK4"  # what messages call it
     rows: ClassVar[int] = 6  # of the workspace of a step
-    refusals = {SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of RK4", "Reduce substep.")}
+    _forced_step = 0.0
+    refusals = {
+        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of RK4", "Reduce substep."),
+    }
 
     def states(self) -> int:
         """Number of states, for the present structure."""
@@ -153,3 +155,17 @@ class OdeComponent(KernelComponent):
     def stable_step(self) -> float:
         """Longest internal step, s, at which the method is stable for the present parameters and inputs."""
         return self.of_initialization("limits", STABLE)
+
+    def internal_step(self) -> float:
+        """Longest internal step that it takes, s: the parameter, unless an effect asks for a shorter one."""
+        return self.of_initialization("limits", SUBSTEP)
+
+    def force_internal_step(self, h: float) -> None:
+        """Take internal steps of h, s, whatever is stable: for measurements of what is."""
+        self._forced_step = h
+
+    def _initialize(self, t: float) -> int:
+        status = super()._initialize(t)
+        if self._forced_step and status in (DONE, SUBSTEP_TOO_LONG):  # which is found out last
+            self.arguments[0].limits[SUBSTEP], status = self._forced_step, DONE
+        return status

@@ -6,8 +6,6 @@ itself, from parameters that can be set; structural ones have the values of the 
 
 from __future__ import annotations
 
-from typing import Any
-
 from numba import types
 from numba.core.typing.typeof import typeof
 
@@ -63,7 +61,8 @@ def _code(component: KernelComponent, counted: bool) -> Code:
     reached = [function for _, function in compiler.kernels.values()]
     of_arguments = tuple(map(typeof, component.arguments))
     layout = "\n".join(map(repr, block.in_order()))
-    digest = digest_of((layout, *map(str, of_arguments), *(getattr(cls.kernels, n) for n in ENTRIES)), called_kernels, reached, cls)
+    identity = (layout, *map(str, of_arguments), *(getattr(cls.kernels, n) for n in ENTRIES))
+    digest = digest_of(identity, called_kernels, reached, cls)
     text = load(digest) if digest else None
     if text is None:
         texts = {}
