@@ -42,7 +42,8 @@ class Kernels(NamedTuple):
 class Refusal(NamedTuple):
     """The message of a status by which `initialize` refuses parameters or inputs.
 
-    The texts may name parameters, inputs and elements of `s` in braces, such as {substep} and {limits[1]}: their values.
+    The texts may name parameters, inputs and elements of `s` in braces, such as {substep} and {limits[1]}: their values; also
+    attributes of the component that are texts.
     """
 
     actual: str
@@ -175,6 +176,8 @@ class KernelComponent(Component):
         inputs = dict(zip(self.inputs, self.u[0].tolist(), strict=True))
 
         def value(name: str) -> str:
+            if isinstance(said := getattr(self, name, None), str):
+                return said
             if name in self.parameters or name in inputs:
                 number = self.parameters.get(name, inputs.get(name))
             else:

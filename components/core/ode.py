@@ -132,11 +132,11 @@ class OdeComponent(KernelComponent):
     It has a parameter `substep` in s, which is refused above the longest stable step.
     """
 
-    method: ClassVar[str] = "RK4"  # what messages call it
+    method: str = "RK4"  # what messages call it
     rows: ClassVar[int] = 6  # of the workspace of a step
     _forced_step = 0.0
     refusals = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of RK4", "Reduce substep."),
+        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of {method}", "Reduce substep."),
     }
 
     def states(self) -> int:

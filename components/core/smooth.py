@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from .component import Effect
-from .contract import Kernels, Refusal
+from .contract import Kernels
 from .kernels import kernel
 from .ode import (
     RK4_STABILITY_RADIUS,
-    SUBSTEP_TOO_LONG,
     OdeComponent,
     derivatives,
     finished,
@@ -146,8 +145,11 @@ class SmoothComponent(OdeComponent):
     """An `OdeComponent` with the effect `high_order`; its kernels are those of `smooth_kernels`."""
 
     high_order = HighOrder
-    refusals = {SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of the method in use",
-                                          "Reduce substep.")}
+
+    @property
+    def method(self) -> str:  # type: ignore[override]
+        """What messages call the method."""
+        return "the method of order eight" if "high_order" in self.on else "RK4"
 
     def shapes(self) -> dict[str, Any]:
         """As of an `OdeComponent`, with the workspace of the method that is on."""

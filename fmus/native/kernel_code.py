@@ -107,6 +107,8 @@ def refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]:
 
         def value(name: str, cells: list[int] = cells) -> str:
             variable = type(component).variables.get(name)
+            if isinstance(said := getattr(component, name, None), str):
+                return said.replace("%", "%%")
             if variable is not None and variable.structural:
                 return str(component.parameters[name]).replace("%", "%%")
             if variable is None:

@@ -127,7 +127,7 @@ def quoted(text: str) -> str:
 
 
 def reasons_of(component: Any, code: Code) -> list[tuple[int, str, list[int]]]:
-    """(status, message, cells of numbers in it) of all that a step or the outputs may return, kernels' statuses in the component's own words."""
+    """(status, format of a message, cells of the numbers in it) of all that the entries may return."""
     from ...components.core.errors import StepFailed
     from ...components.core.kernels import REASONS
     from .hooks import FIRST_RAISED

@@ -26,10 +26,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from cosimo import Effect, OdeComponent, bind, input_, kernel, output, parameter
-from cosimo.components.core.integrators import RK4_STABILITY_RADIUS, rk4
+from cosimo import DONE, Effect, OdeComponent, input_, kernel, ode_kernels, output, parameter
+from cosimo.components.core.ode import RK4_STABILITY_RADIUS
 
 
 class CubicSpring(Effect):
@@ -64,28 +62,38 @@ class $name(OdeComponent):
     displacement = output("m", "displacement of the mass", nominal=0.01)
     velocity = output("m/s", "velocity of the mass", nominal=0.1)
 
-    def initial_state(self) -> np.ndarray:
-        """At rest, displaced (x: displacement, velocity)."""
-        return np.array([self.parameters["start"], 0.0])
+    def states(self) -> int:
+        """Displacement, velocity."""
+        return 2
 
     def energy(self) -> float:
         """Kinetic energy plus that of the springs, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         cubic = e.cubic_spring.stiffness if e.cubic_spring is not None else 0.0
         x, v = self.x
         return 0.5 * (p.mass * v**2 + p.stiffness * x**2 + 0.5 * cubic * x**4)
 
-    def stable_step(self) -> float:
-        """RK4's limit at the start, radius / max |eigenvalue|, s."""
-        p, e = self._declared_arguments()
-        stiffness = p.stiffness + (3.0 * e.cubic_spring.stiffness * p.start**2 if e.cubic_spring is not None else 0.0)
-        eigenvalues = np.roots([p.mass, p.damping, stiffness])
-        fastest = float(np.abs(eigenvalues).max())
-        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
+
+@kernel
+def start(t, s, p, e):
+    """At rest, displaced."""
+    s.x[0] = p.start
+    return DONE
 
 
 @kernel
-def derivatives(t, x, u, dx, p, e):
+def stable(t, s, p, e):
+    """RK4's limit at the start, radius / max |eigenvalue|, s."""
+    stiffness = p.stiffness
+    if e.cubic_spring is not None:
+        stiffness += 3.0 * e.cubic_spring.stiffness * p.start**2
+    a, b = 0.5 * p.damping / p.mass, stiffness / p.mass  # z² + 2 a z + b = 0
+    fastest = a + math.sqrt(a * a - b) if a * a > b else math.sqrt(b)
+    return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
+
+
+@kernel
+def derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (displacement, velocity)."""
     force = u[0] - p.stiffness * x[0] - p.damping * x[1]
     if e.cubic_spring is not None:
@@ -95,13 +103,13 @@ def derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def outputs(t, x, u, y, p, e):
+def outputs(t, s, p, e):
     """y = (displacement, velocity)."""
-    y[0], y[1] = x[0], x[1]
+    s.y[0], s.y[1] = s.x[0], s.x[1]
+    return DONE
 
 
-$name.advance = bind(rk4, __name__, derivatives=derivatives, outputs=outputs)
-$name.output_kernel = outputs
+$name.kernels = ode_kernels(__name__, start=start, derivatives=derivatives, outputs=outputs, stable=stable)
 '''
 TEST = '''"""What $name promises: a closed form, exact states, effects that are absent when off, an FMU that passes its checks."""
 

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
 
@@ -54,24 +52,31 @@ class SpringPendulum(OdeComponent):
     angle = output("rad", "angle from below")
     mechanical_energy = output("J", "kinetic energy, of the spring and of the height", nominal=10.0)
 
-    def initial_state(self) -> np.ndarray:
-        p, _ = self.arguments
-        rest = p.length + p.mass * p.gravity / p.stiffness
-        return np.array([rest + p.start_stretch, p.start_angle, 0.0, 0.0])
+    def states(self) -> int:
+        """Length, angle, their rates."""
+        return 4
 
     def energy(self) -> float:
         """Kinetic energy, of the spring and of the height, J."""
-        p, _ = self.arguments
-        return float(pendulum_energy(self.x, p))
-
-    def stable_step(self) -> float:
-        """RK4's limit for the spring's own frequency, s."""
-        p, _ = self._declared_arguments()
-        return RK4_STABILITY_RADIUS * math.sqrt(p.mass / p.stiffness)
+        return float(pendulum_energy(self.x, self.arguments[1]))
 
 
 @kernel
-def pendulum_derivatives(t, x, u, dx, p, e):
+def pendulum_start(t, s, p, e):
+    """Stretched and turned from the rest under gravity."""
+    s.x[0] = p.length + p.mass * p.gravity / p.stiffness + p.start_stretch
+    s.x[1] = p.start_angle
+    return DONE
+
+
+@kernel
+def pendulum_stable(t, s, p, e):
+    """RK4's limit for the spring's own frequency, s."""
+    return RK4_STABILITY_RADIUS * math.sqrt(p.mass / p.stiffness)
+
+
+@kernel
+def pendulum_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (length, angle, their rates)."""
     dx[0], dx[1] = x[2], x[3]
     dx[2] = x[0] * x[3] * x[3] + p.gravity * math.cos(x[1]) - (p.stiffness * (x[0] - p.length) - u[0]) / p.mass
@@ -89,13 +94,14 @@ def pendulum_energy(x, p):
 
 
 @kernel
-def pendulum_outputs(t, x, u, y, p, e):
+def pendulum_outputs(t, s, p, e):
     """Stretch, angle, energy."""
-    y[0], y[1], y[2] = x[0] - p.length, x[1], pendulum_energy(x, p)
+    s.y[0], s.y[1], s.y[2] = s.x[0] - p.length, s.x[1], pendulum_energy(s.x, p)
+    return DONE
 
 
-SpringPendulum.advance = bind(rk4, __name__, derivatives=pendulum_derivatives, outputs=pendulum_outputs)
-SpringPendulum.output_kernel = pendulum_outputs
+SpringPendulum.kernels = ode_kernels(__name__, start=pendulum_start, derivatives=pendulum_derivatives, outputs=pendulum_outputs,
+                                     stable=pendulum_stable)
 ''',
     "components/spring_pendulum/hard_cases.py": '''"""Hard cases of the pendulum on a spring."""
 

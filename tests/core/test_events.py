@@ -3,30 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 
 import numpy as np
 import pytest
-from cosimo.components.core.events import ROWS, rk4_events
 from cosimo.components.core.kernels import DONE, NOT_CONVERGED, bind, kernel
+from cosimo.components.core.modes import ROWS, rk4_events
 
 pytestmark = pytest.mark.interpreted
 STICK = 0.0
+Memory = namedtuple("Memory", "u y x counts limits work guards")
 
 
 @kernel
-def ball_derivatives(t, x, u, dx, p):
+def ball_derivatives(t, x, u, dx, s, p, e):
     """x: height, velocity, bounces; p: gravity, restitution."""
     dx[0], dx[1], dx[2] = x[1], -p[0], 0.0
 
 
 @kernel
-def ball_guards(t, x, u, g, p):
+def ball_guards(t, x, u, g, s, p, e):
     """The height."""
     g[0] = x[0]
 
 
 @kernel
-def ball_switch(which, t, x, u, p):
+def ball_switch(which, t, x, u, s, p, e):
     """The velocity turns."""
     x[0] = 0.0
     x[1] = -p[1] * x[1]
@@ -34,7 +36,7 @@ def ball_switch(which, t, x, u, p):
 
 
 @kernel
-def puller_derivatives(t, x, u, dx, p):
+def puller_derivatives(t, x, u, dx, s, p, e):
     """A block on a spring whose end is pulled; x: displacement, velocity, direction of slip; p: mass, spring, speed, F_s, F_c."""
     force = p[1] * (p[2] * t - x[0])
     dx[0], dx[2] = x[1], 0.0
@@ -42,13 +44,13 @@ def puller_derivatives(t, x, u, dx, p):
 
 
 @kernel
-def puller_guards(t, x, u, g, p):
+def puller_guards(t, x, u, g, s, p, e):
     """What is left of the static friction, or the velocity in the direction of slip."""
     g[0] = p[3] - abs(p[1] * (p[2] * t - x[0])) if x[2] == STICK else x[2] * x[1]
 
 
 @kernel
-def puller_switch(which, t, x, u, p):
+def puller_switch(which, t, x, u, s, p, e):
     """Breaks loose, or comes to rest and stays where the spring is weaker than the static friction."""
     force = p[1] * (p[2] * t - x[0])
     x[1] = 0.0
@@ -59,27 +61,28 @@ def puller_switch(which, t, x, u, p):
 
 
 @kernel
-def state_outputs(t, x, u, y, p):
+def state_outputs(t, s, p, e):
     """The state."""
-    y[:] = x
+    s.y[:] = s.x
+    return DONE
 
 
 @kernel
-def restless_switch(which, t, x, u, p):
+def restless_switch(which, t, x, u, s, p, e):
     """Changes nothing: the guard stays below zero."""
 
 
 @kernel
-def watched_guards(t, x, u, g, p):
+def watched_guards(t, x, u, g, s, p, e):
     """The height, and one that rests at zero."""
     g[0], g[1] = 0.0, x[0]
 
 
 @kernel
-def watched_switch(which, t, x, u, p):
+def watched_switch(which, t, x, u, s, p, e):
     """The velocity turns; nothing else ever ends."""
     if which == 1:
-        ball_switch(which, t, x, u, p)
+        ball_switch(which, t, x, u, s, p, e)
 
 
 ball = bind(rk4_events, f"{__name__}_ball", derivatives=ball_derivatives, guards=ball_guards, switch=ball_switch,
@@ -94,9 +97,10 @@ restless = bind(rk4_events, f"{__name__}_restless", derivatives=ball_derivatives
 
 def run(advance, x, h, n, p, guards=1):
     """State after n substeps over h, the counters and the status."""
-    x, y, counts = np.array(x, dtype=float), np.zeros(3), np.zeros(3, dtype=np.int64)
-    status = advance(0.0, h, n, guards, x, np.zeros((3, 0)), y, np.zeros((ROWS, 3)), counts, p)
-    return x, counts, status
+    s = Memory(np.zeros((3, 0)), np.zeros(3), np.array(x, dtype=float), np.zeros(3, dtype=np.int64), np.array([h / n, math.inf]),
+               np.zeros((ROWS, 3)), np.zeros(guards))
+    status = advance(0.0, h, s, p, None)
+    return s.x, s.counts, status
 
 
 def bounced(t: float, gravity: float, restitution: float, height: float) -> tuple[float, float, int]:

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.components.core.events import EventComponent, rk4_events
 from cosimo.components.core.friction import (
     lugre_force,
     lugre_level,
@@ -18,8 +17,9 @@ from cosimo.components.core.friction import (
     stick_mode,
     stick_switch,
 )
-from cosimo.components.core.integrators import OdeComponent, rk4
-from cosimo.components.core.kernels import bind, kernel
+from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.modes import EventComponent, event_kernels
+from cosimo.components.core.ode import OdeComponent, ode_kernels
 from cosimo.components.core.variables import output, parameter
 from scipy.integrate import solve_ivp
 
@@ -41,28 +41,38 @@ class BristleBlock(OdeComponent):
     position = output("m", "position")
     velocity = output("m/s", "velocity")
 
-    def initial_state(self) -> np.ndarray:
-        return np.zeros(3)
-
-    def stable_step(self) -> float:
-        return 2.78 / math.sqrt(STIFFNESS)
+    def states(self) -> int:
+        return 3
 
 
 @kernel
-def bristle_derivatives(t, x, u, dx, p):
+def bristle_start(t, s, p, e):
+    """At rest."""
+    return DONE
+
+
+@kernel
+def bristle_stable(t, s, p, e):
+    """Of the bristles."""
+    return 2.78 / math.sqrt(STIFFNESS)
+
+
+@kernel
+def bristle_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the block on bristles."""
     dx[2] = bristle_rate(x[1], x[2], 1.0 / p.substep)
     dx[0], dx[1] = x[1], p.spring * (PULL * t - x[0]) - lugre_force(x[1], x[2], dx[2], STIFFNESS, DAMPING, VISCOUS)
 
 
 @kernel
-def block_outputs(t, x, u, y, p):
+def block_outputs(t, s, p, e):
     """Position and velocity."""
-    y[0], y[1] = x[0], x[1]
+    s.y[0], s.y[1] = s.x[0], s.x[1]
+    return DONE
 
 
-BristleBlock.advance = bind(rk4, __name__, derivatives=bristle_derivatives, outputs=block_outputs)
-BristleBlock.output_kernel = block_outputs
+BristleBlock.kernels = ode_kernels(__name__, start=bristle_start, derivatives=bristle_derivatives, outputs=block_outputs,
+                                   stable=bristle_stable)
 
 
 class StickBlock(EventComponent):
@@ -76,9 +86,22 @@ class StickBlock(EventComponent):
     position = output("m", "position")
     velocity = output("m/s", "velocity")
 
-    def initial_state(self) -> np.ndarray:
-        p = self.arguments[0]
-        return np.array([p.start, 0.0, stick_mode(0.0, -p.spring * p.start, p.static)])
+    def states(self) -> int:
+        return 3
+
+
+@kernel
+def block_start(t, s, p, e):
+    """At rest."""
+    s.x[0] = p.start
+    s.x[2] = stick_mode(0.0, -p.spring * p.start, p.static)
+    return DONE
+
+
+@kernel
+def block_stable(t, s, p, e):
+    """Any."""
+    return math.inf
 
 
 @kernel
@@ -88,28 +111,27 @@ def drive(t, x, p):
 
 
 @kernel
-def block_derivatives(t, x, u, dx, p):
+def block_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the block that stands or slides."""
     force = drive(t, x, p)
     dx[0], dx[1], dx[2] = x[1], (force - stick_friction(x[2], force, KINETIC)) / MASS, 0.0
 
 
 @kernel
-def block_guards(t, x, u, g, p):
+def block_guards(t, x, u, g, s, p, e):
     """What keeps the mode."""
     g[0] = stick_guard(x[2], x[1], drive(t, x, p), p.static)
 
 
 @kernel
-def block_switch(which, t, x, u, p):
+def block_switch(which, t, x, u, s, p, e):
     """Comes to rest, or breaks loose."""
     x[1] = 0.0
     x[2] = stick_switch(x[2], drive(t, x, p), p.static)
 
 
-StickBlock.advance = bind(rk4_events, __name__, derivatives=block_derivatives, guards=block_guards, switch=block_switch,
-                          outputs=block_outputs)
-StickBlock.output_kernel = block_outputs
+StickBlock.kernels = event_kernels(f"{__name__}.Stick", start=block_start, derivatives=block_derivatives, guards=block_guards,
+                                   switch=block_switch, outputs=block_outputs, stable=block_stable)
 
 
 def course(block, duration: float, h: float) -> np.ndarray:

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.components.core.events import EventComponent, rk4_events
 from cosimo.components.core.friction import (
     SLIDES,
     lugre_level,
@@ -19,7 +18,8 @@ from cosimo.components.core.friction import (
     planar_stick_switch,
     smoothed_planar,
 )
-from cosimo.components.core.kernels import bind, kernel
+from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.modes import EventComponent, event_kernels
 from cosimo.components.core.variables import output, parameter
 from scipy.integrate import solve_ivp
 
@@ -162,15 +162,24 @@ class PlanarBlock(EventComponent):
     across = output("m", "way across")
     speed = output("m/s", "velocity in the direction of the pull")
 
-    def initial_state(self) -> np.ndarray:
-        return np.zeros(7)
-
-    def stable_step(self) -> float:
-        return 2.6 / math.sqrt(KINETIC / self["deflection"] / MASS)
+    def states(self) -> int:
+        return 7
 
 
 @kernel
-def block_derivatives(t, x, u, dx, p):
+def block_start(t, s, p, e):
+    """At rest."""
+    return DONE
+
+
+@kernel
+def block_stable(t, s, p, e):
+    """Of the elastic contact."""
+    return 2.6 / math.sqrt(KINETIC / p.deflection / MASS)
+
+
+@kernel
+def block_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the block."""
     rx, ry = planar_stick_rate(x[6], x[2], x[3], x[4], x[5], 1.0 / p.substep)
     zx, zy = planar_stick_deflection(x[6], x[4], x[5], p.deflection)
@@ -182,27 +191,28 @@ def block_derivatives(t, x, u, dx, p):
 
 
 @kernel
-def block_guards(t, x, u, g, p):
+def block_guards(t, x, u, g, s, p, e):
     """What keeps the mode."""
     g[0] = planar_stick_guard(x[6], x[2], x[3], x[4], x[5], STATIC / KINETIC * p.deflection)
 
 
 @kernel
-def block_switch(which, t, x, u, p):
+def block_switch(which, t, x, u, s, p, e):
     """Breaks loose or comes to rest."""
     x[6], x[4], x[5] = planar_stick_switch(x[6], x[4], x[5], p.deflection)
 
 
 @kernel
-def block_outputs(t, x, u, y, p):
+def block_outputs(t, s, p, e):
     """Way along and across, speed."""
+    x, y = s.x, s.y
     y[0], y[1] = x[0] * COSINE + x[1] * SINE, x[0] * SINE - x[1] * COSINE
     y[2] = x[2] * COSINE + x[3] * SINE
+    return DONE
 
 
-PlanarBlock.advance = bind(rk4_events, __name__, derivatives=block_derivatives, guards=block_guards, switch=block_switch,
-                           outputs=block_outputs)
-PlanarBlock.output_kernel = block_outputs
+PlanarBlock.kernels = event_kernels(__name__, start=block_start, derivatives=block_derivatives, guards=block_guards,
+                                    switch=block_switch, outputs=block_outputs, stable=block_stable)
 
 
 def slips_of(deflection: float) -> tuple[list[float], float, float]:

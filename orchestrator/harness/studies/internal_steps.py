@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from ....components.catalogue import component_class
+from ....components.core import ode
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
-from ....components.core import ode
 from ....components.core.integrators import OdeComponent
 from ...judgement.disturbance import Growth, Own, growth_of, longest_stable, sizes
 from ...output import write_table
@@ -119,7 +119,8 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
 
 def _usual(component: Component) -> float:
     """The internal step a component takes as it stands, s."""
-    step = component.internal_step() if isinstance(component, OdeComponent | ode.OdeComponent) else float(component.get("substep"))
+    integrated = isinstance(component, OdeComponent | ode.OdeComponent)
+    step = component.internal_step() if integrated else float(component.get("substep"))
     return step if math.isfinite(step) else component.default_step
 
 
