@@ -56,6 +56,10 @@ class KernelDispatcher(CPUDispatcher):
             before, self._for_kernels = self._for_kernels, True
             try:
                 self.compile(args)
+            except NumbaError:
+                if not self._counts:
+                    raise
+                self.compile(args)
             finally:
                 self._for_kernels = before
         return self.overloads[args]

@@ -17,13 +17,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ...components.core.component import Component
+from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
 from ..build import is_sound, kept, write
 from ..description import documentation, shared_files
 from .description import HOST, description2, description3, listed, name_of
-from .image import compiled_with_image
-from .machine_code import TARGETS, object_code
+from .instance import Places
+from .machine_code import NATIVE, TARGETS, compile_entries, object_code
 from .variables import native_variables, tables
 
 RUNTIME = Path(__file__).parent / "runtime"
@@ -67,18 +69,28 @@ def compiler(target: str) -> list[str]:
 def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Library:
     """Compile what `make` makes, a component with its effects, parameters and start values, for all targets."""
     compilers = {target: compiler(target) for target in targets}  # refused before anything is compiled
-    component, code, image = compiled_with_image(make)
-    variables = native_variables(component, code, image)
-    objects = {target: object_code(code, target) for target in {*compilers, "linux64"}}
+    component = initialized(make())
+    text, places = compile_entries(component), Places(component)
+    variables = native_variables(component, places)
+    objects = {target: object_code(text, target) for target in {*compilers, "linux64"}}
     total = hashlib.sha256(objects["linux64"])
-    for part in (tables(component, code, image, variables, ""), *((RUNTIME / f).read_text() for f in sorted(_files()))):
+    for part in (tables(component, places, variables, ""), *((RUNTIME / f).read_text() for f in sorted(_files()))):
         total.update(f"{len(part)}\0{part}".encode())
     total.update(description2(name, component, variables, ""))
     digest = total.hexdigest()
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-    model = tables(component, code, image, variables, token)
+    model = tables(component, places, variables, token)
     binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
     return Library(name, component, variables, token, model, objects, binaries)
+
+
+def initialized(component: Component) -> KernelComponent:
+    """The component with its start values initialized, which refuses what cannot be built; `BadInput` for one in plain Python."""
+    if not isinstance(component, KernelComponent):
+        raise BadInput(type(component).__name__, "a component in plain Python", NATIVE,
+                       "Derive it from KernelComponent or one of its kinds: docs/extending.md.")
+    component.initialize(0.0)
+    return component
 
 
 def _files() -> list[str]:

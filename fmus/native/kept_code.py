@@ -1,6 +1,6 @@
 """Machine code of components on disk, so that another process, and other parameter values, compile nothing.
 
-It is found by a digest of all that it follows from: the text of the generated functions, the kernels that they reach with what
+It is found by a digest of all that it follows from: the layout of the block, the kernels that they reach with what
 these enclose, the import closures of their sources, and the versions of what compiles.
 """
 
@@ -29,8 +29,7 @@ def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any
               component: type) -> str | None:
     """Digest of what machine code follows from; None where part of it is known to this process only.
 
-    identity: texts, and functions and types with their names (`Hooks.identity`). reached: the kernels that a function names.
-    kernels: all functions that become part of the code, beside the hooks of the component's class.
+    identity: texts and kernels. reached: the kernels that a function names. kernels: all functions that become part of the code.
     """
     from ...components.core.kernel_cache import sources_digest
 

@@ -1,4 +1,4 @@
-"""Object files of generated functions and of all kernels that they call, without Python and without Numba's runtime.
+"""Object files of a component's entries and of all kernels that they call, without Python and without Numba's runtime.
 
 Numba compiles, LLVM emits for the target. A kernel of a component carries flags for use from Python; here each is compiled once
 more with flags of its own: no reference counts, no wrappers. What allocates is then refused by Numba, with its line. The calling
@@ -8,7 +8,6 @@ gets a C function around it. An object may ask for nothing but the functions of 
 
 from __future__ import annotations
 
-import inspect
 import re
 import types
 from collections.abc import Iterable, Mapping
@@ -16,19 +15,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
-
+from ...components.core.block import ENTRIES, check_result, kinds_of
+from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput
 from ...components.core.kernels import OPTIONS
-from .block import Block
-from .hooks import Hooks
-from .initial_state import InitialState
 from .kept_code import digest_of, load, save
 
-ENTRIES = {"start": "double %t", "step": "double %t, double %h", "outputs": "double %t"}
-INITIAL_STATE = "initial_state"
 NATIVE = "kernels that allocate nothing and call only functions of libm"
-RAISED = 99  # status of an error inside a kernel that is no status, such as an index out of range
 ALLOWED = {
     "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf", "erfc",
     "exp", "exp2", "expm1", "fabs", "floor", "fma", "fmod", "frexp", "hypot", "ldexp", "lgamma", "log", "log10", "log1p",
@@ -70,7 +63,7 @@ class _Compiler:
         self.kernels: dict[int, tuple[Any, Any]] = {}
 
     def clone(self, kernel: Any) -> Any:
-        """A kernel, or a plain function that a hook calls, under these flags."""
+        """A kernel, or a plain function that one calls, under these flags."""
         function = getattr(kernel, "py_func", kernel)
         if id(function) in self.kernels:
             return self.kernels[id(function)][0]
@@ -108,76 +101,18 @@ def _names(code: types.CodeType) -> Iterable[str]:
             yield from _names(constant)
 
 
-def helpers() -> dict[str, Any]:
-    """What generated functions use to look at the block: pointers from an address, and arrays over them."""
-    from numba import types as t
-    from numba.extending import intrinsic
-    from numba.np.arrayobj import get_cfarray_intrinsic
-
-    def pointer(kind: Any) -> Any:
-        @intrinsic
-        def cast(context, address):
-            signature = t.CPointer(kind)(t.int64)
-
-            def generate(context, builder, signature, arguments):
-                return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
-
-            return signature, generate
-
-        return cast
-
-    kinds = {"float64": t.float64, "int64": t.int64, "int32": t.int32, "uint64": t.uint64, "bool": t.boolean}
-    # the public carray allocates a tuple for its shape when reference counts are off, and is refused
-    return {**{f"_pointer_{name}": pointer(kind) for name, kind in kinds.items()},
-            "_view_c": get_cfarray_intrinsic("C", None), "_view_f": get_cfarray_intrinsic("F", None)}
-
-
-@dataclass(frozen=True)
-class Code:
-    """The entries of one component in LLVM's language, and the words of the statuses that its hooks return."""
-
-    text: str
-    messages: tuple[str, ...]
-    block: Block
-    start: str  # the hook behind the entry `start`, "" where there is none
-
-
-@dataclass(frozen=True)
-class Image:
-    """The block that an instance begins with.
-
-    `bound_inputs`: the inputs at whose start values the initial state was computed, and from which it follows: the run has to
-    begin with them. `bound_time`: likewise the start time, 0.
-    """
-
-    cells: np.ndarray
-    bound_inputs: frozenset[str]
-    bound_time: bool
-    settable: Mapping[str, tuple[int, ...]]  # parameters that an instance can be given -> cells that they go into
-
-
-def compile_entries(component: Any) -> Code:
-    """Entries of an initialized component; `BadInput` names the line that prevents it."""
-    start = start_of(component)
-    try:
-        return _compiled(component, start)
-    except BadInput:
-        if start != INITIAL_STATE:
-            raise
-    return _compiled(component, "")  # the state at the start is that of the build
-
-
-def _compiled(component: Any, start: str) -> Code:
+def compile_entries(component: KernelComponent) -> str:
+    """The entries of an initialized component in LLVM's language; `BadInput` names the line that prevents it."""
     from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
     refused = (NumbaError, UnsupportedBytecodeError, NotImplementedError)
     try:
-        return _compile(component, start, counted=False)
+        return _compile(component, counted=False)
     except refused as error:
         first = error
     try:
         # code that is never reached may mention allocation; what remains of it is seen among the symbols
-        return _compile(component, start, counted=True)
+        return _compile(component, counted=True)
     except refused as second:
         raise refusal(component, second) from first
     except BadInput as second:
@@ -185,64 +120,37 @@ def _compiled(component: Any, start: str) -> Code:
         raise BadInput(second.where, second.actual + place, second.expected, second.remedy) from first
 
 
-def _compile(component: Any, start: str, counted: bool) -> Code:
+def _compile(component: KernelComponent, counted: bool) -> str:
     from numba import types as t
+    from numba.core.typing.typeof import typeof
 
-    compiler, block = _Compiler(counted), Block(component)
-    hooks = Hooks(component, block, compiler.clone, compiler.compiled, helpers())
-    entries = {}
-    for entry in ENTRIES:
-        if entry == "start" and not start:
-            continue
-        method = start if entry == "start" else f"_{entry}"
-        entries[entry] = hooks.entry(method, InitialState if method == INITIAL_STATE else None)
-    kernels = [function for _, function in compiler.kernels.values()]
-    digest = digest_of((start, *hooks.identity), called_kernels, kernels, type(component))
+    block, cls, compiler = component.block, type(component), _Compiler(counted)
+    assert block is not None
+    kernels = {name: compiler.clone(getattr(cls.kernels, name)) for name in ENTRIES}
+    reached = [function for _, function in compiler.kernels.values()]
+    of_arguments = tuple(map(typeof, component.arguments))
+    layout = "\n".join(map(repr, block.in_order()))
+    identity = (layout, *map(str, of_arguments), *(getattr(cls.kernels, name) for name in ENTRIES))
+    digest = digest_of(identity, called_kernels, reached, cls)
     text = load(digest) if digest else None
     if text is None:
         texts = {}
-        for entry, function in entries.items():
-            arguments = ENTRIES[entry]
-            signature = (t.float64,) * arguments.count("double") + (t.int64,)
-            function.compile(signature)
-            texts[entry] = _with_c_entry(entry, arguments, function.overloads[signature])
-        text = _linked(component, texts, [k.__name__ for k in kernels])
-        if digest:
-            save(digest, text)
-    return Code(text, tuple(hooks.messages), block, start)
-
-
-def start_of(component: Any) -> str:
-    """The method that computes the initial state, or part of it, for inputs and parameters of the start; or ""."""
-    from ...components.core.component import Component
-    from ...components.core.integrators import OdeComponent
-
-    if type(component)._start is not Component._start:
-        return "_start"
-    hooks = [vars(cls).get("_initialize") for cls in type(component).__mro__ if cls is not OdeComponent]
-    own = any(re.search(r"self\.x\b.*[^=<>!]=[^=]", inspect.getsource(hook)) for hook in hooks if hook)
-    return INITIAL_STATE if isinstance(component, OdeComponent) and not own else ""
-
-
-def _with_c_entry(entry: str, arguments: str, compiled: Any) -> str:
-    name, result = compiled.fndesc.llvm_func_name, compiled.signature.return_type
-    width = result.bitwidth
-    if width not in (32, 64):
-        raise ValueError(f"{entry} returns a {result}, expected a status")
-    value = "%v = trunc i64 %w to i32" if width == 64 else "%v = add i32 %w, 0"
-    return compiled.library.get_llvm_str() + f"""
-define i32 @model_{entry}({arguments}, i64 %b) {{
- %r = alloca i{width}
- %e = alloca ptr
- store i{width} 0, ptr %r
- %s = call i32 @"{name}"(ptr %r, ptr %e, {arguments}, i64 %b)
- %ok = icmp eq i32 %s, 0
- %w = load i{width}, ptr %r
- {value}
- %o = select i1 %ok, i32 %v, i32 {RAISED}
- ret i32 %o
+        for name, kernel in kernels.items():
+            signature = (t.float64,) * len(ENTRIES[name]) + of_arguments
+            kernel.compile(signature)
+            overload = kernel.overloads[signature]
+            check_result(kernel, overload)
+            body = block.body(name, kinds_of(overload, len(ENTRIES[name])), overload.fndesc.llvm_func_name)
+            texts[name] = overload.library.get_llvm_str() + f"""
+define i32 @model_{name}({', '.join(ENTRIES[name])}, i64 %address) {{
+%block = inttoptr i64 %address to ptr
+{body}
 }}
 """
+        text = _linked(component, texts, [k.__name__ for k in reached])
+        if digest:
+            save(digest, text)
+    return text
 
 
 def _linked(component: Any, texts: Mapping[str, str], kernels: list[str]) -> str:
@@ -298,13 +206,9 @@ def _optimize(module: Any, target: Target) -> Any:
     return machine
 
 
-def object_code(code: Code, target: str) -> bytes:
-    """The object file for a target; its entries are hidden from other libraries of the process."""
-    return _object(code.text, target)
-
-
 @lru_cache(maxsize=16)
-def _object(text: str, target: str) -> bytes:
+def object_code(text: str, target: str) -> bytes:
+    """The object file of entries for a target; they are hidden from other libraries of the process."""
     import llvmlite.binding as llvm
 
     module = llvm.parse_assembly(text)

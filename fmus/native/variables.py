@@ -1,6 +1,6 @@
 """The variables of a native FMU: the same names and value references as those of the pythonfmu FMU, with what is fixed at build.
 
-Effects are constants, and so are parameters that cannot be written into the block. What belongs to an effect that is off has no
+Effects are constants, and so are structural parameters. What belongs to an effect that is off has no
 variable; its value references stay unused.
 """
 
@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
-from .kernel_code import refusals_of
-from .machine_code import Code, Image
+from .instance import Places, image_of, reasons_of
 
 TYPES = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "String": "STRING"}
 
@@ -26,31 +24,30 @@ class NativeVariable:
     role: str
     cell: int = 0
     factor: float = 1.0
-    bound: bool = False  # an input at whose start value the initial state was computed
     size: int = 1  # elements of the array that begins here; 0 inside of one
 
 
-def native_variables(component: Any, code: Code, image: Image) -> tuple[NativeVariable, ...]:
+def native_variables(component: KernelComponent, at: Places) -> tuple[NativeVariable, ...]:
     """All variables in the order of their value references."""
     places: dict[str, tuple[int, float]] = {}
     n = len(component.inputs)
     for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
-        places |= {form.format(name): (code.block.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
-    places |= {name: (code.block.y + i, 1.0) for i, name in enumerate(component.outputs)}
-    return _with_sizes([_variable(s, component, code, places, image) for s in interface(component.__class__)])
+        places |= {form.format(name): (at.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
+    places |= {name: (at.y + i, 1.0) for i, name in enumerate(component.outputs)}
+    return _with_sizes([_variable(s, component, at, places) for s in interface(component.__class__)])
 
 
-def _variable(scalar: Scalar, component: Any, code: Code, places: dict[str, tuple[int, float]], image: Image) -> NativeVariable:
+def _variable(scalar: Scalar, component: KernelComponent, at: Places, places: dict[str, tuple[int, float]]) -> NativeVariable:
     name = scalar.name
     if scalar.causality == "parameter":
         if name.startswith("effects."):
-            value: Any = name.partition(".")[2] in component.on
+            value: bool | float | str = name.partition(".")[2] in component.on
         elif name in component.parameters:
             value = component.parameters[name]
         else:
             return NativeVariable(scalar, "ABSENT")
-        if name in image.settable:
-            return NativeVariable(replace(scalar, start=value), "PARAMETER", code.block.parameters[name])
+        if name in at.settable:
+            return NativeVariable(replace(scalar, start=value), "PARAMETER", at.settable[name])
         return NativeVariable(replace(scalar, causality="local", start=value, text=scalar.text + "; fixed at build"), "CONSTANT")
     if name not in places:
         return NativeVariable(scalar, "ABSENT")
@@ -59,9 +56,7 @@ def _variable(scalar: Scalar, component: Any, code: Code, places: dict[str, tupl
         return NativeVariable(scalar, "OUTPUT", cell)
     if scalar.order:
         return NativeVariable(scalar, "DERIVATIVE", cell, factor)
-    start, bound = float(image.cells[cell]), name in image.bound_inputs
-    text = scalar.text + "; fixed at build is its start value, for which the initial state was computed" if bound else scalar.text
-    return NativeVariable(replace(scalar, start=start, text=text), "INPUT", cell, bound=bound)
+    return NativeVariable(replace(scalar, start=float(component[name])), "INPUT", cell)
 
 
 def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
@@ -81,30 +76,22 @@ def _with_sizes(variables: list[NativeVariable]) -> tuple[NativeVariable, ...]:
     return tuple(merged)
 
 
-def tables(component: Any, code: Code, image: Image, variables: tuple[NativeVariable, ...], token: str) -> str:
+def tables(component: KernelComponent, at: Places, variables: tuple[NativeVariable, ...], token: str) -> str:
     """model.c: what the runtime reads."""
     rows = [_row(v.scalar.name, TYPES[v.scalar.type], v) for v in variables]
-    rows.append('{"time", REAL, CLOCK_TIME, 0, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
+    rows.append('{"time", REAL, CLOCK_TIME, 1, 0, 1.0, 0.0, 1.0, -INFINITY, INFINITY, 0}')
     reasons = [f"{{{status}, {quoted(text)}, {{{', '.join(map(str, cells)) or '0'}}}}}"
-               for status, text, cells in reasons_of(component, code)]
-    copies = [f"{{{code.block.parameters[name]}, {cell}}}" for name, cells in image.settable.items() for cell in cells]
-    cells = [f"{value:#x}u" for value in image.cells.view("uint64").tolist()]
-    block = code.block
-    first = min(block.parameters.values(), default=block.saved)
-    numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": block.cells, "saved": block.saved,
-               "u": block.u, "u_size": component.u.size, "y": block.y, "y_size": component.y.size,
-               "parameters": first, "parameters_size": block.saved - first,
-               "copy_count": len(copies), "bound_time": int(image.bound_time)}
-    start = "int32_t model_start(double t, int64_t block);\n" if "@model_start(" in code.text else ""
+               for status, text, cells in reasons_of(component)]
+    cells = [f"{value:#x}u" for value in image_of(component).view("uint64").tolist()]
+    numbers = {"variable_count": len(variables), "reason_count": len(reasons), "cells": at.cells, "saved": at.saved, "u": at.u,
+               "u_size": component.u.size, "parameters": at.first_parameter, "parameters_size": at.saved - at.first_parameter}
     return "\n".join([
         "#include \"native.h\"", "#include <math.h>",
         "const Variable model_variables[] = {", ",\n".join(rows), "};",
         "const Reason model_reasons[] = {", ",\n".join(reasons), "};",
-        "const Copy model_copies[] = {", ", ".join(copies) or "{0, 0}", "};",
         "const uint64_t model_image[] = {", *(", ".join(cells[k : k + 8]) + "," for k in range(0, len(cells), 8)), "};",
         f"const char model_token[] = {quoted(token)};",
-        "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";",
-        start + f"int32_t (*const model_start_entry)(double, int64_t) = {'model_start' if start else '0'};", ""])
+        "const uint32_t " + ", ".join(f"model_{name} = {value}" for name, value in numbers.items()) + ";", ""])
 
 
 def _row(name: str, kind: str, variable: NativeVariable) -> str:
@@ -112,7 +99,7 @@ def _row(name: str, kind: str, variable: NativeVariable) -> str:
     text = quoted(str(scalar.start)) if role == "CONSTANT" and kind == "STRING" else "0"
     value = number(float(scalar.start)) if role in ("CONSTANT", "INPUT", "DERIVATIVE") and kind != "STRING" else "0.0"
     name = quoted(name) if role != "ABSENT" else "0"
-    return (f"{{{name}, {kind}, {role}, {int(variable.bound)}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
+    return (f"{{{name}, {kind}, {role}, {variable.size}, {variable.cell}, {number(variable.factor)}, "
             f"{value}, {number(scalar.nominal)}, {number(float(scalar.low))}, {number(float(scalar.high))}, {text}}}")
 
 
@@ -124,23 +111,3 @@ def number(value: float) -> str:
 def quoted(text: str) -> str:
     """A string literal of C."""
     return '"' + "".join(chr(b) if 32 <= b < 127 and chr(b) not in '"\\?' else f"\\{b:03o}" for b in text.encode()) + '"'
-
-
-def reasons_of(component: Any, code: Code) -> list[tuple[int, str, list[int]]]:
-    """(status, format of a message, cells of the numbers in it) of all that the entries may return."""
-    from ...components.core.errors import StepFailed
-    from ...components.core.kernels import REASONS
-    from .hooks import FIRST_RAISED
-
-    reasons = []
-    component.left_range = str  # the values of a run are not known when a message is written into the binary
-    for status in REASONS:
-        try:
-            component._check(status)
-        except StepFailed as failure:
-            text = failure.reason + (f". {failure.remedy}" if failure.remedy else "")
-            reasons.append((status, text.replace("%", "%%"), []))
-    del component.left_range
-    if isinstance(component, KernelComponent):
-        return reasons + refusals_of(component)
-    return reasons + [(FIRST_RAISED + k, text.replace("%", "%%"), []) for k, text in enumerate(code.messages)]

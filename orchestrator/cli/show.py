@@ -104,12 +104,12 @@ def show(
 def _component(name: str, effects: list[str], preset: str, parameters: Mapping[str, Any], timed: bool
                ) -> tuple[dict[str, Any], Drawing]:
     from ...components.catalogue import component_class
+    from ...components.core.contract import KernelComponent
     from ..harness.component_page import component_page
-    from ..judgement.stepping_path import python_of
 
     cls = component_class(name, "show")
     component = cls(effects, parameters, preset=preset)
-    python = python_of(component)
+    component.initialize(0.0)
     page = component_page(name)
     costs = _costs(cls, parameters, preset) if timed else {}
     own = {row.name: row for row in page.variables}
@@ -128,7 +128,7 @@ def _component(name: str, effects: list[str], preset: str, parameters: Mapping[s
         "hard_cases": [{"name": c.name, "what": c.text, "holds": "; ".join(c.holds)} for c in page.hard_cases],
         "scenes": [{"name": scene, "title": title} for scene, title in page.scenes.items()],
         "states": page.states,
-        "step": "; ".join(f"Python in {hook}: {what}" for hook, what in python.items()) or "compiled",
+        "step": "compiled" if isinstance(component, KernelComponent) else "Python",
     }, page.sketch()
 
 
@@ -197,7 +197,7 @@ def _scene(name: str, effects: list[str], values: list[str] | None, presets: lis
         "title": f"{scene.name}: {scene.title or 'no title'}",
         "units": [{"name": unit, "what": settings.component or settings.fmu, "title": interfaces[unit].title,
                    "effects": [e for e, why in interfaces[unit].effects.items() if why],
-                   "Python in its steps": [f"{hook}: {what}" for hook, what in path.python.get(unit, {}).items()]}
+                   "steps": "Python" if unit in path.python else ""}
                   for unit, settings in scene.units.items()],
         "connections": [{"from": ".".join(link.source), "to": ".".join(link.target), "times": link.factor, "plus": link.offset}
                         for link in scene.coupling.links],

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import NamedTuple
 
-from ...components.core.component import Component
+from ...components.core.contract import KernelComponent
 from ..engine.stepping.adaptive import AdaptiveStepping
 from ..engine.stepping.batch import inner, obstacles
 from ..run import Run
@@ -20,7 +19,7 @@ class SteppingPath(NamedTuple):
     """Of a scene in process."""
 
     obstacles: tuple[str, ...]  # settings that put it on the general path; without any, batches of steps are compiled code
-    python: Mapping[str, Mapping[str, str]]  # unit -> hook -> the statement that is Python, for components that have such
+    python: tuple[str, ...]  # components that are no kernels but Python
 
 
 def stepping_path(scene: Scene) -> SteppingPath:
@@ -34,14 +33,5 @@ def stepping_path(scene: Scene) -> SteppingPath:
         if isinstance(run.stepping, AdaptiveStepping) and not reasons:
             reasons = ["units that may return early from a step"]
         units = [unit for node in run.master.nodes if isinstance(unit := inner(node), ComponentUnit)]
-        python = {unit.name: unit.python_hooks(scene.master.step) for unit in units}
-        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))),
-                            {name: hooks for name, hooks in python.items() if hooks})
-
-
-def python_of(component: Component) -> Mapping[str, str]:
-    """Hook -> the statement that is Python, of a component with its inputs at their start values."""
-    unit = ComponentUnit(component.name, component)
-    unit.wire(component.inputs, component.outputs)
-    unit.initialize(0.0, component.u[0].tolist())
-    return unit.python_hooks(component.default_step)
+        python = tuple(unit.name for unit in units if not isinstance(unit.component, KernelComponent))
+        return SteppingPath((*reasons, *dict.fromkeys(obstacles(run.master, run.account))), python)

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .call_names import COMPANIONS, DERIVATIVES, FUNCTIONS, HELD, MEAN, OF_FMU
+from .callback import Callback
 from .description import Scalar, has_companions
-from .entries import Callback
 from .values import Block, blocks
 
 

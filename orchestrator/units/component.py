@@ -14,8 +14,7 @@ from ...components.core.errors import StepFailed
 from ..settings import UnitSettings
 from .call_names import IN_MEMORY, OF_COMPONENT
 from .call_table import CallTable
-from .entries import RAISED, Callback, Entry
-from .hook_calls import KernelCall, PythonInHook, output_calls, step_calls
+from .callback import Callback
 from .interface import ARRAY_THRESHOLD, Interface, PortValues, Signal
 
 
@@ -101,64 +100,36 @@ class ComponentUnit:
         return _addresses(self.component.y, self.component.output_positions(names))
 
     def call_table(self, h: float) -> CallTable:
-        """For compiled steps of length h, s, of the initialized component."""
+        """For compiled steps of the initialized component."""
         c = self.component
+        self._callbacks: tuple[Callback, ...] = ()
+        self.written = None
         if isinstance(c, KernelComponent):
-            return self._kernel_table(c)
+            assert c.block is not None
+            alive: tuple[Any, ...] = (c.block,)
+            self.written = [c.block.memory] if type(c).stepped is Component.stepped else None
+            outputs, step, argument = c.entry("outputs"), c.entry("step"), c.block.address
+        else:
+            def refresh(t: float, _: float) -> None:
+                c.t = t
+                c.refresh()
 
-        def refresh(t: float, _: float) -> None:
-            c.t = t
-            c.refresh()
-
-        outputs = self._hook(lambda: output_calls(c), refresh)
-        step = self._hook(lambda: step_calls(c, h), c.step)
-        self._hooks = outputs, step
-        self.written = self._written()
-        calls = (outputs.function, outputs.argument, step.function, step.argument, c.u.strides[0])
+            alive = self._callbacks = Callback(refresh), Callback(c.step)
+            outputs, step, argument = *(callback.function for callback in self._callbacks), 0
+        calls = (outputs, argument, step, argument, c.u.strides[0])
         none_held = (False,) * len(self._at[0])
-        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, self._hooks, *self._at, none_held)
-
-    def _kernel_table(self, c: KernelComponent) -> CallTable:
-        block = c.block
-        assert block is not None
-        self._hooks: tuple[Entry | Callback, ...] = ()
-        self.written = [block.memory] if type(c).stepped is Component.stepped else None
-        calls = (c.entry("outputs"), block.address, c.entry("step"), block.address, c.u.strides[0])
-        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, (block,), *self._at, (False,) * len(self._at[0]))
-
-    def _hook(self, calls: Callable[[], list[KernelCall]], python: Callable[[float, float], None]) -> Entry | Callback:
-        try:
-            return Entry(calls())
-        except PythonInHook as what:
-            return Callback(python, str(what))
-
-    def python_hooks(self, h: float) -> dict[str, str]:
-        """What of the hooks is Python in steps of length h, s, of the initialized component: hook -> statement."""
-        self.call_table(h)
-        if not self._hooks:
-            return {}
-        hooks = zip(("_outputs", "_step"), self._hooks, strict=True)
-        return {name: hook.reason for name, hook in hooks if isinstance(hook, Callback)}
-
-    def _written(self) -> list[np.ndarray] | None:
-        cls = type(self.component)
-        plain = all(getattr(cls, name) is getattr(Component, name) for name in ("save", "restore", "stepped"))
-        if not plain or any(isinstance(hook, Callback) for hook in self._hooks):
-            return None
-        return [array for hook in self._hooks if isinstance(hook, Entry) for array in hook.arrays if array.flags.writeable]
+        return CallTable(dict(zip(OF_COMPONENT, calls, strict=True)), IN_MEMORY, alive, *self._at, none_held)
 
     def stepped(self, steps: int, t: float) -> None:
         """Compiled code has taken steps of this unit, to the time t, s."""
         self.component.stepped(t)
 
     def stopped(self, status: int, t: float) -> None:
-        """A hook has ended the step from t, s, with this status; raises the reason."""
-        for hook in self._hooks:
-            if isinstance(hook, Callback) and hook.error is not None:
-                error, hook.error = hook.error, None
+        """The step from t, s, has ended with this status; raises the reason."""
+        for callback in self._callbacks:
+            if callback.error is not None:
+                error, callback.error = callback.error, None
                 raise error
-        if status == RAISED:
-            raise RuntimeError(f"a kernel of {self.name} has raised an exception")
         self.component._check(status)
 
     def wire_texts(self, inputs: Sequence[str]) -> None:

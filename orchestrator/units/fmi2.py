@@ -20,7 +20,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 from .call_table import CallTable, Held, call_table
-from .entries import Callback
+from .callback import Callback
 from .fmu_unit import FmuUnit
 from .inputs import WARNING
 from .interface import SimulationEnded
@@ -90,7 +90,7 @@ class Fmi2CoSimulation(Fmi2Unit):
             return None
         places = self._rows[2]
         self._held_values = np.zeros(len(places))
-        self._hand_over_held = Callback(self._hand_over_values, "inputs that change at instants only")
+        self._hand_over_held = Callback(self._hand_over_values)
         return call_table(self._fmu.dll, self._fmu.component, self._input_names, self._output_names,
                           interface.canInterpolateInputs, self._scalars, Held(places, self._held_values, self._hand_over_held))
 

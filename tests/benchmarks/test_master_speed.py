@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.component import Component
+from cosimo.components.core.direct import DirectComponent, direct_kernels
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run import run
@@ -73,26 +74,18 @@ def test_recording_every_output_of_every_step_adds_under_a_fifth(rates):
 
 
 @kernel
-def halve(u, y):
-    y[0] = 0.5 * u[0, 0]
+def halve(t, s, p, e):
+    s.y[0] = 0.5 * s.u[0, 0]
     return DONE
 
 
-class KernelGain(Component):
-    """Half of its input; nothing but kernels in its step."""
+class KernelGain(DirectComponent):
+    """Half of its input."""
 
     title = "gain"
     u_in = input_(0.0, "1", "input")
     y_out = output("1", "half of it")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        return halve(self.u, self.y)
-
-    def _outputs(self, t):
-        halve(self.u, self.y)
+    kernels = direct_kernels(__name__, halve)
 
 
 class Gain(Component):

@@ -14,8 +14,6 @@ from cosimo.orchestrator.open_all import open_units
 from cosimo.orchestrator.run import master_of, run
 from cosimo.orchestrator.systems import load_scene
 from cosimo.orchestrator.units.calls import call_hook
-from cosimo.orchestrator.units.entries import Entry
-from cosimo.orchestrator.units.hook_calls import step_calls
 from numba import njit
 
 pytestmark = pytest.mark.benchmark
@@ -54,8 +52,8 @@ def measured(scene, steps: int) -> tuple[float, float]:
         master.initialize(0.0)
         loop, times = batch_loop_for(master, np.zeros(1, dtype=np.uint8)), h * np.arange(steps)
         coupled = best(lambda: loop.run(times[:1000], h, np.zeros(0, dtype=np.int64)))
-        entries = [Entry(step_calls(unit.component, h)) for unit in units.values()]
-        functions, arguments = (np.array([getattr(e, n) for e in entries]) for n in ("function", "argument"))
+        components = [unit.component for unit in units.values()]
+        functions, arguments = np.array([c.entry("step") for c in components]), np.array([c.block.address for c in components])
         physics(functions, arguments, times[:1], h)
         alone = best(lambda: physics(functions, arguments, times, h))
     return coupled / 1000, alone / steps

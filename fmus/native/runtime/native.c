@@ -35,19 +35,19 @@ int allowed(const Instance *m, uint32_t phases, const char *call) {
 
 int refuse(const Instance *m, const char *call) { return report(m, ERROR, "%s is not offered by this FMU", call); }
 
-/* All cells but the saved ones: constants, workspace, and the parameters where the kernels look for them. */
-static void fill_rest(Instance *m) {
-    memcpy(m->block + model_saved, model_image + model_saved, 8 * (size_t)(model_cells - model_saved));
-    for (uint32_t k = 0; k < model_copy_count; k++) m->block[model_copies[k].to] = m->block[model_copies[k].from];
-}
 /* The block of the build; inputs and parameters are kept unless the instance begins anew. */
 static void fill(Instance *m, int anew) {
     const uint32_t ends[] = {model_u, model_u + model_u_size, model_parameters, model_parameters + model_parameters_size};
-    for (uint32_t k = 0; k < model_saved; k++)
+    for (uint32_t k = 0; k < model_cells; k++)
         if (anew || !((k >= ends[0] && k < ends[1]) || (k >= ends[2] && k < ends[3]))) memcpy(m->block + k, model_image + k, 8);
-    fill_rest(m);
     m->stale = 1;
     m->initialized = 0;
+}
+static int32_t initialize(Instance *m, double t) {
+    fill(m, 0);
+    m->initialized = 1;
+    m->block[0] = t;
+    return model_initialize(t, ADDRESS(m));
 }
 
 Instance *create(const char *name, const char *token, int logging, int fmi3, Logger log, void *environment, void *callback) {
@@ -88,29 +88,13 @@ static const char *not_finite(const Instance *m) {
         if (model_variables[k].role == OUTPUT && !isfinite(m->block[model_variables[k].cell])) return model_variables[k].name;
     return NULL;
 }
-/* Whether the run begins with the inputs for which the initial state was computed at build. Masters hand outputs over until they
-   fit, and a stiff contact magnifies their rounding: a force of 0.78 N came out 4e-12 N away. Such a difference is none. */
-static int bound(const Instance *m) {
-    for (uint32_t k = 0; k < model_variable_count; k++) {
-        const Variable *v = &model_variables[k];
-        if (v->role == INPUT && v->bound && !(fabs(m->block[v->cell] - v->value) <= 1e-9 * fabs(v->value) + 1e-12 * v->nominal))
-            return report(m, ERROR, "%s = %.9g at the start: the initial state of this FMU was computed at its build for %.9g; build it "
-                          "for this start value, as by --scene", v->name, m->block[v->cell], v->value);
-    }
-    return OK;
-}
 /* Outputs that belong to the present inputs; before the run the initial state, too. */
 static int freshen(Instance *m) {
     int32_t status = 0;
     const char *bad;
     char text[700];
     if (!m->stale) return OK;
-    if (m->phase == INITIALIZATION) {
-        fill(m, 0);
-        m->block[0] = m->t = m->start;
-        if (model_start_entry) status = model_start_entry(m->t, ADDRESS(m));
-        m->initialized = 1;
-    }
+    if (m->phase == INITIALIZATION) status = initialize(m, m->t = m->start);
     if (!status) status = model_outputs(m->t, ADDRESS(m));
     if (status) {
         m->phase = FAILED;
@@ -126,8 +110,6 @@ static int freshen(Instance *m) {
 int setup(Instance *m, double start, int has_stop, double stop) {
     if (!isfinite(start)) return report(m, ERROR, "start time %g", start);
     if (has_stop && !(stop >= start)) return report(m, ERROR, "stop time %g before the start at %g", stop, start);
-    if (model_bound_time && start != 0.0)
-        return report(m, ERROR, "start time %.9g s: the initial state of this FMU was computed at its build for a start at 0 s", start);
     m->start = m->t = start;
     m->stop = has_stop ? stop : INFINITY;
     return OK;
@@ -138,7 +120,7 @@ int enter_initialization(Instance *m) {
     return OK;
 }
 int exit_initialization(Instance *m) {
-    if (!allowed(m, INITIALIZATION, "ExitInitializationMode") || bound(m) || freshen(m)) return ERROR;
+    if (!allowed(m, INITIALIZATION, "ExitInitializationMode") || freshen(m)) return ERROR;
     m->phase = STEPPING;
     return OK;
 }
@@ -357,10 +339,8 @@ int set_state(Instance *m, const void *state) {
     const State *s;
     if (!m || !(s = known(m, state, "SetFMUState"))) return ERROR;
     if (!m->initialized || memcmp(m->block + model_parameters, s->cells + model_parameters, 8 * (size_t)model_parameters_size)) {
-        memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, */
-        fill(m, 0);                                          /* what follows from them, */
-        if (model_start_entry) model_start_entry(s->start, ADDRESS(m));
-        m->initialized = 1;
+        memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* the parameters, and what follows from them, */
+        initialize(m, s->start);
     }
     memcpy(m->block, s->cells, 8 * (size_t)model_saved); /* and the state as it was saved */
     m->phase = s->phase; m->stale = s->stale; m->t = s->t; m->start = s->start; m->stop = s->stop;

@@ -18,7 +18,7 @@ enum { OK, WARNING, DISCARD, ERROR };                            /* statuses, of
 /* One variable; its position in the table is its value reference. */
 typedef struct {
     const char *name;
-    uint8_t type, role, bound; /* bound: the initial state was computed at the start value of this input */
+    uint8_t type, role;
     uint32_t size;             /* FMI 3: number of elements of the array that begins here; 0 inside of one */
     uint32_t cell;             /* of a parameter, an input, a derivative or an output in the block */
     double factor;             /* of the cell over the variable */
@@ -27,18 +27,15 @@ typedef struct {
     const char *text;          /* of a constant String */
 } Variable;
 typedef struct { int32_t status; const char *text; uint32_t cells[4]; } Reason; /* a format, and numbers of the block for it */
-typedef struct { uint32_t from, to; } Copy; /* a cell that holds a parameter for the kernels */
 
 /* ---- written at build ---- */
 extern const Variable model_variables[];
 extern const Reason model_reasons[];
-extern const uint64_t model_image[]; /* the block after initialization */
-extern const Copy model_copies[];
+extern const uint64_t model_image[]; /* the block before initialization */
 extern const char model_token[];
-extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_u, model_u_size, model_y, model_y_size;
-extern const uint32_t model_parameters, model_parameters_size, model_copy_count;
-extern const uint32_t model_bound_time; /* whether the initial state was computed for a start at t = 0 */
-extern int32_t (*const model_start_entry)(double t, int64_t block); /* null where nothing is left to compute */
+extern const uint32_t model_variable_count, model_reason_count, model_cells, model_saved, model_u, model_u_size;
+extern const uint32_t model_parameters, model_parameters_size;
+int32_t model_initialize(double t, int64_t block);
 int32_t model_step(double t, double h, int64_t block);
 int32_t model_outputs(double t, int64_t block);
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from cosimo.components.core.component import Component
+from cosimo.components.core.contract import KernelComponent, Kernels
+from cosimo.components.core.direct import DirectComponent, direct_kernels
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
@@ -11,7 +12,7 @@ from cosimo.orchestrator.engine.algorithms.jacobi import Jacobi
 from cosimo.orchestrator.judgement.instability import LOOKS, InstabilityMonitor
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.orchestrator.units.entries import Callback
+from cosimo.orchestrator.units.callback import Callback
 from cosimo.tests.support import two_masses
 from cosimo.tests.units.native import native_fmu
 
@@ -225,52 +226,49 @@ def test_a_batch_in_which_a_coupling_has_grown_is_taken_back(bonds, monkeypatch)
 
 
 @kernel
-def push(u, motion, y, h):
-    motion[1] += h * u[0, 0]
-    motion[0] += h * motion[1]
-    y[0], y[1] = motion[0], motion[1]
+def push_start(t, s, p, e):
+    s.motion[1] = 1.0
     return DONE
 
 
 @kernel
-def pull(u, y):
-    y[0] = -100.0 * u[0, 0] - 4.0 * u[0, 1]
+def push(t, h, s, p, e):
+    s.motion[1] += h * s.u[0, 0]
+    s.motion[0] += h * s.motion[1]
+    return push_outputs(t + h, s, p, e)
+
+
+@kernel
+def push_outputs(t, s, p, e):
+    s.y[0], s.y[1] = s.motion[0], s.motion[1]
     return DONE
 
 
-class Pushed(Component):
+@kernel
+def pull(t, s, p, e):
+    s.y[0] = -100.0 * s.u[0, 0] - 4.0 * s.u[0, 1]
+    return DONE
+
+
+class Pushed(KernelComponent):
     """1 kg whose motion stands in an array that `save` knows nothing of."""
 
     force = input_(0.0, "N", "force")
     x_out = output("m", "position")
     v_out = output("m/s", "velocity")
+    kernels = Kernels(push_start, push, push_outputs)
 
-    def _initialize(self, t):
-        self.motion = np.array([0.0, 1.0])
-        return DONE
-
-    def _step(self, t, h):
-        return push(self.u, self.motion, self.y, h)
-
-    def _outputs(self, t):
-        push(self.u, self.motion, self.y, 0.0)
+    def shapes(self):
+        return {"motion": 2}
 
 
-class Pulling(Component):
+class Pulling(DirectComponent):
     """Spring and damper."""
 
     position = input_(0.0, "m", "position of the end")
     velocity = input_(0.0, "m/s", "velocity of the end")
     force = output("N", "force")
-
-    def _initialize(self, t):
-        return DONE
-
-    def _step(self, t, h):
-        return pull(self.u, self.y)
-
-    def _outputs(self, t):
-        pull(self.u, self.y)
+    kernels = direct_kernels(__name__, pull)
 
 
 @pytest.mark.parametrize("step", [0.02, 0.036])  # spectral radius of a step: 0.980, 1.004

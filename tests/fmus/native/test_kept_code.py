@@ -6,41 +6,36 @@ import sys
 import pytest
 from cosimo.components.core import kernel_cache
 from cosimo.fmus.native import machine_code
-from cosimo.fmus.native.image import initialized
+from cosimo.fmus.native.build import initialized
 
 SOURCE = '''
+from cosimo.components.core.direct import DirectComponent, direct_kernels
 from cosimo.components.core.kernels import kernel
-from cosimo.components.core.stateless import StatelessComponent
-from cosimo.components.core.variables import input_, output, parameter
+from cosimo.components.core.variables import input_, integer, output, parameter
 
 FACTOR = {factor}
 
 
-def kernel_of(power):
+def kernels_of(power):
     @kernel
-    def weighed(u, y, gain):
-        y[0] = gain * FACTOR * u[0] ** power
+    def weighed(t, s, p, e):
+        s.y[0] = p.gain * FACTOR * s.u[0, 0] ** power
+        return 0
 
-    return weighed
-
-
-KERNELS = {{1: kernel_of(1), 2: kernel_of(2)}}
+    return direct_kernels(f"{{__name__}}.{{power}}", weighed)
 
 
-class Weighed(StatelessComponent):
+KERNELS = {{1: kernels_of(1), 2: kernels_of(2)}}
+
+
+class Weighed(DirectComponent):
     """A component of one kernel."""
 
     gain = parameter(2.0, "1", "factor")
-    power = parameter(1.0, "1", "1 or 2")
     first = input_(3.0, "1", "a number")
     total = output("1", "its product")
 
-    def _initialize(self, t):
-        self.weigh = KERNELS[int(self.parameters["power"])]
-        return super()._initialize(t)
-
-    def _outputs(self, t):
-        self.weigh(self.u[0], self.y, self.get("gain"))
+    kernels = KERNELS[{power}]
 '''
 
 
@@ -51,17 +46,17 @@ def compiled(tmp_path, monkeypatch):
     done = []
     monkeypatch.setattr(machine_code, "_linked", lambda *a, linked=machine_code._linked: done.append(1) or linked(*a))
 
-    def code(factor=2.0, **parameters):
+    def code(factor=2.0, power=1, **parameters):
         file = tmp_path / f"copy{len(list(tmp_path.glob('copy*')))}" / "weighed.py"  # another module, as in another process
         file.parent.mkdir()
-        file.write_text(SOURCE.format(factor=factor))
+        file.write_text(SOURCE.format(factor=factor, power=power))
         spec = importlib.util.spec_from_file_location("weighed", file)
         module = importlib.util.module_from_spec(spec)
         monkeypatch.setitem(sys.modules, "weighed", module)
         spec.loader.exec_module(module)
         component = module.Weighed((), parameters)
         before = len(done)
-        return machine_code.compile_entries(initialized(component)).text, len(done) > before
+        return machine_code.compile_entries(initialized(component)), len(done) > before
 
     return code
 
@@ -70,7 +65,7 @@ def test_other_values_take_the_same_code_and_other_code_is_compiled(compiled):
     first, anew = compiled(gain=2.0)
     assert anew
     assert compiled(gain=-5.5) == (first, False)
-    for other in ({"power": 2.0}, {"factor": 3.0}):  # another kernel, and a constant of the module
+    for other in ({"power": 2}, {"factor": 3.0}):  # another kernel, and a constant of the module
         text, anew = compiled(**other)
         assert anew, other
         assert text != first, other

@@ -1,20 +1,21 @@
 """What has no native form is refused by name, with the line that prevents it; what is missing is one message."""
 
-import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from cosimo.components.core.errors import BadInput, StepFailed
-from cosimo.components.core.kernels import kernel
-from cosimo.components.core.stateless import StatelessComponent
+from cosimo.components.core.component import Component
+from cosimo.components.core.direct import DirectComponent, direct_kernels
+from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
-from cosimo.fmus.native.image import compiled_with_image
+from cosimo.fmus.native.build import initialized
+from cosimo.fmus.native.machine_code import compile_entries
 
 
-class Sum(StatelessComponent):
+class Sum(DirectComponent):
     """A base for components that are refused."""
 
     gain = parameter(2.0, "1", "factor")
@@ -23,91 +24,45 @@ class Sum(StatelessComponent):
     total = output("1", "a sum")
 
 
-class Whole(Sum):
-    """An array expression allocates."""
-
-    def _outputs(self, t):
-        self.y[:] = self.u[0, :1] + self.u[0, 1:]
-
-
-class Remembering(Sum):
-    """An attribute that a step replaces is no cell of the block."""
-
-    def _initialize(self, t):
-        self._last = np.zeros(1)
-        return super()._initialize(t)
-
-    def _outputs(self, t):
-        self._last = self.u[0] * 1.0
-        self.y[0] = self._last[0]
-
-
-class Printing(Sum):
-    """A statement that is no arithmetic."""
-
-    def _outputs(self, t):
-        with open(os.devnull):
-            self.y[0] = 0.0
-
-
 @kernel
-def add(u, y, scratch):
+def add(t, s, p, e):
     """An array that is made in a kernel."""
-    y[0] = np.sum(u * 2.0) + scratch[0]
+    s.y[0] = np.sum(s.u[0] * 2.0)
+    return DONE
 
 
 class Allocating(Sum):
     """Its kernel allocates."""
 
+    kernels = direct_kernels(__name__, add)
+
+
+class Plain(Component):
+    """Python in its steps."""
+
+    first = input_(1.0, "1", "a number")
+    total = output("1", "a sum")
+
     def _initialize(self, t):
-        self._work = np.zeros(1)
-        return super()._initialize(t)
+        return DONE
+
+    def _step(self, t, h):
+        self._outputs(t + h)
+        return DONE
 
     def _outputs(self, t):
-        add(self.u[0], self.y, self._work)
+        self.y[0] = self.u[0, 0]
 
 
 @pytest.mark.parametrize(("cls", "words"), [
-    (Whole, ["NRT_", "test_native_refusals.py, line"]),
-    (Remembering, ["_last", "test_native_refusals.py, line"]),
-    (Printing, ["With", "test_native_refusals.py, line"]),
+    (Plain, ["plain Python", "docs/extending.md"]),
     (Allocating, ["NRT_", "in add", "test_native_refusals.py, line"]),
 ])  # fmt: skip
 def test_a_component_without_native_form_is_refused_with_what_prevents_it(cls, words):
     with pytest.raises(BadInput) as caught:
-        compiled_with_image(cls)
+        compile_entries(initialized(cls()))
     assert caught.value.where == cls.__name__
     assert all(word in str(caught.value) for word in words), str(caught.value)
-
-
-class Limited(Sum):
-    """Hooks with what most of them have: counting, conditions fixed at build, another method, a failure with a message."""
-
-    settings = ("plain",)
-
-    def _initialize(self, t):
-        self._limit, self._names = 10.0, list(self.settings)
-        return super()._initialize(t)
-
-    def _outputs(self, t):
-        p, *_ = self.arguments
-        value = self._weighted(p.gain)
-        if "other" in self._names:
-            self.y[:] = self._names
-        if value > self._limit:
-            where = "above" if value > 20.0 else "at"
-            raise StepFailed(self.name, t, f"a sum of {value:g} is {where} the limit", "Reduce the inputs")
-        self.y[0] = value
-
-    def _weighted(self, gain):
-        return gain * (self.u[0, 0] + self.u[0, 1])
-
-
-def test_hooks_are_translated_with_their_messages():
-    _, code, image = compiled_with_image(Limited)
-    assert code.messages == ("a sum of ... is ... the limit. Reduce the inputs",)
-    assert not image.bound_inputs
-    assert not image.bound_time
 
 
 def test_a_missing_compiler_is_one_message(monkeypatch):

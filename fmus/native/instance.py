@@ -1,0 +1,93 @@
+"""Where the variables of a component lie in the block of a native FMU, and what an instance begins with.
+
+An instance computes its initial state itself, from inputs and parameters that can be set; structural parameters have the values
+of the build.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...components.core.block import ENTRIES
+from ...components.core.contract import KernelComponent, filled
+from ...components.core.errors import StepFailed
+from ...components.core.kernels import REASONS
+from ...components.core.variables import Causality
+
+
+class Places:
+    """Cells of what an FMU knows of."""
+
+    def __init__(self, component: KernelComponent):
+        block, variables = component.block, type(component).variables
+        assert block is not None
+        self.u, self.y = block.cell("s", "u"), block.cell("s", "y")
+        self.cells, self.saved, self.first_parameter = block.cells, block.saved, block.parameters_at
+        self.settable = {name: cell_of(component, name) for name in component.parameters if not variables[name].structural}
+
+
+def cell_of(component: KernelComponent, name: str) -> int:
+    """The cell of a parameter that is a number."""
+    block = component.block
+    assert block is not None
+    whole, bracket, index = name.partition("[")
+    effect, dot, field = whole.partition(".")
+    first = block.cell("e", effect, field) if dot else block.cell("p", whole)
+    return first + (int(index.rstrip("]")) - 1 if bracket else 0)
+
+
+def image_of(component: KernelComponent) -> np.ndarray:
+    """The block before initialization, (cells,): start values of inputs, parameters, and tables that the layout gives."""
+    block = component._prepare()
+    cells = block.memory.copy()
+    cells[block.addresses_at : block.addresses_at + len(ENTRIES)] = 0.0
+    cells[block.cell("s", "y") : block.cell("s", "x")] = 0.0
+    return cells
+
+
+def reasons_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]:
+    """(status, format of a message, cells of the numbers in it) of all that the entries may return."""
+    rows: list[tuple[int, str, list[int]]] = []
+    component.left_range = str  # type: ignore[method-assign] # the values of a run are not known at its build
+    for status in REASONS:
+        try:
+            component._check(status)
+        except StepFailed as failure:
+            text = failure.reason + (f". {failure.remedy}" if failure.remedy else "")
+            rows.append((status, text.replace("%", "%%"), []))
+    del component.left_range
+    return rows + _refusals_of(component)
+
+
+def _refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]:
+    """(status, format of a message, cells of the numbers in it) of what `initialize` refuses."""
+    block = component.block
+    assert block is not None
+    rows = []
+    for status, refusal in type(component).refusals.items():
+        cells: list[int] = []
+
+        def value(name: str, cells: list[int] = cells) -> str:
+            variable = type(component).variables.get(name)
+            if isinstance(said := getattr(component, name, None), str):
+                return said.replace("%", "%%")
+            if variable is not None and variable.structural:
+                return str(component.parameters[name]).replace("%", "%%")
+            if variable is None:
+                array, _, index = name.partition("[")
+                cells.append(block.cell("s", array) + int(index.rstrip("]") or 0))
+            elif variable.causality is Causality.INPUT:
+                cells.append(block.cell("s", "u") + component.inputs.index(name))
+            elif name in component.parameters:
+                cells.append(cell_of(component, name))
+            else:
+                raise KeyError(name)
+            return "%.6g"
+
+        actual, expected, remedy = (text.replace("%", "%%") for text in refusal)
+        try:
+            text = filled(f"{actual}; expected {expected}" + (f". {remedy}" if remedy else ""), value)
+        except KeyError:  # it names what belongs to an effect that is off
+            continue
+        rows.append((status, text, cells))
+    return rows
