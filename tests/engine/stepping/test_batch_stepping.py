@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from cosimo.components.core.contract import KernelComponent, Kernels
-from cosimo.components.core.direct import DirectComponent, direct_kernels
+from cosimo.components.core.direct import nothing
 from cosimo.components.core.kernels import DONE, kernel
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
@@ -250,6 +250,11 @@ def pull(t, s, p, e):
     return DONE
 
 
+@kernel
+def pull_step(t, h, s, p, e):
+    return pull(t + h, s, p, e)
+
+
 class Pushed(KernelComponent):
     """1 kg whose motion stands in an array that `save` knows nothing of."""
 
@@ -262,13 +267,13 @@ class Pushed(KernelComponent):
         return {"motion": 2}
 
 
-class Pulling(DirectComponent):
+class Pulling(KernelComponent):
     """Spring and damper."""
 
     position = input_(0.0, "m", "position of the end")
     velocity = input_(0.0, "m/s", "velocity of the end")
     force = output("N", "force")
-    kernels = direct_kernels(__name__, pull)
+    kernels = Kernels(nothing, pull_step, pull)
 
 
 @pytest.mark.parametrize("step", [0.02, 0.036])  # spectral radius of a step: 0.980, 1.004
