@@ -13,9 +13,10 @@ Scenes and runs: `load_scene`, `read_scene`, `build_scene`, `unit`, `write_scene
 Many runs: `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
-A component of one's own: `Component`, `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`,
-`StatelessComponent`, `Effect`, `Preset`; `parameter`, `integer`, `choice`, `input_`, `output`; `kernel`, `kernel_tuple`,
-`bind`, `hold_inputs`.
+A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
+their kinds `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `DirectComponent` with `ode_kernels`,
+`smooth_kernels`, `event_kernels`, `sampled_kernels`, `direct_kernels`; `Effect`, `Preset`; `parameter`, `integer`, `choice`,
+`input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
 Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
 """
 
@@ -27,13 +28,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .components.catalogue import component_class
     from .components.core.component import Component, Effect, Preset
+    from .components.core.contract import KernelComponent, Kernels, Refusal
+    from .components.core.direct import DirectComponent, direct_kernels
     from .components.core.errors import BadInput, StepFailed
-    from .components.core.events import EventComponent
-    from .components.core.high_order import SmoothComponent
-    from .components.core.integrators import OdeComponent
-    from .components.core.kernels import bind, hold_inputs, kernel, kernel_tuple
-    from .components.core.sampled import SampledComponent
-    from .components.core.stateless import StatelessComponent
+    from .components.core.kernels import DONE, OWN, bind, hold_inputs, kernel, kernel_tuple
+    from .components.core.modes import EventComponent, event_kernels
+    from .components.core.ode import OdeComponent, ode_kernels
+    from .components.core.sampling import SampledComponent, sampled_kernels
+    from .components.core.smooth import SmoothComponent, smooth_kernels
     from .components.core.variables import choice, input_, integer, output, parameter
     from .fmus.build import build
     from .fmus.check import check
@@ -51,13 +53,14 @@ if TYPE_CHECKING:
 _PLACES = {
     "components.catalogue": ("component_class",),
     "components.core.component": ("Component", "Effect", "Preset"),
+    "components.core.contract": ("KernelComponent", "Kernels", "Refusal"),
+    "components.core.direct": ("DirectComponent", "direct_kernels"),
     "components.core.errors": ("BadInput", "StepFailed"),
-    "components.core.events": ("EventComponent",),
-    "components.core.high_order": ("SmoothComponent",),
-    "components.core.integrators": ("OdeComponent",),
-    "components.core.kernels": ("bind", "hold_inputs", "kernel", "kernel_tuple"),
-    "components.core.sampled": ("SampledComponent",),
-    "components.core.stateless": ("StatelessComponent",),
+    "components.core.kernels": ("DONE", "OWN", "bind", "hold_inputs", "kernel", "kernel_tuple"),
+    "components.core.modes": ("EventComponent", "event_kernels"),
+    "components.core.ode": ("OdeComponent", "ode_kernels"),
+    "components.core.sampling": ("SampledComponent", "sampled_kernels"),
+    "components.core.smooth": ("SmoothComponent", "smooth_kernels"),
     "components.core.variables": ("choice", "input_", "integer", "output", "parameter"),
     "fmus.build": ("build",),
     "fmus.check": ("check",),
@@ -75,11 +78,12 @@ _PLACES = {
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
-    "BadInput", "Component", "Effect", "EventComponent", "OdeComponent", "Preset", "Result", "SampledComponent", "Scene",
-    "SmoothComponent", "StatelessComponent", "StepFailed", "accuracy", "bind", "build", "build_scene", "check", "choice",
-    "component_class", "design", "effects", "fit", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene",
-    "output", "parameter", "read_result", "read_scene", "run", "sensitivity", "stability", "summary", "sweep", "uncertainty",
-    "unit", "validate", "write_report", "write_scene",
+    "DONE", "OWN", "BadInput", "Component", "DirectComponent", "Effect", "EventComponent", "KernelComponent", "Kernels",
+    "OdeComponent", "Preset", "Refusal", "Result", "SampledComponent", "Scene", "SmoothComponent", "StepFailed", "accuracy",
+    "bind", "build", "build_scene", "check", "choice", "component_class", "design", "direct_kernels", "effects",
+    "event_kernels", "fit", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "ode_kernels", "output",
+    "parameter", "read_result", "read_scene", "run", "sampled_kernels", "sensitivity", "smooth_kernels", "stability", "summary",
+    "sweep", "uncertainty", "unit", "validate", "write_report", "write_scene",
 ]
 
 

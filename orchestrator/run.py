@@ -308,7 +308,7 @@ class Run:
     def _start(self, past: Checkpoint | None) -> None:
         self.faults.before_start()
         (self.account or self.master).initialize(0.0)
-        repeats = self.scene.master.algorithm == "iterative" or isinstance(self.stepping, AdaptiveStepping)
+        repeats = self.scene.master.abilities.iterates or isinstance(self.stepping, AdaptiveStepping)
         if repeats or past is not None or self.checkpoints is not None:
             for unit in self._own:
                 unit.check_step_repeatable(self.clock.seconds(self.stepping.stride))

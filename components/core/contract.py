@@ -176,8 +176,8 @@ class KernelComponent(Component):
         inputs = dict(zip(self.inputs, self.u[0].tolist(), strict=True))
 
         def value(name: str) -> str:
-            if isinstance(said := getattr(self, name, None), str):
-                return said
+            if isinstance(text := getattr(self, name, None), str):
+                return text
             if name in self.parameters or name in inputs:
                 number = self.parameters.get(name, inputs.get(name))
             else:

@@ -69,8 +69,8 @@ def _refusals_of(component: KernelComponent) -> list[tuple[int, str, list[int]]]
 
         def value(name: str, cells: list[int] = cells) -> str:
             variable = type(component).variables.get(name)
-            if isinstance(said := getattr(component, name, None), str):
-                return said.replace("%", "%%")
+            if isinstance(text := getattr(component, name, None), str):
+                return text.replace("%", "%%")
             if variable is not None and variable.structural:
                 return str(component.parameters[name]).replace("%", "%%")
             if variable is None:

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from ..harness.studies.stability import Scheme
     from ..scene.scene import Scene
 
-ALGORITHMS = ("jacobi", "gauss-seidel", "iterative", "interface-model")
 
 
 @app.command()
@@ -108,6 +107,7 @@ def _macro_steps(what: str, over: list[str] | None, values: list[str] | None, pr
 
 def _schemes(scene: Scene, algorithm: list[str] | None, extrapolation: list[int] | None) -> list[Scheme]:
     from ..harness.studies.stability import schemes_of
+    from ..settings.algorithms import ALGORITHMS
 
     names = listed("--algorithm", algorithm) if algorithm else []
     for name in names:

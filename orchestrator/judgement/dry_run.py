@@ -49,14 +49,14 @@ def lines(scene: Scene, coupling: Coupling, advice: Advice, *, in_process: bool 
     loops = [step.text for step in coupling.feedthrough_schedule if isinstance(step, Loop)]
     if loops:
         yield f"algebraic loops: {'; '.join(loops)}"
-    if master.algorithm == "gauss-seidel":
+    if master.abilities.sequential:
         yield f"order of stepping: {', '.join(coupling.order(master.order))}"
     if coupling.undriven:
         yield f"inputs at their start values: {', '.join(coupling.undriven)}"
     yield f"recorded: {', '.join(map('.'.join, (*coupling.signals, *coupling.recorded_texts))) or 'nothing'}"
     undeclared = [n for group in coupling.groups if len(group) > 1 for n in group
                   if any(o.feedthrough is None for o in coupling.interfaces[n].outputs.values())]
-    if undeclared and master.algorithm in ("jacobi", "gauss-seidel"):
+    if undeclared and master.abilities.rates:
         yield f"no limit of the macro step known for what does not tell which outputs follow inputs: {', '.join(undeclared)}"
     for reason in advice.unknown:
         yield f"no limit of the macro step known for {reason}"

@@ -150,7 +150,7 @@ def contacts(scene: Scene, coupling: Coupling, master: Master, units: Mapping[st
              ) -> tuple[tuple[Contact, ...], tuple[str, ...]]:
     """What each pair of units tells as it stands now, and why the others do not; units are left as they were."""
     limits, unknown = [], []
-    if scene.master.algorithm not in ("jacobi", "gauss-seidel"):
+    if not scene.master.abilities.rates:
         return (), ()
     for giver in coupling.interfaces:
         at_once = coupling.interfaces[giver].outputs
@@ -218,7 +218,7 @@ def _obstacle(scene: Scene, coupling: Coupling, forces: Sequence[Link], movers: 
             return f"{link.target[0]} gets {link.target[1]} beside forces"
     if scene.master.smoothing:
         return "smoothed inputs have other limits"
-    if scene.master.feedthrough == "delayed" and scene.master.algorithm != "jacobi":
+    if scene.master.feedthrough == "delayed" and scene.master.abilities.sequential:
         return f"delayed feedthrough with {scene.master.algorithm} have other limits"
     return ""
 

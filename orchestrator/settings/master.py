@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ...components.core.errors import BadInput
+from .algorithms import ALGORITHMS, Abilities
 from .model import Model, Positive, Seconds, Truth
 
 FORMER_FEEDTHROUGH = {"fresh": "immediate", "stale": "delayed"}  # spelling until 0.5
@@ -43,9 +44,8 @@ class ControlSettings(Model):
 class MasterSettings(Model):
     """The algorithm that steps the units and hands values over."""
 
-    algorithm: Literal["jacobi", "gauss-seidel", "iterative", "interface-model"] = Field(default="gauss-seidel", description=(
-        "jacobi: all units at once; gauss-seidel: each with what those before it gave; iterative: steps repeated until inputs "
-        "fit outputs, needs rollback; interface-model: contacts solved inside the step"))
+    algorithm: Literal[tuple(ALGORITHMS)] = Field(default="gauss-seidel", description=(  # type: ignore[valid-type]
+        "; ".join(f"{name}: {of.text}" for name, of in ALGORITHMS.items())))
     step: Seconds = Field(description="macro step, s; with control the first one; the last one is shorter where it does not fit")
     extrapolation: Literal[0, 1, 2] = Field(default=1, description="degree of the inputs' polynomial: held, linear, quadratic")
     moving_places: Literal["linear", "held"] = Field(default="linear", description=(
@@ -69,15 +69,21 @@ class MasterSettings(Model):
             raise BadInput("", repr(value), "'immediate' or 'delayed'", f"Until 0.5 it was called {value!r}: write {new!r}.")
         return value
 
+    @property
+    def abilities(self) -> Abilities:
+        """What the algorithm does."""
+        return ALGORITHMS[self.algorithm]
+
     @model_validator(mode="after")
     def _options_matter(self) -> MasterSettings:
-        if self.order and self.algorithm != "gauss-seidel":
+        if self.order and not self.abilities.sequential:
             raise BadInput("order", "an order of units", f"none; {self.algorithm} does not go by one", "Remove it.")
         if self.moving_places == "held" and self.extrapolation != 0:
             raise BadInput("moving_places", "'held'", "'linear' where the inputs are extrapolated", "Remove it.")
-        if self.iteration is not None and self.algorithm != "iterative":
+        if self.iteration is not None and not self.abilities.iterates:
+            iterating = " or ".join(repr(name) for name, of in ALGORITHMS.items() if of.iterates).replace("'", '"')
             raise BadInput("iteration", "settings of an iteration", f"none; {self.algorithm} does not iterate",
-                           'Remove them, or take algorithm = "iterative".')
+                           f"Remove them, or take algorithm = {iterating}.")
         if not self.bonds and self.energy_correction:
             raise BadInput("energy_correction", "true without bonds", "bonds = [...] as well")
         if not self.bonds and self.control is not None and self.control.method == "energy":

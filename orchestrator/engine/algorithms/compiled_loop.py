@@ -39,7 +39,7 @@ class CompiledLoop:
         slow = r.slow if self.rates else None
         self._layout = r.units, slow, r.links, r.pasts, following, r.outputs_at, self._weights, self._bonded
         self._fmus = [unit for unit in units if not isinstance(unit, ComponentUnit)]
-        self._memory = r.signals, np.zeros(3 * r.links.size) if self._fmus else None, isinstance(master, GaussSeidel)
+        self._memory = r.signals, np.zeros(3 * r.links.size) if self._fmus else None, master.sequential
         self._run(np.empty(0), 0.0, np.zeros(0, dtype=np.int64), self._space(0, 0))  # compiles it
 
     def possible(self, h: float) -> bool:
@@ -160,7 +160,7 @@ class CompiledLoop:
         given: (B, 4), what bonded inputs were given in it.
         """
         node, master = self._master.nodes[unit], cast(Jacobi | GaussSeidel, self._master)
-        if isinstance(master, GaussSeidel):
+        if master.sequential:
             master.signals[node.place] = node.unit.get()
         master.step(t, h, unit + 1)
         driven = self._records.slices[unit].stop  # links before it were driven by compiled code

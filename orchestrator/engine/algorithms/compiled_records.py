@@ -10,7 +10,6 @@ import numpy as np
 
 from ...units.component import ComponentUnit
 from .compiled import CONSTANT, JUMPED, JUMPS, LINK, NOTED, OVERRIDDEN, PAST, SHIFTED, SMOOTH, UNALTERED, UNIT
-from .gauss_seidel import GaussSeidel
 from .master import Master
 from .multirate import Mixed, MultirateUnit
 from .node import Alteration, Node, SmoothNode
@@ -42,11 +41,9 @@ class Records:
         self.units, self.slow = self._all[:U], self._all[U:]
         self._all["first_link"], self._all["links"], self._all["every"] = ends[:-1], widths, 1
         self._called = np.arange(U)  # records with the addresses of each unit
-        sequential = isinstance(master, GaussSeidel)
-        late = master.late if isinstance(master, GaussSeidel) else widths
         self.links["factor"] = 1.0
-        for node, at, behind, row in zip(nodes, self.slices, late, self.units, strict=False):
-            row["late"], row["led"] = behind, sequential and behind == 0 and bool(node.links) and node.follows
+        for node, at, behind, row in zip(nodes, self.slices, master.late, self.units, strict=False):
+            row["late"], row["led"] = behind, master.sequential and behind == 0 and bool(node.links) and node.follows
             row["first_signal"], row["signals"] = node.place.start, node.place.stop - node.place.start
             links = self.links[at]
             links["source"] = node.sources

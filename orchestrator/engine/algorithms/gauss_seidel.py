@@ -27,11 +27,17 @@ class GaussSeidel(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
+    sequential = batched = True
+
     def __init__(self, units: Mapping[str, Unit], coupling: Coupling, watched: Sequence[Endpoint] = (), **settings):
         super().__init__(units, coupling, watched, **settings)
-        ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
-        self.late = [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
         self._turns = [(node, node.unit, late, _way(node, late)) for node, late in zip(self.nodes, self.late, strict=True)]
+
+    @property
+    def late(self) -> list[int]:
+        """Links from later units."""
+        ranks = {node.unit.name: i for i, node in enumerate(self.nodes)}
+        return [sum(ranks[link.source[0]] > i for link in node.links) for i, node in enumerate(self.nodes)]
 
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """Each group of the graph behind those that feed it."""

@@ -18,6 +18,8 @@ class Jacobi(Master):
     Needs of a unit: polynomial inputs up to the degree; one that holds its inputs gets the polynomial's mean.
     """
 
+    batched = True
+
     def step(self, t: float, h: float, done: int = 0) -> None:
         """As in `Steppable`; the first units may have been `done` already."""
         signals = self.signals

@@ -100,6 +100,14 @@ class Master:
                                         "one step late; where that amplifies, no shorter step helps. Use master.feedthrough = "
                                         "'immediate', which solves their loop")
 
+    sequential = False  # units step one after the other
+    batched = False  # many steps are one compiled loop; `step` takes the number of units that have stepped already
+
+    @property
+    def late(self) -> list[int]:
+        """Of each node, how many of its links have their values extrapolated: those come first."""
+        return [len(node.links) for node in self.nodes]
+
     def usual_order(self, scene: tuple[str, ...]) -> tuple[str, ...]:
         """The order of the units where the scene gives none; `scene`: as they stand there."""
         return scene

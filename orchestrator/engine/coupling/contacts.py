@@ -51,22 +51,23 @@ def check_contacts(scene: SceneSettings, interfaces: Mapping[str, Interface]) ->
         if name in scene.units or name in names[:k]:
             raise BadInput("contacts", f"two of the name {name!r}", "a name that no unit and no other contact has")
     master = scene.master
-    if master.algorithm != "interface-model":
+    if not master.abilities.reduces_contacts:
         return
     if not names:
-        raise BadInput("master.algorithm", "'interface-model' without contacts", "at least one [[contacts]]",
+        raise BadInput("master.algorithm", f"{master.algorithm!r} without contacts", "at least one [[contacts]]",
                        "Or take another algorithm.")
     if master.feedthrough == "delayed":
-        raise BadInput("master.feedthrough", "'delayed' with interface-model",
+        raise BadInput("master.feedthrough", f"'delayed' with {master.algorithm}",
                        "'immediate'; a contact's force follows its bodies")
     if master.smoothing:
-        raise BadInput("master.smoothing", "true with interface-model", "none; the impulse of a contact would not be preserved")
+        raise BadInput("master.smoothing", f"true with {master.algorithm}",
+                       "none; the impulse of a contact would not be preserved")
     if master.control is not None and master.control.method != "doubling":
-        raise BadInput("master.control.method", f"{master.control.method!r} with interface-model",
+        raise BadInput("master.control.method", f"{master.control.method!r} with {master.algorithm}",
                        "'doubling'; the force of a contact is not extrapolated, so the others have nothing to measure it by")
     for text in master.bonds:
         if any(end.strip().rpartition(".")[0] in names for end in text.split("*")):
-            raise BadInput(f"master.bonds: {text!r}", "a contact with interface-model",
+            raise BadInput(f"master.bonds: {text!r}", f"a contact with {master.algorithm}",
                            "other connections; a contact gives both bodies the same force, and its positions are not handed over")
     leaders: dict[str, str] = {}
     followers: dict[str, str] = {}

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from ....components.core.errors import BadInput, nearest
 from ....components.core.measure import conversion
 from ...settings import ConnectionSettings, SceneSettings
+from ...settings.algorithms import ALGORITHMS
 from ...units import Interface, describe
 from ...units.interface import Signal
 from .bonds import Bond, bond
@@ -281,7 +282,7 @@ def _check_master(scene: SceneSettings, coupling: Coupling) -> None:
             _check_loop(loop, coupling)
     if master.smoothing:
         _check_smoothing(scene, coupling)
-    if master.algorithm == "iterative":
+    if master.abilities.iterates:
         _check_iterative(scene, coupling)
     for name in coupling.rates:
         _check_rate(name, scene)
@@ -317,36 +318,37 @@ def _check_loop(loop: Loop, coupling: Coupling) -> None:
 
 def _check_iterative(scene: SceneSettings, coupling: Coupling) -> None:
     """Only circles of units with values that change inside a step are iterated, and their units must be able to repeat one."""
-    interfaces, where = coupling.interfaces, "master.algorithm"
+    interfaces, where, actual = coupling.interfaces, "master.algorithm", repr(scene.master.algorithm)
     circles = [group for group in groups(interfaces, smooth(interfaces, coupling.links)) if len(group) > 1]
     if not circles:
-        raise BadInput(where, "'iterative'", "units that feed one another in a circle; here nothing has to be repeated",
+        raise BadInput(where, actual, "units that feed one another in a circle; here nothing has to be repeated",
                        'Take "gauss-seidel", which gives the same in one pass.')
     for name in (name for group in circles for name in group):
         if not interfaces[name].saves_state:
-            raise BadInput(where, "'iterative'", f"units that save their state, so that a step can be repeated; {name} cannot",
+            raise BadInput(where, actual, f"units that save their state, so that a step can be repeated; {name} cannot",
                            'Take "jacobi" or "gauss-seidel".')
     if scene.master.feedthrough == "delayed":
         raise BadInput("master.feedthrough", "'delayed'",
-                       "'immediate' with iterative, where outputs fit the inputs of their instant")
+                       f"'immediate' with {scene.master.algorithm}, where outputs fit the inputs of their instant")
 
 
 def _check_smoothing(scene: SceneSettings, coupling: Coupling) -> None:
     master, where = scene.master, "master.smoothing"
-    if master.algorithm == "iterative":
-        raise BadInput(where, "true", "none; iterative interpolates, and its inputs do not jump", "Remove it.")
+    if master.abilities.iterates:
+        raise BadInput(where, "true", f"none; {master.algorithm} interpolates, and its inputs do not jump", "Remove it.")
     if master.extrapolation == 0:
         raise BadInput(where, "true with held inputs", "master.extrapolation of 1 or 2; held inputs jump by their nature")
     ranks = {name: k for k, name in enumerate(coupling.order(master.order))}
-    if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.algorithm == "gauss-seidel":
+    if not any(ranks[link.source[0]] > ranks[link.target[0]] for link in coupling.links) and master.abilities.sequential:
         raise BadInput(where, "true", "none; no input is extrapolated, each comes from a unit that has stepped before",
                        "Remove it.")
 
 
 def _check_rate(name: str, scene: SceneSettings) -> None:
     master, where, actual = scene.master, f"units.{name}.every", str(scene.units[name].every)
-    if master.algorithm not in ("jacobi", "gauss-seidel"):
-        raise BadInput(where, actual, f"1 with {master.algorithm}; jacobi and gauss-seidel can step units at rates of their own")
+    if not master.abilities.rates:
+        able = " and ".join(name for name, of in ALGORITHMS.items() if of.rates)
+        raise BadInput(where, actual, f"1 with {master.algorithm}; {able} can step units at rates of their own")
     for option in ("control", "events"):
         if getattr(master, option):
             raise BadInput(where, actual, f"1 with master.{option}; a step that changes has no n-th one")

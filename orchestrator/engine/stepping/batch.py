@@ -13,8 +13,6 @@ from ...units.component import ComponentUnit
 from ...units.fmu import called_by_address
 from ..algorithms import Master
 from ..algorithms.energy import EnergyAccount, Meter
-from ..algorithms.gauss_seidel import GaussSeidel
-from ..algorithms.jacobi import Jacobi
 from ..algorithms.multirate import MultirateUnit
 from ..algorithms.node import Node
 from .clock import Clock
@@ -121,7 +119,7 @@ def inner(node: Node) -> Any:
 def obstacles(master: Master, account: EnergyAccount | None = None) -> Iterator[str]:
     """What of a scene keeps its steps out of the compiled loop, in the scene's own words."""
     present = {"Numba, which is missing or switched off": not COMPILED, "connections of texts": master.texts is not None,
-               "master.algorithm": type(master) not in (Jacobi, GaussSeidel),
+               "master.algorithm": not master.batched,
                "master.energy_correction": account is not None and account.correction}
     yield from (words for words, there in present.items() if there)
     for solver in master.loops:

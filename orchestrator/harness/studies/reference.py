@@ -22,6 +22,7 @@ from scipy.integrate import solve_ivp
 from ....components.core.errors import BadInput
 from ...run import run
 from ...scene.scene import Scene
+from ...settings.algorithms import ALGORITHMS
 from ..journal import once
 from .coupled_ode import CoupledOde
 from .quantities import Quantity, TimeHistory, errors
@@ -210,7 +211,7 @@ def _finer(scene: Scene, signals: Sequence[str], finest: float, algorithm: str, 
     how = f"internal steps / {round(1.0 / factor)}"
     if scene.coupling.links:
         changes |= coupling_changes(scene, algorithm, degree)
-        changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if algorithm == "iterative" else {}
+        changes |= {"master.iteration": {"tolerance": TOLERANCE, "max_iterations": 50}} if ALGORITHMS[algorithm].iterates else {}
         how = f"{algorithm}, {DEGREES[degree]} inputs, macro step {step:.3g} s, {how}"
     return how, changes
 

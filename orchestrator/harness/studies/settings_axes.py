@@ -10,6 +10,7 @@ from ....components.catalogue import component_class
 from ....components.core.errors import BadInput
 from ....components.core.variables import Causality
 from ...scene.scene import Scene
+from ...settings.algorithms import ALGORITHMS
 from ...units.component import make
 
 DEGREES = ("held", "linear", "quadratic")
@@ -103,9 +104,9 @@ def couplings(scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
     if not coupling.links:
         yield "macro step", {}
         return
-    algorithms = ["jacobi", "gauss-seidel"]
-    algorithms += ["iterative"] if any(len(group) > 1 for group in coupling.groups) else []
-    algorithms += ["interface-model"] if scene.contacts else []
+    circles = any(len(group) > 1 for group in coupling.groups)
+    algorithms = [name for name, of in ALGORITHMS.items()
+                  if (circles or not of.iterates) and (scene.contacts or not of.reduces_contacts)]
     for algorithm in algorithms:
         for degree, name in enumerate(DEGREES):
             yield f"{algorithm}, {name}", coupling_changes(scene, algorithm, degree)

@@ -23,6 +23,7 @@ from ...judgement.disturbance import FEWEST, Disturbed, Growth, Own, longest_sta
 from ...judgement.probing import contacts
 from ...output import write_table
 from ...scene.scene import Scene
+from ...settings.algorithms import ALGORITHMS
 from ..journal import once
 from ..many.measures import tracked
 from ..many.plan import unit_of
@@ -90,7 +91,7 @@ class Stability:
 
 def schemes_of(scene: Scene, algorithms: Sequence[str] = (), extrapolations: Sequence[int] = ()) -> list[Scheme]:
     """The schemes to be measured: those given, or all that the scene can have."""
-    usual = ["jacobi", "gauss-seidel", "iterative", *(["interface-model"] if scene.contacts else [])]
+    usual = [name for name, of in ALGORITHMS.items() if scene.contacts or not of.reduces_contacts]
     return [(algorithm, degree) for algorithm in algorithms or usual for degree in extrapolations or (0, 1, 2)]
 
 
@@ -125,8 +126,8 @@ def _with(scene: Scene, scheme: Scheme) -> Scene:
     """The scene with a scheme, and without what bends macro steps or signals on purpose or only keeps account."""
     algorithm, degree = scheme
     changes = {"algorithm": algorithm, "extrapolation": degree, "control": None, "events": ()}
-    changes |= {} if algorithm == "gauss-seidel" else {"order": ()}
-    changes |= {} if algorithm == "iterative" else {"iteration": None}
+    changes |= {} if ALGORITHMS[algorithm].sequential else {"order": ()}
+    changes |= {} if ALGORITHMS[algorithm].iterates else {"iteration": None}
     changes |= {} if scene.master.energy_correction else {"bonds": ()}
     return scene.with_changes({f"master.{key}": value for key, value in changes.items()} | {"faults": ()})
 
