@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import atexit
-import hashlib
-import shutil
-import tempfile
 import zipfile
-from collections.abc import Callable
-from contextlib import suppress
-from functools import cache, lru_cache
+from functools import lru_cache
 from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
 from .. import components
 from ..components.catalogue import CATALOGUE, component_class, component_name
-from ..components.core import folders
+from ..components.core import folders, store
 from ..components.core.closure import closure, imports
 from ..components.core.errors import BadInput
 from . import loader
 from .description import documentation, model_description, shared_files
-from .files import replaced
 from .interface import interface
 from .own import own_sources
 
@@ -69,30 +62,8 @@ def built(name: str) -> Path:
     Raises `BadInput` as `build`.
     """
     digest, members = _members(name)
-    return kept(Path(loader.cache_root()) / "fmus" / digest[:16] / f"{file_stem(name)}.fmu", lambda path: _holds(path, members),
-                lambda path: write(members, path))
-
-
-def kept(path: Path, intact: Callable[[Path], bool], make: Callable[[Path], Path]) -> Path:
-    """A file of the cache: as it is where it is intact, made anew where it is missing or damaged.
-
-    Where the cache cannot be written, it is made in a folder for temporary files that goes with this process.
-    """
-    with suppress(OSError):
-        if path.is_file() and intact(path):
-            return path
-    try:
-        return make(path)
-    except OSError:
-        aside = _aside() / path.parent.name / path.name
-        return aside if aside.is_file() else make(aside)
-
-
-@cache
-def _aside() -> Path:
-    folder = tempfile.mkdtemp(prefix="cosimo-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return Path(folder)
+    file = Path(loader.cache_root()) / "fmus" / digest[:16] / f"{file_stem(name)}.fmu"
+    return store.kept(file, lambda path: _holds(path, members), lambda path: write(members, path))
 
 
 @lru_cache(maxsize=256)
@@ -175,16 +146,13 @@ def fmu_members(name: str, component: Any, module: str, files: dict[str, bytes],
 
 
 def _digest(members: dict[str, bytes]) -> str:
-    total = hashlib.sha256()
-    for path in sorted(members):
-        total.update(f"{path}\0{len(members[path])}\0".encode() + members[path])
-    return total.hexdigest()
+    return store.digest_of(*(part for path in sorted(members) for part in (path, members[path])))
 
 
 def write(members: dict[str, bytes], path: Path) -> Path:
     """A zip file with sorted members and fixed dates; in place only when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replaced(path, "wb") as whole, zipfile.ZipFile(whole, "w") as file:
+    with store.replaced(path, "wb") as whole, zipfile.ZipFile(whole, "w") as file:
         for member in sorted(members):
             info = zipfile.ZipInfo(member, (1980, 1, 1, 0, 0, 0))
             info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16

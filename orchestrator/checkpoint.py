@@ -9,7 +9,6 @@ digest of the content shows damage.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import warnings
@@ -20,6 +19,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
+from ..components.core import store
 from ..components.core.errors import BadInput
 from .content import DamagedContent, KeptObject, ObjectContent, read_content, write_content
 from .engine.algorithms.energy import SavedAccount
@@ -185,8 +185,8 @@ def digest(scene: Scene) -> str:
     data = scene.model_dump(mode="json", exclude={"title", "analysis", "sweep", "study"})
     for unit in data["units"].values():
         if unit.get("fmu"):
-            unit["fmu"] = hashlib.sha256(Path(unit["fmu"]).read_bytes()).hexdigest()
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+            unit["fmu"] = store.digest_of(Path(unit["fmu"]).read_bytes())
+    return store.digest_of(json.dumps(data, sort_keys=True))
 
 
 def _inner(unit: Unit | MultirateUnit) -> Unit:

@@ -15,7 +15,7 @@ from zipfile import ZIP_STORED, ZipFile
 
 import numpy as np
 
-from ..fmus.files import replaced
+from ..components.core.store import replaced
 
 
 class DamagedContent(ValueError):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import json
 import os
 import platform
@@ -17,7 +16,7 @@ from time import time
 from typing import Any
 
 from ..components.core.errors import BadInput
-from ..fmus.files import replaced
+from ..components.core.store import replaced
 
 PLOTLY = "plotly.min.js"  # beside the pages of a directory, which draw their figures with it
 SAMPLES_ENDING = ".samples.js"  # beside a page, with its name: what its lines show where one zooms in
@@ -42,28 +41,6 @@ def write_json(path: str | Path, content: Any) -> None:
     with replaced(path) as file:
         json.dump(content, file, indent=2)
         file.write("\n")
-
-
-def seal(path: Path, content: str) -> None:
-    """Put a text and its digest, in a file beside it, into the cache; where nothing can be written there, nowhere."""
-    with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        for file, text in ((path, content), (_seal_of(path), hashlib.sha256(content.encode()).hexdigest())):
-            with replaced(file) as whole:
-                whole.write(text)
-
-
-def unsealed(path: Path) -> str | None:
-    """The text that was put there; None where there is none, or it is damaged."""
-    try:
-        content, digest = path.read_bytes(), _seal_of(path).read_text(encoding="ascii")
-        return content.decode() if hashlib.sha256(content).hexdigest() == digest else None
-    except (OSError, UnicodeError):
-        return None
-
-
-def _seal_of(path: Path) -> Path:
-    return path.with_name(path.name + ".sha256")
 
 
 def write_table(directory: str | Path, name: str, header: Sequence[str], rows: Iterable[Sequence[float | int | str]]) -> Path:

@@ -12,7 +12,6 @@ into. The same text serves this process, where the address of the kernel stands 
 from __future__ import annotations
 
 import ctypes
-import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .kernels import RAISED
+from .store import digest_of, read_kept, write_kept
 
 CELL = 8  # bytes
 TIME = 0  # the cell that holds the time
@@ -201,10 +201,9 @@ def _function(body: str) -> int:
     """The address of a function with this body; kept on disk, for nothing in it depends on the process."""
     import llvmlite.binding as llvm
 
-    from .kept import read_kept, write_kept
     from .kernel_cache import private_folder
 
-    name = "entry_" + hashlib.sha256(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}".encode()).hexdigest()
+    name = "entry_" + digest_of(f"{llvm.llvm_version_info} {llvm.get_default_triple()}\n{body}")
     folder = private_folder("entries")
     code = None if folder is None else read_kept(folder / f"{name}.o")
     engine = _engine()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from pathlib import Path
 
 from .closure import Imports, imports
-from .kept import read_kept, write_kept
+from .store import digest_of, read_kept, write_kept
 
 MOST = 4096  # sources; the oldest go
 
@@ -22,7 +21,7 @@ class ImportIndex:
 
     def imports(self, source: bytes) -> Imports:
         """The import statements of a source."""
-        digest = hashlib.sha256(source).hexdigest()
+        digest = digest_of(source)
         statements = self._known.get(digest)
         if statements is None:
             statements = self._known[digest] = self._new[digest] = imports(source)

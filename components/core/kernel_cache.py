@@ -11,7 +11,6 @@ one process, symbols of one name are the same code. What belongs to a package by
 
 from __future__ import annotations
 
-import hashlib
 import io
 import os
 import pickle
@@ -34,8 +33,8 @@ from .closure import closure
 from .dispatch import callable_from_python
 from .folders import cache_root
 from .import_index import ImportIndex
+from .store import digest_of, read_kept, write_kept
 
-DIGEST = hashlib.sha256().digest_size  # bytes at the start of a file
 _PROCESS = uuid4().hex[:8]
 _PACKAGE = __name__.partition(".")[0]
 BUNDLE = re.compile(r"bundle_[0-9a-f]{16}")  # the package of an FMU
@@ -54,14 +53,14 @@ def _own_module(name: str) -> Path | None:
 @lru_cache(maxsize=1024)
 def sources_digest(*files: str) -> str:
     """Digest of the import closures of source files; the same for a copy of them in another place."""
-    total, index = hashlib.sha256(), _import_index()
+    parts, index = list[str | bytes](), _import_index()
     for file in files:
         start = Path(file).resolve()
         contents = closure(start, _own_module, index.imports)
         for path in sorted(contents, key=lambda p: os.path.relpath(p, start.parent)):
-            total.update(f"{path.name}\0{len(contents[path])}\0".encode() + contents[path])
+            parts += [path.name, contents[path]]
     index.save()
-    return total.hexdigest()
+    return digest_of(*parts)
 
 
 @lru_cache(maxsize=1)
@@ -177,15 +176,13 @@ class _Files(IndexDataCacheFile):
         self._write(self._data_path(name), data)
 
     def _read(self, path):
-        content = Path(path).read_bytes()
-        if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
-            raise ValueError(path)
-        return _Reader(content[DIGEST:], self._package).load() if self._package else pickle.loads(content[DIGEST:])
+        content = read_kept(Path(path))
+        if content is None:
+            raise FileNotFoundError(path)
+        return _Reader(content, self._package).load() if self._package else pickle.loads(content)
 
     def _write(self, path, data):
-        content = self._dump(data)
-        with self._open_for_write(path) as file:
-            file.write(hashlib.sha256(content).digest() + content)
+        write_kept(Path(path), self._dump(data))
 
     def load(self, key):
         for place in (key, (key, self._package)) if self._package else (key,):

@@ -3,7 +3,6 @@ same file, byte for byte."""
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import platform
 import shutil
@@ -17,11 +16,12 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from ...components.core import store
 from ...components.core.component import Component
 from ...components.core.contract import KernelComponent
 from ...components.core.errors import BadInput, nearest
 from ...components.core.folders import cache_root
-from ..build import is_sound, kept, write
+from ..build import is_sound, write
 from ..description import documentation, shared_files
 from .description import HOST, description2, description3, listed, name_of
 from .instance import Places
@@ -73,11 +73,8 @@ def library(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Libra
     text, places = compile_entries(component), Places(component)
     variables = native_variables(component, places)
     objects = {target: object_code(text, target) for target in {*compilers, "linux64"}}
-    total = hashlib.sha256(objects["linux64"])
-    for part in (tables(component, places, variables, ""), *((RUNTIME / f).read_text() for f in sorted(_files()))):
-        total.update(f"{len(part)}\0{part}".encode())
-    total.update(description2(name, component, variables, ""))
-    digest = total.hexdigest()
+    digest = store.digest_of(objects["linux64"], tables(component, places, variables, ""), *_runtime(),
+                          description2(name, component, variables, ""))
     token = f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
     model = tables(component, places, variables, token)
     binaries = {target: _linked(name, target, command, model, objects[target]) for target, command in compilers.items()}
@@ -94,7 +91,11 @@ def initialized(component: Component) -> KernelComponent:
 
 
 def _files() -> list[str]:
-    return [f.name for f in RUNTIME.iterdir() if f.suffix in (".c", ".h")]
+    return sorted(f.name for f in RUNTIME.iterdir() if f.suffix in (".c", ".h"))
+
+
+def _runtime() -> list[bytes]:
+    return [(RUNTIME / file).read_bytes() for file in _files()]
 
 
 def write_sources(folder: Path, model: str, code: bytes) -> None:
@@ -111,7 +112,7 @@ def built(name: str, make: Callable[[], Any], targets: Iterable[str]) -> Path:
     Raises `BadInput` as `build_native`.
     """
     targets, component = list(targets), make()
-    return kept(Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu", is_sound,
+    return store.kept(Path(cache_root()) / "native" / _contents(component, targets)[:16] / f"{name}.fmu", is_sound,
                 lambda path: pack(library(name, make, targets), path.parent, 2))
 
 
@@ -121,12 +122,11 @@ def _contents(component: Any, targets: list[str]) -> str:
 
     cls = type(component)
     versions = [f"{name} {version(name)}" for name in ("cosimo", "numpy", "scipy", "numba", "llvmlite")]
-    total = hashlib.sha256()
-    for part in (sources_digest(inspect.getsourcefile(cls), __file__), *((RUNTIME / f).read_text() for f in sorted(_files())),
-                 cls.__qualname__, targets, component.on, sorted(component.parameters.items()), component.inputs,
-                 component.u[0].tolist(), sys.version, *versions, *(_compiler_version(target) for target in targets)):
-        total.update(f"{part!r}\0".encode())
-    return total.hexdigest()
+    configuration = (cls.__qualname__, targets, component.on, sorted(component.parameters.items()), component.inputs,
+                     component.u[0].tolist())
+    compilers = [_compiler_version(target) for target in targets]
+    return store.digest_of(sources_digest(inspect.getfile(cls), __file__), *_runtime(), repr(configuration), sys.version,
+                           *versions, *compilers)
 
 
 def _compiler_version(target: str) -> str:

@@ -6,7 +6,6 @@ these enclose, the import closures of their sources, and the versions of what co
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import sys
 import types
@@ -16,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ...components.core.kept import read_kept, write_kept
+from ...components.core import store
 
 VERSIONS = ("cosimo", "numpy", "numba", "llvmlite")
 
@@ -49,7 +48,7 @@ def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any
             known[id(function)] = f"{function.__module__}.{function.__qualname__}"  # where it calls itself
             cells = tuple(cell.cell_contents for cell in function.__closure__ or ())
             parts = (known[id(function)], described(cells), *(n + described(k) for n, k in sorted(reached(function).items())))
-            known[id(function)] = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+            known[id(function)] = store.digest_of(*parts)
         return known[id(function)]
 
     functions = [getattr(k, "py_func", k) for k in kernels]
@@ -61,7 +60,7 @@ def digest_of(identity: Iterable[Any], reached: Callable[[Any], Mapping[str, Any
     except (_Unknown, OSError, TypeError, SyntaxError, ValueError):  # all but the first: no file, as in an interactive session
         return None
     parts += [sys.version, *(f"{name} {version(name)}" for name in VERSIONS)]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+    return store.digest_of(*parts)
 
 
 def _file(digest: str) -> Path | None:
@@ -74,11 +73,11 @@ def _file(digest: str) -> Path | None:
 def load(digest: str) -> str | None:
     """The code of a digest; None where it is missing or damaged."""
     file = _file(digest)
-    content = None if file is None else read_kept(file)
+    content = None if file is None else store.read_kept(file)
     return None if content is None else zlib.decompress(content).decode()
 
 
 def save(digest: str, text: str) -> None:
     """Keep code by its digest; not done where nothing can be written."""
     if (file := _file(digest)) is not None:
-        write_kept(file, zlib.compress(text.encode(), 1))
+        store.write_kept(file, zlib.compress(text.encode(), 1))

@@ -135,7 +135,7 @@ def keep(names: dict[str, Any], commands: dict[str, Any]) -> None:
     names: components: name -> effects, presets, parameters; scenes: name -> {unit: component}; cases; systems.
     commands: the tree of commands, each with help, options, arguments and commands of its own.
     """
-    from ...fmus.files import replaced
+    from ...components.core.store import replaced
 
     _answers.update(state=_state(), names=names, commands=commands)
     with suppress(OSError):

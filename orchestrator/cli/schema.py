@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ...fmus.files import replaced
+from ...components.core.store import replaced
 from .common import app
 from .completion import scene_files
 from .schema_file import place_of

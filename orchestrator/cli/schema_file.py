@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...components.core.errors import BadInput
-from ...fmus.files import replaced
+from ...components.core.store import replaced
 
 LINE = "#:schema"  # the first line of a scene, as Taplo and Even Better TOML read it
 NAME = "scene.schema.json"

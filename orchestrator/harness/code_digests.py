@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ast
-import hashlib
 import inspect
 from functools import cache
 from pathlib import Path
 
 from ...components.catalogue import CATALOGUE, component_class
+from ...components.core.store import digest_of
 from ...fmus.build import sources
 from ..scene.scene import Scene
 
@@ -48,8 +48,5 @@ def _code(node: object) -> object:
 
 
 def short_digest(*parts: bytes) -> str:
-    """Sixteen hexadecimal digits of SHA-256."""
-    whole = hashlib.sha256()
-    for part in parts:
-        whole.update(hashlib.sha256(part).digest())
-    return whole.hexdigest()[:16]
+    """Sixteen hexadecimal digits."""
+    return digest_of(*parts)[:16]

@@ -7,7 +7,6 @@ numbers, times included, as if nothing had happened.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 import signal
@@ -21,6 +20,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ...components.catalogue import component_name
+from ...components.core import store
 from ..checkpoint import digest
 from ..content import read_content, write_content
 from ..output import UNFINISHED, locked
@@ -66,7 +66,7 @@ class Journal:
               plain: Callable[[T], Any]) -> T:
         """See `once`."""
         key = [version("cosimo"), kind, *map(self._key, of)]
-        path = self._folder / (hashlib.sha256(json.dumps(key, sort_keys=True, default=repr).encode()).hexdigest() + ".npz")
+        path = self._folder / (store.digest_of(json.dumps(key, sort_keys=True, default=repr)) + ".npz")
         with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):  # none, or damaged: it is computed again
             return restore(read_content(path))
         value = compute()

@@ -8,9 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from cosimo.components.core import smooth
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE
-from cosimo.components.core.smooth import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_kernels
+from cosimo.components.core.smooth import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_step
 from cosimo.components.core.smooth import RK8_STABILITY_RADIUS as STABILITY_RADIUS
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
@@ -87,22 +88,26 @@ def test_a_rotor_in_free_motion_is_the_matrix_exponential():
 def test_an_input_that_moves_within_the_step_is_followed_exactly():
     """x' = u with u = a + b s + c s²: a step of any length is the integral."""
 
-    def nothing(t, s, p, e):
-        return DONE
-
     def derivatives(t, x, u, dx, s, p, e):
         dx[0] = u[0]
 
     def outputs(t, s, p, e):
         s.y[0] = s.x[0]
 
-    method = smooth_kernels(__name__, start=nothing, derivatives=derivatives, outputs=outputs, stable=nothing).step
+    names = {"derivatives": derivatives, "outputs": outputs}
+    parts = {part: plain(getattr(smooth, part), **names) for part in smooth_step.parts}
+    method = plain(smooth_step, **parts)
     s = types.SimpleNamespace(u=np.array([[2.0], [-3.0], [5.0]]), x=np.zeros(1), y=np.zeros(1), counts=np.zeros(2),
                               work=np.zeros((ROWS, 1)), limits=np.array([2.0 / 3.0, math.inf]))
     assert method(0.0, 2.0, s, None, types.SimpleNamespace(high_order=True)) == DONE
     assert s.y[0] == pytest.approx(2.0 * 2.0 - 3.0 * 2.0 + 5.0 * 8.0 / 3.0, rel=1e-14)
     assert s.counts.tolist() == [3, 36]
     assert s.u[:, 0] == pytest.approx([2.0 - 6.0 + 20.0, 0.0, 0.0])
+
+
+def plain(template, **names):
+    """The template in plain Python with the given functions."""
+    return types.FunctionType(template.__code__, {**template.__globals__, **names})
 
 
 def test_a_step_beyond_its_limit_is_refused_and_named():

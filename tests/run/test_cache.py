@@ -12,12 +12,13 @@ import time
 from pathlib import Path
 
 import pytest
+from cosimo.components.core import store
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernel_cache import _private
 from cosimo.fmus import build, loader
 from cosimo.orchestrator import cache
 from cosimo.orchestrator.cli import main
-from cosimo.orchestrator.output import lock_folder, locked, seal, unsealed
+from cosimo.orchestrator.output import lock_folder, locked
 from cosimo.orchestrator.units import folders
 
 posix = pytest.mark.skipif(os.name == "nt", reason="owners and modes of POSIX")
@@ -84,19 +85,19 @@ def test_kernels_are_read_only_where_nobody_else_may_write(tmp_path):
         assert not _private(folder)
 
 
-def test_a_text_and_its_seal(tmp_path):
-    path = tmp_path / "kept" / "a.json"
-    assert unsealed(path) is None
-    seal(path, '{"é": 1}\n')
-    assert unsealed(path) == '{"é": 1}\n'
-    for damage in (b"", b"{}", b"\xff"):
+def test_a_content_is_checked_before_it_is_used(tmp_path):
+    path = tmp_path / "kept" / "a"
+    store.write_kept(path, b"nowhere")  # no error
+    assert store.read_kept(path) is None
+    path.parent.mkdir()
+    store.write_kept(path, b"content")
+    assert store.read_kept(path) == b"content"
+    for damage in (b"", b"{}", path.read_bytes()[:-1], path.read_bytes() + b" "):
         path.write_bytes(damage)
-        assert unsealed(path) is None
-    seal(path, "again")
-    (tmp_path / "kept" / "a.json.sha256").unlink()
-    assert unsealed(path) is None
-    (tmp_path / "file").touch()
-    seal(tmp_path / "file" / "b", "nowhere")  # no error
+        assert store.read_kept(path) is None
+    store.write_kept(path, b"again")
+    assert store.read_kept(path) == b"again"
+    assert [p.name for p in path.parent.iterdir()] == ["a"]
 
 
 def test_show_clear_and_prune(own_cache, capsys):

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter, time
 from typing import Any
 
-from ....fmus.files import replaced
+from ....components.core.store import replaced
 
 PAGE_EVERY = 2.0  # s
 SHOWN_REASONS = 12

@@ -9,7 +9,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import platform
@@ -25,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from ....components.core.errors import BadInput
+from ....components.core.store import digest_of
 from ...checkpoint import digest as scene_digest
 from ...output import not_written, write_json, write_table
 from ...scene.scene import Scene
@@ -82,7 +82,7 @@ def base_of(scene: Scene, task: Task) -> str:
         "summary": task.summarize is not None, "components": components_digest(scene),
         "functions": {text: _source(text) for text in task.keep.functions},
     }
-    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    return digest_of(json.dumps(content, sort_keys=True, default=str))[:16]
 
 
 def _source(text: str) -> str:
@@ -90,7 +90,7 @@ def _source(text: str) -> str:
     with suppress(ImportError, ValueError, OSError):
         spec = find_spec(text.partition(":")[0])
         if spec is not None and spec.origin:
-            return hashlib.sha256(Path(spec.origin).read_bytes()).hexdigest()
+            return digest_of(Path(spec.origin).read_bytes())
     return ""
 
 

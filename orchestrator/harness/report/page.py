@@ -13,7 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
-from ....fmus.files import replaced
+from ....components.core.store import replaced
 from ...output import PLOTLY, SAMPLES_ENDING
 from ..charts.blocks import Block, Figure
 from ..charts.style import DARK

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Iterable, Mapping
+from io import StringIO
 from math import isnan, nan
 from pathlib import Path
 from typing import Any
@@ -56,11 +57,10 @@ def _rounded(value: Any) -> Any:
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
-def read_points(path: Path) -> Accuracy:
-    """What `write_points` wrote; raises `BadInput` for a file that is none of these."""
+def read_points(path: Path, text: str | None = None) -> Accuracy:
+    """What `write_points` wrote, its text if it is at hand; raises `BadInput` for a file that is none of these."""
     try:
-        with open(path, encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(StringIO(path.read_text(encoding="utf-8") if text is None else text, newline="")))
         (agreement,), (mesh,) = ([r for r in rows if r["series"] == series] for series in (AGREEMENT, MESH))
         names = [c.removeprefix(ERROR_OF) for c in agreement if c.startswith(ERROR_OF)]
         points = tuple(_point(r, names) for r in rows if r["series"] not in (AGREEMENT, MESH))

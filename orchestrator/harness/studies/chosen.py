@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ....fmus.loader import cache_root
-from ...output import seal, unsealed
+from ....components.core import store
+from ....components.core.folders import cache_root
 from ...scene.scene import Scene
 from ..code_digests import components_digest
 from .effects import Effects, Finding, effects
@@ -51,7 +51,7 @@ class Choice:
 def choose(scene: Scene, tolerance: float, on_message: Callable[[str], None] = lambda text: None) -> Choice:
     """The smallest set of effects within a tolerance: the one that is kept, or else a new one, which takes many runs."""
     path = _place(scene, tolerance)
-    content = unsealed(path)
+    content = store.read_kept(path)
     if content is not None:
         data = json.loads(content)
         return Choice({u: tuple(e) for u, e in data["on"].items()}, data["why"], float(data["error"]), path, False)
@@ -62,14 +62,15 @@ def keep(study: Effects) -> Choice:
     """Put what a study has found into the user's cache."""
     on, why = effects_on(study.chosen), {f.name: _why(f, study.tolerance) for f in study.findings}
     path = _place(study.scene, study.tolerance)
-    seal(path, json.dumps({"on": on, "why": why, "error": study.least.error}, indent=1) + "\n")
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    store.write_kept(path, json.dumps({"on": on, "why": why, "error": study.least.error}).encode())
     return Choice(on, why, study.least.error, path, True)
 
 
 def _place(scene: Scene, tolerance: float) -> Path:
     data = json.dumps([scene.model_dump(mode="json"), tolerance], sort_keys=True)
-    digest = hashlib.sha256(data.encode()).hexdigest()[:16]
-    return Path(cache_root()) / "effects" / f"{digest}-{components_digest(scene)}.json"
+    return Path(cache_root()) / "effects" / f"{store.digest_of(data)[:16]}-{components_digest(scene)}"
 
 
 def _why(finding: Finding, tolerance: float) -> dict[str, Any]:

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
+from ....components.core import store
 from ....components.core.errors import BadInput
-from ....fmus.loader import cache_root
-from ...output import seal, unsealed
+from ....components.core.folders import cache_root
 from ...run import run
 from ...scene.files import shipped
 from ...scene.scene import Scene
@@ -64,7 +64,7 @@ class Known:
 
 
 def _path(scene: Scene) -> Path:
-    return Path(cache_root()) / "fronts" / f"{scene_digest(scene)}.csv"
+    return Path(cache_root()) / "fronts" / scene_digest(scene)
 
 
 def numbers_of(scene: Scene, changes: Mapping[str, Any]) -> dict[str, float]:
@@ -106,15 +106,15 @@ def keep(scene: Scene, measured: Accuracy) -> Path:
     path = _path(scene)
     with suppress(BadInput):  # nothing can be written there: the next time it is measured again
         marks = measured if NUMBERS in measured.marks else marked(scene, measured)
-        seal(path, write_points(marks, path.parent, path.name).read_text(encoding="utf-8"))
+        store.write_kept(path, write_points(marks, path.parent, path.name).read_bytes())
     return path
 
 
 def known(scene: Scene) -> Known | None:
     """The front of the scene: measured here, or else shipped; None without either."""
     path, tables = _path(scene), shipped("fronts", ".csv")
-    if unsealed(path) is not None:
-        measured, origin = read_points(path), f"measured on this machine, {path}"
+    if (content := store.read_kept(path)) is not None:
+        measured, origin = read_points(path, content.decode()), f"measured on this machine, {path}"
     elif scene.name in tables:
         measured, origin = read_points(tables[scene.name]), f"table that comes along with {scene.name}; times measured here"
         if measured.marks.get(SCENE) != scene_digest(scene):

@@ -6,7 +6,6 @@ them, never to name a file on this machine: an FMU is copied into the user's cac
 
 from __future__ import annotations
 
-import hashlib
 import re
 import zipfile
 import zlib
@@ -19,8 +18,7 @@ from urllib.parse import unquote, urlsplit
 from lxml import etree
 
 from ....components.core.errors import BadInput, nearest
-from ....fmus.build import kept
-from ....fmus.files import replaced
+from ....components.core.store import digest_of, kept, replaced
 from ....fmus.loader import cache_root
 from ...loading import MOST_INSIDE, check_archive
 
@@ -111,7 +109,7 @@ class Package:
             raise BadInput(where, f"source {uri!r}", f"an FMU file beside {self.name}")
         content = self.read(uri, where, MOST_INSIDE)
         stem = re.sub(r"\W", "_", PurePosixPath(path).stem, flags=re.ASCII)[:64]
-        file = Path(cache_root()) / "ssp" / hashlib.sha256(content).hexdigest()[:16] / f"{stem}.fmu"
+        file = Path(cache_root()) / "ssp" / digest_of(content)[:16] / f"{stem}.fmu"
         return kept(file, lambda path: path.read_bytes() == content, lambda path: _written(path, content))
 
 

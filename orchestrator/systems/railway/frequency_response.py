@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ....components.core.errors import BadInput, nearest
-from ....fmus.files import replaced
+from ....components.core.store import replaced
 from ...harness.analysis.least_squares import Fit, fit
 from ...harness.charts.blocks import Block, Text
 from ...harness.charts.chart import Chart, Grid, Panel, Series

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from cosimo.components.core import store
 from cosimo.orchestrator.cli import main
 from cosimo.orchestrator.harness.studies.full_model import effects_on
 from cosimo.orchestrator.systems import load_scene
@@ -89,13 +90,13 @@ def test_another_scene_or_tolerance_is_measured_anew(scene, capsys):
 
 def test_what_was_kept_and_is_damaged_is_measured_anew(scene, tmp_path, capsys):
     assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
-    (kept,) = (tmp_path / "cache" / "effects").glob("*.json")
-    whole = kept.read_text(encoding="utf-8")
+    (kept,) = (tmp_path / "cache" / "effects").iterdir()
+    whole = store.read_kept(kept)
     kept.write_text("[]", encoding="utf-8")
     capsys.readouterr()
     assert code_of("run", scene, "--in-process", "--effects", "auto") == 0
     assert "measured now" in capsys.readouterr().err
-    assert json.loads(kept.read_text(encoding="utf-8"))["on"] == json.loads(whole)["on"]
+    assert json.loads(store.read_kept(kept))["on"] == json.loads(whole)["on"]
 
 
 @pytest.mark.parametrize(("arguments", "word"), [
