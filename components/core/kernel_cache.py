@@ -4,9 +4,9 @@ Numba's own cache looks at the file of a function, or at its time, and not at th
 an edit there goes unnoticed. Here the key is a digest of the import closure, so that touching a file costs nothing, an edit
 recompiles what depends on it and nothing else, and a copy of the sources elsewhere finds the same machine code.
 
-Each FMU made from Python has its sources in a package with a name of its own. Machine code of those with the same sources is
-shared. Its symbols keep the name of the package that compiled it, which is a digest of all in it: where two such packages are in
-one process, symbols of one name are the same code. What belongs to a package by name is looked up in the one that loads.
+Each FMU made from Python has its sources in a package with a name of its own. Machine code of those with the same sources, and of
+the components of cosimo itself, is shared. Its symbols keep the name of the package that compiled it: where two such packages are
+in one process, symbols of one name are the same code. What belongs to a package by name is looked up in the one that loads.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from .store import digest_of, read_kept, write_kept
 
 _PROCESS = uuid4().hex[:8]
 _PACKAGE = __name__.partition(".")[0]
-BUNDLE = re.compile(r"bundle_[0-9a-f]{16}")  # the package of an FMU
-SHARED = "fmu-bundles"  # what stands for its name; no package can be called so
+BUNDLE = re.compile(r"cosimo|bundle_[0-9a-f]{16}")  # packages with components of cosimo: its own, and that of an FMU
+SHARED = "components"  # what stands for their names
 _LIBRARIES = tuple(sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib"))
 
 
@@ -122,9 +122,9 @@ class _Locator(_CacheLocator):
 
 
 def own_module(module: str, package: str) -> str:
-    """The module of an FMU's package in the place of another package's."""
+    """The module of components in a package in the place of that in another one."""
     first, dot, rest = module.partition(".")
-    return f"{package}{dot}{rest}" if BUNDLE.fullmatch(first) else module
+    return f"{package}{dot}{rest}" if BUNDLE.fullmatch(first) and rest.startswith("components.") else module
 
 
 class _Reader(pickle.Unpickler):
@@ -153,7 +153,7 @@ class _Files(IndexDataCacheFile):
 
     def __init__(self, cache_path: str, filename_base: str, source_stamp: str, package: str):
         super().__init__(cache_path, filename_base, source_stamp)
-        self._package = package if BUNDLE.fullmatch(package) else ""
+        self._package = package
         self._data_name_pattern = f"{filename_base}.{{number:d}}-{_PROCESS}.nbc"
 
     def _load_index(self):
@@ -276,7 +276,8 @@ class _OpenCache(FunctionCache):
         self._py_func, self._name = function, repr(function)
         module = f"{function.__module__}"
         own = module.partition(".")[0]
-        neutral = SHARED if BUNDLE.fullmatch(own) else own
+        shared = bool(BUNDLE.fullmatch(own)) and module.startswith(f"{own}.components.")
+        neutral = SHARED if shared else own
         package = root / neutral
         folder = package / f"{module.partition('.')[2] or 'module'}-{digest[:16]}"
         if not (_private(package) and _private(folder)):
@@ -287,7 +288,7 @@ class _OpenCache(FunctionCache):
         name = function.__qualname__.replace(own, neutral)  # of one that is bound, it has the package in it
         self._impl._filename_base = self._impl.get_filename_base(name, getattr(sys, "abiflags", ""))
         self._cache_path = str(folder)
-        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest, own)
+        self._cache_file = _Files(self._cache_path, self._impl.filename_base, digest, own if shared else "")
         self.enable()
 
     def _index_key(self, sig, codegen):

@@ -1,4 +1,4 @@
-"""FMUs made from Python share the machine code of kernels with the same sources, whatever their packages are called."""
+"""FMUs made from Python and cosimo itself share the machine code of kernels with the same sources, whatever the package."""
 
 import re
 import zipfile
@@ -79,6 +79,23 @@ def test_a_rebuilt_fmu_compiles_nothing(tmp_path):
     assert len(set(answers)) > 10
     (again,) = runs(tmp_path / "cache", (second, *PANTOGRAPH))
     compiles_nothing(again, answers)
+
+
+IN_PROCESS = """
+from cosimo.components.railway.pantograph import Pantograph
+
+pantograph = Pantograph()
+pantograph.initialize(0.0)
+pantograph.step(0.0, 1e-3)
+"""
+
+
+def test_what_was_compiled_in_process_serves_the_fmu(tmp_path):
+    """A run as FMUs is verified in process: neither compiles what the other has."""
+    cache = tmp_path / "cache"
+    run_script(IN_PROCESS, COSIMO_CACHE=cache, NUMBA_CACHE_DIR=cache / "kernels")
+    ((hits, misses, _),) = runs(cache, (built("Pantograph"), *PANTOGRAPH))
+    assert (hits > 0, misses) == (True, 0)
 
 
 @pytest.mark.full
