@@ -12,8 +12,8 @@ import numpy as np
 
 from .component import Effect
 from .contract import Kernels, Refusal
-from .kernels import DONE, kernel
-from .modes import event_kernels, event_steps
+from .kernels import DONE, OWN, bind, kernel
+from .modes import event_steps
 from .ode import (
     RK4_STABILITY_RADIUS,
     SUBSTEP_TOO_LONG,
@@ -21,11 +21,13 @@ from .ode import (
     derivatives,
     finished,
     internal_steps,
+    ode_initialize,
     ode_kernels,
     rk4_step,
 )
 
 RK8_STABILITY_RADIUS = 5.9  # |eigenvalue times step|: 5.96 on the imaginary axis, 6.27 or more in the left half-plane
+ORDER_EIGHT_TOO_LONG = OWN + 99  # status, behind those of components
 STAGES = 12
 ROWS = STAGES + 2  # of the workspace
 NODES = np.array([
@@ -79,6 +81,17 @@ MATRIX = np.array([
         -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636, 0.0,
     ],
 ])  # fmt: skip
+
+
+def smooth_initialize(t, s, p, e):
+    """As of every `OdeComponent`, with a status for each of the two limits."""
+    status = ode_initialize(t, s, p, e)
+    if status == SUBSTEP_TOO_LONG and e.high_order is not None:
+        return ORDER_EIGHT_TOO_LONG
+    return status
+
+
+smooth_initialize.parts = ("ode_initialize",)  # type: ignore[attr-defined]
 
 
 def rk8_steps(t, h, n, s, p, e):
@@ -146,14 +159,15 @@ smooth_event_step.parts = (  # type: ignore[attr-defined]
     "rk4_step", "rk8_steps", "event_steps", "finished", "internal_steps")
 
 
-def smooth_kernels(module: str, **ode: Any) -> Kernels:
+def smooth_kernels(module: str, *, start: Any, stable: Any, step: Any = smooth_step, **ode: Any) -> Kernels:
     """The kernels of a `SmoothComponent`: those of `ode_kernels`, with both methods."""
-    return ode_kernels(module, step=smooth_step, **ode)
+    kernels = ode_kernels(module, start=start, stable=stable, step=step, **ode)
+    return kernels._replace(initialize=bind(smooth_initialize, module, start=start, stable=stable))
 
 
 def smooth_event_kernels(module: str, **events: Any) -> Kernels:
     """The kernels of a `SmoothComponent` that is an `EventComponent`, too: those of `event_kernels`, with all three methods."""
-    return event_kernels(module, step=smooth_event_step, **events)
+    return smooth_kernels(module, step=smooth_event_step, **events)._replace(derivatives=None)
 
 
 @kernel
@@ -175,8 +189,8 @@ class SmoothComponent(OdeComponent):
     """An `OdeComponent` with the effect `high_order`; its kernels are those of `smooth_kernels`, or of `smooth_event_kernels`."""
 
     high_order = HighOrder
-    refusals = {SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of the method in use",
-                                          "Reduce substep.")}
+    refusals = {ORDER_EIGHT_TOO_LONG: Refusal(
+        "substep = {limits[0]} s", "at most {limits[1]} s, the limit of the method of order eight", "Reduce substep.")}
 
     def shapes(self) -> dict[str, Any]:
         """As of an `OdeComponent`, with the workspace of the method that is on."""
