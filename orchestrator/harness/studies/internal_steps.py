@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from ....components.catalogue import component_class
+from ....components.core import integrators, ode
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
-from ....components.core.integrators import OdeComponent
 from ...judgement.disturbance import Growth, Own, growth_of, longest_stable, sizes
 from ...output import write_table
 from ..journal import once
@@ -76,7 +76,7 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     Raises `BadInput` for a component without internal steps or without inputs, and for what cannot be set.
     """
     cls = component_class(name)
-    if not (issubclass(cls, OdeComponent) or "substep" in cls.variables):
+    if not (issubclass(cls, (integrators.OdeComponent, ode.OdeComponent)) or "substep" in cls.variables):
         raise BadInput(f"component:{name}", "no internal steps", "a component that integrates with steps of its own")
     on = set(cls.presets[preset].effects) if preset in cls.presets else set()
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
@@ -93,11 +93,13 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
     def make(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
-        if h is not None and isinstance(component, OdeComponent):  # it would refuse to be measured beyond its own limit
+        if h is not None and isinstance(component, integrators.OdeComponent):  # it refuses to be measured beyond its own limit
             vars(component).update(internal_step=lambda: h, stable_step=lambda: math.inf)
-        elif h is not None:
+        elif h is not None and not isinstance(component, ode.OdeComponent):
             component.set("substep", h)
         component.initialize(0.0)
+        if h is not None and isinstance(component, ode.OdeComponent):  # for the same reason
+            component.arguments[0].limits[ode.SUBSTEP] = h
         return component
 
     try:
@@ -116,7 +118,10 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
 
 def _usual(component: Component) -> float:
     """The internal step a component takes as it stands, s."""
-    step = component.internal_step() if isinstance(component, OdeComponent) else float(component.get("substep"))
+    if isinstance(component, ode.OdeComponent):
+        step = float(component.arguments[0].limits[ode.SUBSTEP])
+    else:
+        step = component.internal_step() if isinstance(component, integrators.OdeComponent) else float(component.get("substep"))
     return step if math.isfinite(step) else component.default_step
 
 
