@@ -6,7 +6,8 @@ zero. Besides what an `OdeComponent` has (see `ode`) a component supplies
     guards(t, x, u, g, s, p, e)                 g: (k,) result; each is positive as long as the present mode holds
     switch(which, t, x, u, s, p, e)             guard `which` has reached zero: puts the next mode into x; x may jump, too
 
-and has the kernels of `event_kernels`. A substep at whose end a guard is negative is cut where the first one changes sign, to the
+and has the kernels of `event_kernels`. Where nothing that is on has events, `guards_count` is zero, `s.guards` is None, and steps
+are those of `ode.rk4`. A substep at whose end a guard is negative is cut where the first one changes sign, to the
 last digits; the substep is resumed behind the event. A guard may rest at zero. After a switch it may, by rounding, be a little
 less; if it stays less, `switch` is called again: a mode must be able to last. A guard that goes below zero and comes back within
 a substep is not seen: the substep has to resolve the motion between events.
@@ -55,8 +56,8 @@ def lowest_guard(t, since, x, s, p, e):
     return g[which], which
 
 
-def rk4_events(t, h, s, p, e):
-    """The classic Runge-Kutta method with equal substeps from t to t + h, cut at events; then the outputs.
+def event_steps(t, h, n, s, p, e):
+    """n equal steps of the classic Runge-Kutta method from t to t + h, cut at events; the status.
 
     The instant of an event is found by false position (Illinois) and bisection on the length of the last step, the smallest
     of all guards being followed: it is where the first of them changes sign.
@@ -64,7 +65,6 @@ def rk4_events(t, h, s, p, e):
     x, counts = s.x, s.counts
     nx, nu = x.size, s.u.shape[1]
     end, us = s.work[6, :nx], s.work[8]
-    n = internal_steps(h, s)
     d = h / n
     for i in range(n):
         since, left, events = i * d, d, 0
@@ -125,11 +125,29 @@ def rk4_events(t, h, s, p, e):
             if events > MOST_EVENTS:
                 return NOT_CONVERGED
             since, left = since + taken, left - taken
-    counts[0] += n
+    return DONE
+
+
+event_steps.parts = ("lowest_guard",)  # type: ignore[attr-defined]
+
+
+def rk4_events(t, h, s, p, e):
+    """A step of the classic Runge-Kutta method, cut at events where there are guards; then the outputs."""
+    n = internal_steps(h, s)
+    if s.guards is not None:
+        status = event_steps(t, h, n, s, p, e)
+        if status != DONE:
+            return status
+    else:
+        d = h / n
+        for i in range(n):
+            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
+        s.counts[1] += 4 * n
+    s.counts[0] += n
     return finished(t, h, s, p, e)
 
 
-rk4_events.parts = ("rk4_step", "lowest_guard", "finished", "internal_steps")  # type: ignore[attr-defined]
+rk4_events.parts = ("rk4_step", "event_steps", "finished", "internal_steps")  # type: ignore[attr-defined]
 
 
 def event_kernels(module: str, *, guards: Any, switch: Any, step: Any = rk4_events, **ode: Any) -> Kernels:
@@ -138,16 +156,19 @@ def event_kernels(module: str, *, guards: Any, switch: Any, step: Any = rk4_even
 
 
 class EventComponent(OdeComponent):
-    """An ordinary differential equation with modes; a subclass gives what an `OdeComponent` gives and `guards_count`."""
+    """An ordinary differential equation with modes; a subclass gives what an `OdeComponent` gives and `guards_count`.
+
+    `guards_count` may be a property that is zero where nothing that is on has events.
+    """
 
     counters: ClassVar[tuple[str, ...]] = ("steps", "derivative_calls", "events")
-    guards_count: ClassVar[int] = 1
+    guards_count: int = 1
     rows = ROWS
 
     def columns(self) -> int:
         """Least length of the rows of workspace."""
-        return self.guards_count
+        return max(self.guards_count, 1)
 
     def shapes(self) -> dict[str, Any]:
-        """As of an `OdeComponent`; `guards`: (k,)."""
-        return super().shapes() | {"guards": self.guards_count}
+        """As of an `OdeComponent`; `guards`: (k,), or None."""
+        return super().shapes() | {"guards": self.guards_count or None}

@@ -12,7 +12,8 @@ import numpy as np
 
 from .component import Effect
 from .contract import Kernels
-from .kernels import kernel
+from .kernels import DONE, kernel
+from .modes import event_steps
 from .ode import (
     RK4_STABILITY_RADIUS,
     OdeComponent,
@@ -121,9 +122,37 @@ def smooth_step(t, h, s, p, e):
 smooth_step.parts = ("rk4_step", "rk8_steps", "finished", "internal_steps")  # type: ignore[attr-defined]
 
 
-def smooth_kernels(module: str, **ode: Any) -> Kernels:
+def smooth_event_step(t, h, s, p, e):
+    """A step of what may have events, and no high order then, by the method that is on; then the outputs."""
+    n = internal_steps(h, s)
+    if e.high_order is not None:
+        rk8_steps(t, h, n, s, p, e)
+        s.counts[1] += STAGES * n
+    elif s.guards is not None:
+        status = event_steps(t, h, n, s, p, e)
+        if status != DONE:
+            return status
+    else:
+        d = h / n
+        for i in range(n):
+            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
+        s.counts[1] += 4 * n
+    s.counts[0] += n
+    return finished(t, h, s, p, e)
+
+
+smooth_event_step.parts = (  # type: ignore[attr-defined]
+    "rk4_step", "rk8_steps", "event_steps", "finished", "internal_steps")
+
+
+def smooth_kernels(module: str, *, step: Any = smooth_step, **ode: Any) -> Kernels:
     """The kernels of a `SmoothComponent`: those of `ode_kernels`, with both methods."""
-    return ode_kernels(module, step=smooth_step, **ode)
+    return ode_kernels(module, step=step, **ode)
+
+
+def smooth_event_kernels(module: str, **events: Any) -> Kernels:
+    """The kernels of a `SmoothComponent` that is an `EventComponent`, too: those of `event_kernels`, with all three methods."""
+    return smooth_kernels(module, step=smooth_event_step, **events)._replace(derivatives=None)
 
 
 @kernel
@@ -142,7 +171,7 @@ class HighOrder(Effect):
 
 
 class SmoothComponent(OdeComponent):
-    """An `OdeComponent` with the effect `high_order`; its kernels are those of `smooth_kernels`."""
+    """An `OdeComponent` with the effect `high_order`; its kernels are those of `smooth_kernels`, or of `smooth_event_kernels`."""
 
     high_order = HighOrder
 

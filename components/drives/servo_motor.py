@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
+from typing import Any
 
 from ..core.component import Effect, Preset
-from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS, rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, kernel
+from ..core.modes import EventComponent, event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from . import torque_motor
 
@@ -98,43 +97,24 @@ class ServoMotor(MotorParameters, EventComponent):
             "the default motor without gear and wheel: poles at -244.3 and -9419.6 1/s", "recalled", ("inductance",)),
     }
 
-    def initial_state(self) -> np.ndarray:
-        """Angle and rate of the parameters, the current where it is a state, and the mode of the shaft where it can stick."""
-        p, e = self.arguments
-        x = [p.start_angle, p.start_rate]
-        if e.inductance is not None:
-            x.append(e.inductance.start_current)
-        if e.shaft_friction is not None:
-            x.append(0.0)
-        state = np.array(x)
-        if e.shaft_friction is not None:
-            drive = shaft_drive(state, self.u[0], p, e.inductance, e.saturation)
-            state[-1] = stick_mode(p.start_rate, drive, static_level(state, self.u[0], p, e))
-        return state
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """One where the shaft can stick."""
+        return 1 if "shaft_friction" in self.on else 0
+
+    def states(self) -> int:
+        """Angle, rate, the current where it is a state, and the mode of the shaft where it can stick."""
+        return 2 + ("inductance" in self.on) + ("shaft_friction" in self.on)
+
+    def shapes(self) -> dict[str, Any]:
+        """`matrix`: of rate and current, and workspace, for their poles."""
+        return super().shapes() | {"matrix": (2, 2, 2)}
 
     def energy(self) -> float:
         """Kinetic energy of rotor and wheel and the energy of the inductance, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         kinetic = 0.5 * shaft_inertia(p) * self.x[RATE] ** 2
         return float(kinetic if e.inductance is None else kinetic + 0.5 * e.inductance.inductance * self.x[CURRENT] ** 2)
-
-    def stable_step(self) -> float:
-        """RK4's limit for the poles of the motor alone, s."""
-        p, e = self._declared_arguments()
-        inertia, damping, torque = shaft_inertia(p), p.gear_ratio**2 * p.damping, p.gear_ratio * p.constant
-        if e.inductance is None:
-            fastest = (torque**2 / p.resistance + damping) / inertia
-        else:
-            L = e.inductance.inductance
-            matrix = np.array([[-damping / inertia, torque / inertia], [-torque / L, -p.resistance / L]])
-            fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
-        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
-
-    def _step(self, t: float, h: float) -> int:
-        if "shaft_friction" in self.on:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return servo_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
 
 VOLTAGE, LOAD = ServoMotor.input_indices("voltage", "load_torque")
@@ -188,7 +168,32 @@ def static_level(x, u, p, e):
 
 
 @kernel
-def servo_derivatives(t, x, u, dx, p, e):
+def servo_start(t, s, p, e):
+    """Angle and rate of the parameters, the current where it is a state, and the mode of the shaft where it can stick."""
+    x = s.x
+    x[ANGLE], x[RATE] = p.start_angle, p.start_rate
+    if e.inductance is not None:
+        x[CURRENT] = e.inductance.start_current
+    if e.shaft_friction is not None:
+        drive = shaft_drive(x, s.u[0], p, e.inductance, e.saturation)
+        x[-1] = stick_mode(p.start_rate, drive, static_level(x, s.u[0], p, e))
+    return DONE
+
+
+@kernel
+def servo_stable(t, s, p, e):
+    """RK4's limit for the poles of the motor alone, s."""
+    inertia, damping, torque = shaft_inertia(p), p.gear_ratio * p.gear_ratio * p.damping, p.gear_ratio * p.constant
+    if e.inductance is None:
+        return step_within(RK4_STABILITY_RADIUS, (torque * torque / p.resistance + damping) / inertia)
+    A, L = s.matrix[0], e.inductance.inductance
+    A[0, 0], A[0, 1] = -damping / inertia, torque / inertia
+    A[1, 0], A[1, 1] = -torque / L, -p.resistance / L
+    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+
+
+@kernel
+def servo_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (angle, rate[, current][, mode])."""
     torque = shaft_drive(x, u, p, e.inductance, e.saturation)
     if e.shaft_friction is not None:
@@ -204,14 +209,14 @@ def servo_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def servo_guards(t, x, u, g, p, e):
+def servo_guards(t, x, u, g, s, p, e):
     """What keeps the mode of the shaft."""
     level = static_level(x, u, p, e)
     g[0] = stick_guard(x[-1], x[RATE], shaft_drive(x, u, p, e.inductance, e.saturation), level)
 
 
 @kernel
-def servo_switch(which, t, x, u, p, e):
+def servo_switch(which, t, x, u, s, p, e):
     """The shaft has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[RATE] = 0.0
     level = static_level(x, u, p, e)
@@ -219,16 +224,16 @@ def servo_switch(which, t, x, u, p, e):
 
 
 @kernel
-def servo_outputs(t, x, u, y, p, e):
+def servo_outputs(t, s, p, e):
     """Angle, rate, current, electrical power, and whether the shaft stands."""
+    x, u, y = s.x, s.u[0], s.y
     y[0], y[1] = x[ANGLE], x[RATE]
     y[2] = winding_current(x, u, p, e.inductance, e.saturation)
     y[3] = winding_voltage(x[RATE], u, p, e.saturation) * y[2]
     if e.shaft_friction is not None:
         y[e.shaft_friction.y] = 1.0 if x[-1] == 0.0 else 0.0
+    return DONE
 
 
-ServoMotor.advance = bind(rk4_events, __name__, derivatives=servo_derivatives, guards=servo_guards, switch=servo_switch,
-                          outputs=servo_outputs)
-ServoMotor.output_kernel = servo_outputs
-servo_smooth = bind(rk4, __name__, derivatives=servo_derivatives, outputs=servo_outputs)
+ServoMotor.kernels = event_kernels(__name__, start=servo_start, derivatives=servo_derivatives, outputs=servo_outputs,
+                                   stable=servo_stable, guards=servo_guards, switch=servo_switch)

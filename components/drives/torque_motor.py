@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Kernels
+from ..core.kernels import DONE, bind, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, STABLE, SUBSTEP, SUBSTEP_TOO_LONG, OdeComponent, rk4
 from ..core.variables import input_, output, parameter
 
 
@@ -56,24 +55,14 @@ class TorqueMotor(OdeComponent):
     electrical_power = output("W", "power that the amplifier gives, negative where it gets some back", nominal=10.0,
                               feedthrough=("voltage", "rate"))
 
-    def initial_state(self) -> np.ndarray:
-        """The current at the start, with `inductance`: no voltage makes it jump; no state without."""
-        inductance = self.arguments[1].inductance
-        return np.zeros(0) if inductance is None else np.array([inductance.start_current])
+    def states(self) -> int:
+        """The current, with `inductance`; no state without."""
+        return 1 if "inductance" in self.on else 0
 
     def energy(self) -> float:
         """Energy of the inductance, J; 0 without it."""
-        inductance = self.arguments[1].inductance
+        inductance = self.arguments[2].inductance
         return 0.0 if inductance is None else float(0.5 * inductance.inductance * self.x[0] ** 2)
-
-    def stable_step(self) -> float:
-        """RK4's limit for the time constant of the winding, s; infinite without inductance."""
-        p, e = self._declared_arguments()
-        return math.inf if e.inductance is None else RK4_STABILITY_RADIUS * e.inductance.inductance / p.resistance
-
-    def internal_step(self) -> float:
-        """That of `inductance`; without it nothing is integrated."""
-        return float(self.get("inductance.substep")) if "inductance" in self.on else math.inf
 
 
 VOLTAGE, RATE = TorqueMotor.input_indices("voltage", "rate")
@@ -103,24 +92,39 @@ def amplifier_voltage(u, p, saturation):
 
 
 @kernel
-def motor_derivatives(t, x, u, dx, p, e):
+def motor_initialize(t, s, p, e):
+    """The current at the start, which no voltage makes jump, and the internal step; without a winding nothing is integrated."""
+    s.limits[SUBSTEP], s.limits[STABLE] = math.inf, math.inf
+    if e.inductance is not None:
+        s.x[0] = e.inductance.start_current
+        s.limits[SUBSTEP] = e.inductance.substep
+        s.limits[STABLE] = RK4_STABILITY_RADIUS * e.inductance.inductance / p.resistance
+    if s.limits[SUBSTEP] > s.limits[STABLE]:
+        return SUBSTEP_TOO_LONG
+    return DONE
+
+
+@kernel
+def motor_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (current,), or nothing without inductance."""
     if e.inductance is not None:
         dx[0] = (amplifier_voltage(u, p, e.saturation) - p.resistance * x[0] - back_emf(u, p)) / e.inductance.inductance
 
 
 @kernel
-def motor_outputs(t, x, u, y, p, e):
+def motor_outputs(t, s, p, e):
     """Torque, current and electrical power."""
+    u, y = s.u[0], s.y
     voltage = amplifier_voltage(u, p, e.saturation)
     if e.inductance is not None:
-        current = x[0]
+        current = s.x[0]
     else:
         current = (voltage - back_emf(u, p)) / p.resistance
     y[TORQUE] = p.gear_ratio * p.constant * current
     y[CURRENT] = current
     y[POWER] = voltage * current
+    return DONE
 
 
-TorqueMotor.advance = bind(rk4, __name__, derivatives=motor_derivatives, outputs=motor_outputs)
-TorqueMotor.output_kernel = motor_outputs
+TorqueMotor.kernels = Kernels(motor_initialize, bind(rk4, __name__, derivatives=motor_derivatives, outputs=motor_outputs),
+                              motor_outputs, motor_derivatives)

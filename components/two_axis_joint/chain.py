@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
-import numpy as np
-
-from ..core import high_order
+from ..core import smooth
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput
-from ..core.events import EventComponent, rk4_events
+from ..core.contract import Refusal
 from ..core.friction import stick_mode
-from ..core.integrators import rk4
-from ..core.kernels import bind
+from ..core.kernels import DONE, OWN, kernel
+from ..core.modes import EventComponent
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .chain_equations import (
     chain_derivatives,
@@ -24,6 +23,7 @@ from .chain_equations import (
     static_level,
 )
 
+WITHOUT_INERTIA, STOPS_CROSSED, START_BEYOND_STOP = OWN + 1, OWN + 2, OWN + 3  # statuses
 
 class Gravity(Effect):
     """Weight, against y: the chain hangs. Without it the plane is horizontal."""
@@ -113,13 +113,13 @@ class Reactions(Effect):
     second_moment = output("N.m", "torque of the first link on the second, motor and losses together", feedthrough=TORQUES)
 
 
-class HighOrder(high_order.HighOrder):
+class HighOrder(smooth.HighOrder):
     """Internal steps of order eight: what has kinks or events is excluded."""
 
     excludes = ("lugre_friction", "stick_friction", "stops")
 
 
-class TwoLinkChain(high_order.SmoothComponent, EventComponent):
+class TwoLinkChain(smooth.SmoothComponent, EventComponent):
     """Two rigid links in a plane with rotary joints; angles from the downward vertical (from -y), positive from x to y.
 
         M a + h + D w + G = (T1 - T2, T2),   a, w: accelerations and rates of the absolute angles th1, th2
@@ -138,7 +138,16 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     system = "two_axis_joint"
     default_stop = 10.0
     start_inputs = ("first_torque", "second_torque")  # whether a joint sticks follows from what drives it
-    guards_count = 3
+    refusals = {
+        WITHOUT_INERTIA: Refusal(
+            "links without inertia: the mass matrix of the stretched chain is singular",
+            "a mass or an inertia at both links that does not vanish",
+            "Give first_inertia, or second_inertia, or a first_mass away from the joint."),
+        STOPS_CROSSED: Refusal("stops.lower = {stops.lower}, stops.upper = {stops.upper} rad",
+                               "a lower stop below the upper one"),
+        START_BEYOND_STOP: Refusal("the second link at {x[1]} rad against the first at the start",
+                                   "an angle between its stops, {stops.lower} and {stops.upper} rad"),
+    }
 
     gravity = Gravity
     viscous = Viscous
@@ -212,89 +221,94 @@ class TwoLinkChain(high_order.SmoothComponent, EventComponent):
             ("springs", "viscous", "stick_friction", "stops")),
     }  # fmt: skip
 
-    def initial_state(self) -> np.ndarray:
-        """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
-        p, e = self.arguments
-        self._check_inertia()
-        first, second = p.start_first_angle, p.start_second_angle - p.start_first_angle
-        x = [first, second, p.start_first_rate, p.start_second_rate - p.start_first_rate]
-        if e.lugre_friction is not None or e.stick_friction is not None:
-            x += [0.0, 0.0]
-        if e.stops is not None:
-            if not e.stops.lower < e.stops.upper:
-                raise BadInput(self.name, f"stops.lower = {e.stops.lower:g}, stops.upper = {e.stops.upper:g} rad",
-                               "a lower stop below the upper one")
-            if not e.stops.lower <= second <= e.stops.upper:
-                raise BadInput(self.name, f"the second link at {second:g} rad against the first at the start",
-                               f"an angle between its stops, {e.stops.lower:g} and {e.stops.upper:g} rad")
-            x.append(float(second == e.stops.upper) - float(second == e.stops.lower))
-        state = np.array(x)
-        if e.stick_friction is not None:
-            levels = static_level(e.stick_friction.first_level, e.stick_friction), static_level(e.stick_friction.second_level,
-                                                                                                e.stick_friction)
-            state[4:6] = [stick_mode(rate, 0.0, level) for rate, level in zip(state[2:4], levels, strict=True)]
-            g = np.empty(self.guards_count)
-            for _ in range(4):  # of two joints at rest none, one or both break loose at once
-                chain_guards(self.t, state, self.u[0], g, *self.arguments)
-                if g.min() >= 0.0:
-                    break
-                chain_switch(int(g.argmin()), self.t, state, self.u[0], *self.arguments)
-        return state
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """Of both joints and the stops, where one of them has events."""
+        return 3 if {"stick_friction", "stops"} & set(self.on) else 0
 
-    def _check_inertia(self) -> None:
-        p = self.arguments[0]
-        m11, _, m22, stretched = mass_matrix(0.0, p)
-        if stretched <= 1e-12 * m11 * m22:  # also both zero
-            actual = "links without inertia: the mass matrix of the stretched chain is singular"
-            raise BadInput(self.name, actual, "a mass or an inertia at both links that does not vanish",
-                           "Give first_inertia, or second_inertia, or a first_mass away from the joint.")
+    def states(self) -> int:
+        """(q1, q2, q1', q2'), bristles or modes of both joints, and which stop is touched."""
+        return 4 + (2 if {"lugre_friction", "stick_friction"} & set(self.on) else 0) + ("stops" in self.on)
+
+    def shapes(self) -> dict[str, Any]:
+        """`matrix`: of the linear equations, and workspace."""
+        return super().shapes() | {"matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, e = self.arguments
-        return float(chain_energy(self.x, p, e.gravity, e.springs, e.lugre_friction, e.stops))
-
-    def _step(self, t: float, h: float) -> int:
-        if "high_order" in self.on or "stick_friction" in self.on or "stops" in self.on:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return chain_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
-
-        Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
-        """
-        p, e = self._declared_arguments()
-        m11, m12, m22, determinant = mass_matrix(0.0, p)
-        g = abs(e.gravity.acceleration) if e.gravity is not None else 0.0
-        second = p.second_mass * p.second_centre
-        turning = max(p.start_first_rate**2, p.start_second_rate**2) + 4.0 * g / (p.first_length + p.second_length)
-        k = g * np.array([[p.first_mass * p.first_centre + p.second_mass * p.first_length + second, second], [second, second]])
-        k[1, 1] += second * p.first_length * turning
-        c = np.zeros(2)
-        if e.viscous is not None:
-            c += e.viscous.first, e.viscous.second
-        if e.springs is not None:
-            k += np.diag([e.springs.first_stiffness, e.springs.second_stiffness])
-        if e.smoothed_friction is not None:
-            c += np.array([e.smoothed_friction.first_level, e.smoothed_friction.second_level]) / e.smoothed_friction.width
-        if e.lugre_friction is not None:
-            k += e.lugre_friction.stiffness * np.eye(2)
-            c += e.lugre_friction.damping
-        if e.stops is not None:
-            k[1, 1] += e.stops.stiffness
-        if determinant <= 0.0:
-            return math.inf  # refused by `initial_state`
-        inverse = np.array([[m22, -m12], [-m12, m11]]) / determinant
-        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse * c]])
-        largest = float(np.abs(np.linalg.eigvals(A)).max())
-        return self.stability_radius / largest if largest > 0.0 else math.inf
+        _, p, e = self.arguments
+        return float(chain_energy(self.x, p, e))
 
 
-TwoLinkChain.advance = bind(
-    rk4_events, __name__, derivatives=chain_derivatives, outputs=chain_outputs, guards=chain_guards, switch=chain_switch
-)
-TwoLinkChain.output_kernel = chain_outputs
-chain_smooth = bind(rk4, __name__, derivatives=chain_derivatives, outputs=chain_outputs)  # where nothing has events
-TwoLinkChain.advance_high_order = bind(high_order.rk8, __name__, derivatives=chain_derivatives, outputs=chain_outputs)
+@kernel
+def chain_start(t, s, p, e):
+    """(q1, q2, q1', q2') as given, bristles without load; joints at rest stay so where friction holds them."""
+    x = s.x
+    m11, _, m22, stretched = mass_matrix(0.0, p)
+    if stretched <= 1e-12 * m11 * m22:  # also both zero
+        return WITHOUT_INERTIA
+    x[0], x[1] = p.start_first_angle, p.start_second_angle - p.start_first_angle
+    x[2], x[3] = p.start_first_rate, p.start_second_rate - p.start_first_rate
+    if e.stops is not None:
+        if not e.stops.lower < e.stops.upper:
+            return STOPS_CROSSED
+        if not e.stops.lower <= x[1] <= e.stops.upper:
+            return START_BEYOND_STOP
+        if x[1] == e.stops.upper:
+            x[-1] = 1.0
+        elif x[1] == e.stops.lower:
+            x[-1] = -1.0
+    if e.stick_friction is not None:
+        g = s.guards
+        x[4] = stick_mode(x[2], 0.0, static_level(e.stick_friction.first_level, e.stick_friction))
+        x[5] = stick_mode(x[3], 0.0, static_level(e.stick_friction.second_level, e.stick_friction))
+        for _ in range(4):  # of two joints at rest none, one or both break loose at once
+            chain_guards(t, x, s.u[0], g, s, p, e)
+            which = 0
+            for i in range(1, g.size):
+                if g[i] < g[which]:
+                    which = i
+            if g[which] >= 0.0:
+                break
+            chain_switch(which, t, x, s.u[0], s, p, e)
+    return DONE
+
+
+@kernel
+def chain_stable(t, s, p, e):
+    """Limit, radius / max |eigenvalue| of the stretched chain, hanging or turning as fast as the start makes it, s.
+
+    Motors may drive the chain to higher rates than that; a run that is too coarse then is seen by its energy.
+    """
+    m11, m12, m22, determinant = mass_matrix(0.0, p)
+    g = abs(e.gravity.acceleration) if e.gravity is not None else 0.0
+    second = p.second_mass * p.second_centre
+    turning = (max(p.start_first_rate * p.start_first_rate, p.start_second_rate * p.start_second_rate)
+               + 4.0 * g / (p.first_length + p.second_length))
+    k11, k12 = g * (p.first_mass * p.first_centre + p.second_mass * p.first_length + second), g * second
+    k22 = k12 + second * p.first_length * turning
+    c1, c2 = 0.0, 0.0
+    if e.viscous is not None:
+        c1, c2 = e.viscous.first, e.viscous.second
+    if e.springs is not None:
+        k11, k22 = k11 + e.springs.first_stiffness, k22 + e.springs.second_stiffness
+    if e.smoothed_friction is not None:
+        c1 += e.smoothed_friction.first_level / e.smoothed_friction.width
+        c2 += e.smoothed_friction.second_level / e.smoothed_friction.width
+    if e.lugre_friction is not None:
+        k11, k22 = k11 + e.lugre_friction.stiffness, k22 + e.lugre_friction.stiffness
+        c1, c2 = c1 + e.lugre_friction.damping, c2 + e.lugre_friction.damping
+    if e.stops is not None:
+        k22 += e.stops.stiffness
+    w11, w12, w22 = m22 / determinant, -m12 / determinant, m11 / determinant  # inverse of the mass matrix
+    A = s.matrix[0]
+    A[:] = 0.0
+    A[0, 2], A[1, 3] = 1.0, 1.0
+    A[2, 0], A[2, 1], A[2, 2], A[2, 3] = -(w11 * k11 + w12 * k12), -(w11 * k12 + w12 * k22), -w11 * c1, -w12 * c2
+    A[3, 0], A[3, 1], A[3, 2], A[3, 3] = -(w12 * k11 + w22 * k12), -(w12 * k12 + w22 * k22), -w12 * c1, -w22 * c2
+    return step_within(smooth.stability_radius(e), spectral_radius(A, s.matrix[1]))
+
+
+TwoLinkChain.kernels = smooth.smooth_event_kernels(
+    __name__, start=chain_start, derivatives=chain_derivatives, outputs=chain_outputs, stable=chain_stable, guards=chain_guards,
+    switch=chain_switch)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from ..core.friction import lugre_force, lugre_rate, smoothed_friction, stick_friction, stick_guard, stick_switch
-from ..core.kernels import kernel
+from ..core.kernels import DONE, kernel
 
 
 @kernel
@@ -40,28 +40,28 @@ def stop_torque(q2, rate, contact, stops):
 
 
 @kernel
-def loads(x, u, p, gravity, viscous, springs, smoothed, stops):
+def loads(x, u, p, e):
     """Torques that move the two joints, N.m: motors, inertia, weight, and every loss that is a function of the state."""
     first = x[2]
     second = x[2] + x[3]
     inertial = p.second_mass * p.first_length * p.second_centre * math.sin(x[1])
     b2 = u[1] - inertial * first * first
     b1 = u[0] - u[1] + b2 + inertial * second * second
-    if gravity is not None:
-        weight = p.second_mass * p.second_centre * gravity.acceleration * math.sin(x[0] + x[1])
-        b1 -= (p.first_mass * p.first_centre + p.second_mass * p.first_length) * gravity.acceleration * math.sin(x[0]) + weight
+    if e.gravity is not None:
+        weight = p.second_mass * p.second_centre * e.gravity.acceleration * math.sin(x[0] + x[1])
+        b1 -= (p.first_mass * p.first_centre + p.second_mass * p.first_length) * e.gravity.acceleration * math.sin(x[0]) + weight
         b2 -= weight
-    if viscous is not None:
-        b1 -= viscous.first * x[2]
-        b2 -= viscous.second * x[3]
-    if springs is not None:
-        b1 -= springs.first_stiffness * (x[0] - springs.first_rest)
-        b2 -= springs.second_stiffness * (x[1] - springs.second_rest)
-    if smoothed is not None:
-        b1 -= smoothed_friction(x[2], smoothed.first_level, smoothed.width)
-        b2 -= smoothed_friction(x[3], smoothed.second_level, smoothed.width)
-    if stops is not None:
-        b2 += stop_torque(x[1], x[3], x[-1], stops)
+    if e.viscous is not None:
+        b1 -= e.viscous.first * x[2]
+        b2 -= e.viscous.second * x[3]
+    if e.springs is not None:
+        b1 -= e.springs.first_stiffness * (x[0] - e.springs.first_rest)
+        b2 -= e.springs.second_stiffness * (x[1] - e.springs.second_rest)
+    if e.smoothed_friction is not None:
+        b1 -= smoothed_friction(x[2], e.smoothed_friction.first_level, e.smoothed_friction.width)
+        b2 -= smoothed_friction(x[3], e.smoothed_friction.second_level, e.smoothed_friction.width)
+    if e.stops is not None:
+        b2 += stop_torque(x[1], x[3], x[-1], e.stops)
     return b1, b2
 
 
@@ -91,7 +91,7 @@ def static_level(level, stick):
 def motion(x, u, p, e):
     """(q1'', q2'', c1, c2); c: rates of the bristles, or the torques that set joints at rest in motion, friction apart."""
     m11, m12, m22, determinant = mass_matrix(x[1], p)
-    b1, b2 = loads(x, u, p, e.gravity, e.viscous, e.springs, e.smoothed_friction, e.stops)
+    b1, b2 = loads(x, u, p, e)
     c1 = c2 = 0.0
     if e.lugre_friction is not None:
         c1 = bristle_rate(x[2], x[4], e.lugre_friction.first_level, p.substep, e.lugre_friction)
@@ -113,7 +113,7 @@ def motion(x, u, p, e):
 
 
 @kernel
-def chain_derivatives(t, x, u, dx, p, e):
+def chain_derivatives(t, x, u, dx, s, p, e):
     """dx/dt; modes do not change between events."""
     a1, a2, c1, c2 = motion(x, u, p, e)
     dx[0], dx[1], dx[2], dx[3] = x[2], x[3], a1, a2
@@ -126,7 +126,7 @@ def chain_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def chain_guards(t, x, u, g, p, e):
+def chain_guards(t, x, u, g, s, p, e):
     """Of each joint its rate in the direction it slides, or at rest what is missing to break loose; of the stops way or depth."""
     g[0], g[1], g[2] = 1.0, 1.0, 1.0
     if e.stick_friction is not None:
@@ -141,7 +141,7 @@ def chain_guards(t, x, u, g, p, e):
 
 
 @kernel
-def chain_switch(which, t, x, u, p, e):
+def chain_switch(which, t, x, u, s, p, e):
     """A joint comes to rest, turns back or breaks loose, or a stop is touched or left.
 
     Other modes stay: where the change makes one impossible, its own guard sees it.
@@ -161,28 +161,29 @@ def chain_switch(which, t, x, u, p, e):
 
 
 @kernel
-def chain_energy(x, p, gravity, springs, lugre, stops):
+def chain_energy(x, p, e):
     """Kinetic energy, height above the hanging chain, bending of springs, bristles and stops, J."""
     m11, m12, m22, _ = mass_matrix(x[1], p)
     energy = 0.5 * (m11 * x[2] * x[2] + m22 * x[3] * x[3]) + m12 * x[2] * x[3]
-    if gravity is not None:
+    if e.gravity is not None:
         first = p.first_mass * p.first_centre + p.second_mass * p.first_length
         second = p.second_mass * p.second_centre
-        energy += gravity.acceleration * (first * (1.0 - math.cos(x[0])) + second * (1.0 - math.cos(x[0] + x[1])))
-    if springs is not None:
-        energy += 0.5 * springs.first_stiffness * (x[0] - springs.first_rest) ** 2
-        energy += 0.5 * springs.second_stiffness * (x[1] - springs.second_rest) ** 2
-    if lugre is not None:
-        energy += 0.5 * lugre.stiffness * (x[4] * x[4] + x[5] * x[5])
-    if stops is not None:
-        depth = max(x[1] - stops.upper, stops.lower - x[1], 0.0)
-        energy += 0.5 * stops.stiffness * depth * depth
+        energy += e.gravity.acceleration * (first * (1.0 - math.cos(x[0])) + second * (1.0 - math.cos(x[0] + x[1])))
+    if e.springs is not None:
+        energy += 0.5 * e.springs.first_stiffness * (x[0] - e.springs.first_rest) ** 2
+        energy += 0.5 * e.springs.second_stiffness * (x[1] - e.springs.second_rest) ** 2
+    if e.lugre_friction is not None:
+        energy += 0.5 * e.lugre_friction.stiffness * (x[4] * x[4] + x[5] * x[5])
+    if e.stops is not None:
+        depth = max(x[1] - e.stops.upper, e.stops.lower - x[1], 0.0)
+        energy += 0.5 * e.stops.stiffness * depth * depth
     return energy
 
 
 @kernel
-def chain_outputs(t, x, u, y, p, e):
+def chain_outputs(t, s, p, e):
     """Angles and rates, the tip, angular momentum and energy, and what the effects add."""
+    x, u, y = s.x, s.u[0], s.y
     second, rate = x[0] + x[1], x[2] + x[3]
     s1, c1, s2, c2 = math.sin(x[0]), math.cos(x[0]), math.sin(second), math.cos(second)
     y[0], y[1], y[2], y[3] = x[0], second, x[2], rate
@@ -193,7 +194,7 @@ def chain_outputs(t, x, u, y, p, e):
     y[9] = p.first_length * s1 * x[2] + p.second_length * s2 * rate
     m11, m12, _, _ = mass_matrix(x[1], p)
     y[10] = m11 * x[2] + m12 * x[3]
-    y[11] = chain_energy(x, p, e.gravity, e.springs, e.lugre_friction, e.stops)
+    y[11] = chain_energy(x, p, e)
     if e.stick_friction is not None:
         y[e.stick_friction.y] = 1.0 if x[4] == 0.0 else 0.0
         y[e.stick_friction.y + 1] = 1.0 if x[5] == 0.0 else 0.0
@@ -214,3 +215,4 @@ def chain_outputs(t, x, u, y, p, e):
             + (p.first_length - p.first_centre) * (second_x * c1 + second_y * s1)
         )
         y[e.reactions.y + 3], y[e.reactions.y + 4], y[e.reactions.y + 5] = second_x, second_y, moment
+    return DONE

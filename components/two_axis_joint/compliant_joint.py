@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Effect
-from ..core.kernels import kernel
-from ..core.stateless import StatelessComponent
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, kernel
 from ..core.variables import input_, output, parameter
 
 RATES = ("rotation.first_rate", "rotation.second_rate")
@@ -32,7 +32,7 @@ class Clearance(Effect):
     radius = parameter(1e-4, "m", "radius of the play", low=0.0)
 
 
-class CompliantJoint(StatelessComponent):
+class CompliantJoint(DirectComponent):
     """Spring and damper that hold two ends together; ends that no one drives stand still at the origin, as the ground does.
 
         F_second = -k (r_second - r_first) - c (r_second' - r_first'),    F_first = -F_second
@@ -67,18 +67,16 @@ class CompliantJoint(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         x1, y1, _, _, x2, y2, *_ = self.u[0]
         play = e.clearance.radius if e.clearance is not None else 0.0
         return 0.5 * p.stiffness * max(float(np.hypot(x2 - x1, y2 - y1)) - play, 0.0) ** 2
 
-    def _outputs(self, t: float) -> None:
-        joint_forces(self.u[0], self.y, *self.arguments)
-
 
 @kernel
-def joint_forces(u, y, p, e):
+def joint_forces(t, s, p, e):
     """Forces and the ends' distance; with `rotation` the torques."""
+    u, y = s.u[0], s.y
     x, z = u[4] - u[0], u[5] - u[1]
     y[0] = p.stiffness * x + p.damping * (u[6] - u[2])
     y[1] = p.stiffness * z + p.damping * (u[7] - u[3])
@@ -91,3 +89,7 @@ def joint_forces(u, y, p, e):
     if e.rotation is not None:
         y[e.rotation.y] = e.rotation.damping * (u[e.rotation.u + 1] - u[e.rotation.u]) - u[e.rotation.u + 2]
         y[e.rotation.y + 1] = -y[e.rotation.y]
+    return DONE
+
+
+CompliantJoint.kernels = direct_kernels(__name__, outputs=joint_forces)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.kernels import bind, kernel
-from ..core.sampled import SampledComponent, integrated, sampled
+from ..core.direct import nothing
+from ..core.kernels import DONE, kernel
+from ..core.sampling import SampledComponent, integrated, sampled_kernels
 from ..core.variables import input_, output, parameter
 
 TURN = 2.0 * math.pi
@@ -69,23 +68,22 @@ class GimbalController(SampledComponent):
     outer_error = output("rad", "set point less angle of the outer axis at the last sample", nominal=0.1)
     inner_error = output("rad", "set point less angle of the inner axis at the last sample", nominal=0.1)
 
-    def initial_state(self, t: float) -> np.ndarray:
-        """All zero."""
-        return np.zeros(STATES)
+    def states(self) -> int:
+        """The number of the next sample, voltages, integrals, errors."""
+        return STATES
 
 
 @kernel
-def axis_sample(i, set_point, set_rate, u, x, gain, rate_gain, integral_gain, p):
+def axis_sample(i, error, rate_error, gain, rate_gain, integral_gain, x, p):
     """One sample of one axis, 0 outer, 1 inner: voltage, integral and error in x."""
-    error = set_point - u[i]
-    wanted = gain * error + rate_gain * (set_rate - u[2 + i]) + x[INTEGRALS + i]
+    wanted = gain * error + rate_gain * rate_error + x[INTEGRALS + i]
     voltage = min(max(wanted, -p.voltage_limit), p.voltage_limit)
     x[VOLTAGES + i], x[ERRORS + i] = voltage, error
     x[INTEGRALS + i] = integrated(x[INTEGRALS + i], integral_gain, error, (voltage - wanted) / p.unwinding_time, p.period)
 
 
 @kernel
-def control_sample(t, u, x, work, p, e):
+def control_sample(t, u, s, p, e):
     """One sample of both axes at time t with the inputs u."""
     outer, inner, outer_rate, inner_rate = p.set_outer_angle, p.set_inner_angle, 0.0, 0.0
     if e.scan is not None:
@@ -94,16 +92,16 @@ def control_sample(t, u, x, work, p, e):
         inner += e.scan.inner_amplitude * math.sin(v * t + e.scan.inner_phase)
         outer_rate = e.scan.outer_amplitude * w * math.cos(w * t + e.scan.outer_phase)
         inner_rate = e.scan.inner_amplitude * v * math.cos(v * t + e.scan.inner_phase)
-    axis_sample(0, outer, outer_rate, u, x, p.outer_gain, p.outer_rate_gain, p.outer_integral_gain, p)
-    axis_sample(1, inner, inner_rate, u, x, p.inner_gain, p.inner_rate_gain, p.inner_integral_gain, p)
+    axis_sample(0, outer - u[0], outer_rate - u[2], p.outer_gain, p.outer_rate_gain, p.outer_integral_gain, s.x, p)
+    axis_sample(1, inner - u[1], inner_rate - u[3], p.inner_gain, p.inner_rate_gain, p.inner_integral_gain, s.x, p)
 
 
 @kernel
-def control_outputs(x, y):
+def control_outputs(t, s, p, e):
     """Voltages and errors of the last sample."""
+    x, y = s.x, s.y
     y[0], y[1], y[2], y[3] = x[VOLTAGES], x[VOLTAGES + 1], x[ERRORS], x[ERRORS + 1]
+    return DONE
 
 
-GimbalController.sample_kernel = control_sample
-GimbalController.output_kernel = control_outputs
-GimbalController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)
+GimbalController.kernels = sampled_kernels(__name__, start=nothing, sample=control_sample, outputs=control_outputs)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
-import numpy as np
-
-from ..core import high_order
+from ..core import smooth
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput, StepFailed
-from ..core.events import EventComponent, rk4_events
+from ..core.contract import Refusal
+from ..core.errors import StepFailed
 from ..core.friction import stick_mode, stick_switch
-from ..core.integrators import rk4
-from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
+from ..core.modes import EventComponent
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
 from .gimbal_equations import (
     ALPHA,
@@ -31,6 +31,7 @@ from .gimbal_equations import (
     reactions_of_base,
 )
 
+GIMBAL_LOCK, OUTER_STOPS, INNER_STOPS = OWN + 1, OWN + 2, OWN + 3  # statuses
 VANISHING = 1e-9  # least inertia about the outer axis over that about the inner one
 
 
@@ -148,13 +149,13 @@ class Reactions(Effect):
     moment_z = output("N.m", "moment of the base on the joint about z", feedthrough=_TORQUES)
 
 
-class HighOrder(high_order.HighOrder):
+class HighOrder(smooth.HighOrder):
     """Internal steps of order eight: what has kinks or events is excluded."""
 
     excludes = ("lugre_friction", "stick_friction", "stops")
 
 
-class GimbalBody(high_order.SmoothComponent, EventComponent):
+class GimbalBody(smooth.SmoothComponent, EventComponent):
     """A rigid body on two crossed axes: the outer one, angle alpha, lies in the base, the inner one, angle beta, in a frame.
 
         outer axis vertical:    J alpha'' + (I_x - I_z) sin 2beta alpha' beta' = T_outer
@@ -177,7 +178,14 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
         "outer_torque", "inner_torque", "base_motion.rate", "base_motion.acceleration", "base_motion.acceleration_x",
         "base_motion.acceleration_y", "base_motion.acceleration_z", "payload.moment_x", "payload.moment_y",
         "payload.moment_z")
-    guards_count = 2
+    refusals = {
+        GIMBAL_LOCK: Refusal(
+            "an inertia about the outer axis that falls to {inertias[0]} kg.m2",
+            "at least {inertias[1]} kg.m2 at every inner angle",
+            "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock)."),
+        OUTER_STOPS: Refusal("stops of the outer axis at {stops.outer_lower} and {stops.outer_upper} rad", "first the lower"),
+        INNER_STOPS: Refusal("stops of the inner axis at {stops.inner_lower} and {stops.inner_upper} rad", "first the lower"),
+    }
 
     gravity = Gravity
     rotor = Rotor
@@ -223,68 +231,23 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
             "numbers of ours: a slender body that rises when it turns faster than 8.58 rad/s", "inferred", ("gravity",)),
     }
 
-    def _initialize(self, t: float) -> int:
-        p, e = self._declared_arguments()
-        smallest = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
-        if smallest < VANISHING * p.inner_inertia:
-            raise BadInput(self.name, f"an inertia about the outer axis that falls to {smallest:g} kg.m2",
-                           f"at least {VANISHING * p.inner_inertia:.3g} kg.m2 at every inner angle",
-                           "Give the frame inertia: without it nothing resists turning about the body's own axis (gimbal lock).")
-        if e.stops is not None:
-            for axis in ("outer", "inner"):
-                lower, upper = self.get(f"stops.{axis}_lower"), self.get(f"stops.{axis}_upper")
-                if not lower < upper:
-                    raise BadInput(self.name, f"stops of the {axis} axis at {lower:g} and {upper:g} rad", "first the lower")
-        return super()._initialize(t)
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """One of each axis that can stick."""
+        return 2 if "stick_friction" in self.on else 0
 
-    def initial_state(self) -> np.ndarray:
-        """Angles and rates of the parameters, bristles relaxed (x: alpha, beta, alpha', beta'[, two bristles or two modes])."""
-        p, e = self.arguments
-        x = [p.start_outer_angle, p.start_inner_angle, p.start_outer_rate, p.start_inner_rate]
-        if e.lugre_friction is not None or e.stick_friction is not None:
-            x += [0.0, 0.0]
-        state = np.array(x)
-        if e.stick_friction is not None:
-            _, outer, inner = drives(state, self.u[0], p, e)
-            for axis, drive in enumerate((outer, inner)):
-                state[CONTACT + axis] = stick_mode(state[OUTER + axis], drive, level_of_axis(axis, e.stick_friction))
-        return state
+    def states(self) -> int:
+        """Angles, rates, and the bristles or modes of both axes."""
+        return 6 if {"lugre_friction", "stick_friction"} & set(self.on) else 4
+
+    def shapes(self) -> dict[str, Any]:
+        """`inertias`: the least about the outer axis, and the least of those allowed, kg.m².  `matrix`: for the stable step."""
+        return super().shapes() | {"inertias": 2, "matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, e = self.arguments
-        return gimbal_energy(self.x, self.u[0], p, e.gravity, e.lugre_friction, e.stops, e.base_motion)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
-        p, e = self._declared_arguments()
-        fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
-        stiffness, damping = np.zeros(2), np.zeros(2)
-        stiffness[1] = abs(p.cross_inertia - p.axial_inertia) * fastest**2
-        if e.gravity is not None:
-            stiffness += e.gravity.mass * e.gravity.acceleration * e.gravity.distance
-        if e.viscous is not None:
-            damping += e.viscous.outer_coefficient, e.viscous.inner_coefficient
-        if e.smoothed_friction is not None:
-            smoothed = e.smoothed_friction
-            damping += smoothed.outer_level / smoothed.width, smoothed.inner_level / smoothed.width
-        if e.lugre_friction is not None:
-            stiffness, damping = stiffness + e.lugre_friction.stiffness, damping + e.lugre_friction.damping
-        if e.stops is not None:
-            stiffness += e.stops.stiffness
-        D = np.diag(damping)
-        if e.rotor is not None:
-            D += np.array([[0.0, 1.0], [-1.0, 0.0]]) * e.rotor.spin_momentum
-        inertias = np.c_[[p.frame_inertia + min(p.cross_inertia, p.axial_inertia), p.inner_inertia]]
-        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(stiffness) / inertias, -D / inertias]])
-        largest = float(np.abs(np.linalg.eigvals(A)).max()) if inertias.min() > 0.0 else math.inf
-        return self.stability_radius / largest if largest > 0.0 else math.inf
-
-    def _step(self, t: float, h: float) -> int:
-        if "high_order" in self.on or "stick_friction" in self.on:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return gimbal_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
+        _, p, e = self.arguments
+        return gimbal_energy(self.x, self.u[0], p, e)
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
@@ -294,7 +257,57 @@ class GimbalBody(high_order.SmoothComponent, EventComponent):
 
 
 @kernel
-def gimbal_derivatives(t, x, u, dx, p, e):
+def gimbal_start(t, s, p, e):
+    """Angles and rates of the parameters, bristles relaxed; axes at rest stay so where friction holds them."""
+    x = s.x
+    s.inertias[0] = p.frame_inertia + min(p.cross_inertia, p.axial_inertia)
+    s.inertias[1] = VANISHING * p.inner_inertia
+    if s.inertias[0] < s.inertias[1]:
+        return GIMBAL_LOCK
+    if e.stops is not None:
+        if not e.stops.outer_lower < e.stops.outer_upper:
+            return OUTER_STOPS
+        if not e.stops.inner_lower < e.stops.inner_upper:
+            return INNER_STOPS
+    x[ALPHA], x[BETA], x[OUTER], x[INNER] = p.start_outer_angle, p.start_inner_angle, p.start_outer_rate, p.start_inner_rate
+    if e.stick_friction is not None:
+        _, outer, inner = drives(x, s.u[0], p, e)
+        x[CONTACT] = stick_mode(x[OUTER], outer, level_of_axis(0, e.stick_friction))
+        x[CONTACT + 1] = stick_mode(x[INNER], inner, level_of_axis(1, e.stick_friction))
+    return DONE
+
+
+@kernel
+def gimbal_stable(t, s, p, e):
+    """Limit, radius / max |eigenvalue| at the start rates, with every spring engaged and the least inertia, s."""
+    fastest = max(abs(p.start_outer_rate), abs(p.start_inner_rate))
+    outer, inner = 0.0, abs(p.cross_inertia - p.axial_inertia) * fastest * fastest  # stiffness
+    outer_damping, inner_damping, gyroscopic = 0.0, 0.0, 0.0
+    if e.gravity is not None:
+        weight = e.gravity.mass * e.gravity.acceleration * e.gravity.distance
+        outer, inner = outer + weight, inner + weight
+    if e.viscous is not None:
+        outer_damping, inner_damping = e.viscous.outer_coefficient, e.viscous.inner_coefficient
+    if e.smoothed_friction is not None:
+        outer_damping += e.smoothed_friction.outer_level / e.smoothed_friction.width
+        inner_damping += e.smoothed_friction.inner_level / e.smoothed_friction.width
+    if e.lugre_friction is not None:
+        outer, inner = outer + e.lugre_friction.stiffness, inner + e.lugre_friction.stiffness
+        outer_damping, inner_damping = outer_damping + e.lugre_friction.damping, inner_damping + e.lugre_friction.damping
+    if e.stops is not None:
+        outer, inner = outer + e.stops.stiffness, inner + e.stops.stiffness
+    if e.rotor is not None:
+        gyroscopic = e.rotor.spin_momentum
+    A, inertia = s.matrix[0], s.inertias[0]
+    A[:] = 0.0
+    A[0, 2], A[1, 3] = 1.0, 1.0
+    A[2, 0], A[2, 2], A[2, 3] = -outer / inertia, -outer_damping / inertia, -gyroscopic / inertia
+    A[3, 1], A[3, 2], A[3, 3] = -inner / p.inner_inertia, gyroscopic / p.inner_inertia, -inner_damping / p.inner_inertia
+    return step_within(smooth.stability_radius(e), spectral_radius(A, s.matrix[1]))
+
+
+@kernel
+def gimbal_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (alpha, beta, alpha', beta'[, bristles or modes]); not a number where the substep cannot follow."""
     dx[ALPHA], dx[BETA] = x[OUTER], x[INNER]
     dx[OUTER], dx[INNER] = accelerations(x, u, p, e)
@@ -307,14 +320,14 @@ def gimbal_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def gimbal_guards(t, x, u, g, p, e):
+def gimbal_guards(t, x, u, g, s, p, e):
     """What keeps the modes of the two axes."""
     _, outer, inner = drives(x, u, p, e)
     g[0], g[1] = axis_guard(0, outer, x, e.stick_friction), axis_guard(1, inner, x, e.stick_friction)
 
 
 @kernel
-def gimbal_switch(which, t, x, u, p, e):
+def gimbal_switch(which, t, x, u, s, p, e):
     """An axis has come to rest or breaks loose: its rate is zero, and its drive decides what follows."""
     x[OUTER + which] = 0.0
     _, outer, inner = drives(x, u, p, e)
@@ -322,11 +335,12 @@ def gimbal_switch(which, t, x, u, p, e):
 
 
 @kernel
-def gimbal_outputs(t, x, u, y, p, e):
+def gimbal_outputs(t, s, p, e):
     """Angles, rates, momentum, and what the effects add."""
+    x, u, y = s.x, s.u[0], s.y
     y[0], y[1], y[2], y[3] = x[ALPHA], x[BETA], x[OUTER], x[INNER]
-    y[4] = outer_momentum(x, u, p, e.rotor, e.base_motion)
-    y[5] = gimbal_energy(x, u, p, e.gravity, e.lugre_friction, e.stops, e.base_motion)
+    y[4] = outer_momentum(x, u, p, e)
+    y[5] = gimbal_energy(x, u, p, e)
     if e.stick_friction is not None:
         y[e.stick_friction.y] = 1.0 if x[CONTACT] == 0.0 else 0.0
         y[e.stick_friction.y + 1] = 1.0 if x[CONTACT + 1] == 0.0 else 0.0
@@ -335,12 +349,10 @@ def gimbal_outputs(t, x, u, y, p, e):
     if e.reactions is not None:
         first, second = accelerations(x, u, p, e)
         k = e.reactions.y
-        y[k], y[k + 1], y[k + 2], y[k + 3], y[k + 4], y[k + 5] = reactions_of_base(
-            x, u, first, second, p, e.gravity, e.rotor, e.base_motion, e.payload)
+        y[k], y[k + 1], y[k + 2], y[k + 3], y[k + 4], y[k + 5] = reactions_of_base(x, u, first, second, p, e)
+    return DONE
 
 
-GimbalBody.advance = bind(rk4_events, __name__, derivatives=gimbal_derivatives, guards=gimbal_guards, switch=gimbal_switch,
-                          outputs=gimbal_outputs)
-GimbalBody.output_kernel = gimbal_outputs
-gimbal_smooth = bind(rk4, __name__, derivatives=gimbal_derivatives, outputs=gimbal_outputs)
-GimbalBody.advance_high_order = bind(high_order.rk8, __name__, derivatives=gimbal_derivatives, outputs=gimbal_outputs)
+GimbalBody.kernels = smooth.smooth_event_kernels(
+    __name__, start=gimbal_start, derivatives=gimbal_derivatives, outputs=gimbal_outputs, stable=gimbal_stable,
+    guards=gimbal_guards, switch=gimbal_switch)

@@ -52,17 +52,17 @@ def body_rates(x, u, p, base):
 
 
 @kernel
-def body_moment(c, s, x, u, alpha_2, beta_2, p, rotor, base):
+def body_moment(c, s, x, u, alpha_2, beta_2, p, e):
     """Moment that the body's motion takes, I w' + w x (I w + h), in body axes, at the given accelerations of the angles."""
-    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
+    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, e.base_motion)
     wx, wy, wz = c * about_outer - s * about_third, about_inner + x[INNER], s * about_outer + c * about_third
     outer_1 += alpha_2
     wx_1 = c * outer_1 - s * third_1 - x[INNER] * wz
     wz_1 = s * outer_1 + c * third_1 + x[INNER] * wx
     wy_1 = inner_1 + beta_2
     lx, ly, lz = p.cross_inertia * wx, p.inner_inertia * wy, p.axial_inertia * wz
-    if rotor is not None:
-        lz += rotor.spin_momentum
+    if e.rotor is not None:
+        lz += e.rotor.spin_momentum
     mx = p.cross_inertia * wx_1 + wy * lz - wz * ly
     my = p.inner_inertia * wy_1 + wz * lx - wx * lz
     mz = p.axial_inertia * wz_1 + wx * ly - wy * lx
@@ -85,7 +85,7 @@ def drives(x, u, p, e):
     """
     c, s = axis_in_body(x[BETA], p.axis_orientation)
     outer_1 = frame_rates(x, u, p, e.base_motion)[3]
-    mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, e.rotor, e.base_motion)
+    mx, my, mz = body_moment(c, s, x, u, 0.0, 0.0, p, e)
     inertia = p.frame_inertia + p.cross_inertia * c * c + p.axial_inertia * s * s
     outer, inner = u[0] - c * mx - s * mz - p.frame_inertia * outer_1, u[1] - my
     if e.gravity is not None:
@@ -141,35 +141,35 @@ def accelerations(x, u, p, e):
 
 
 @kernel
-def outer_momentum(x, u, p, rotor, base):
+def outer_momentum(x, u, p, e):
     """Angular momentum of body and frame about the outer axis, kg.m²/s."""
     c, s = axis_in_body(x[BETA], p.axis_orientation)
-    wx, _, wz = body_rates(x, u, p, base)
-    momentum = p.frame_inertia * frame_rates(x, u, p, base)[0] + c * p.cross_inertia * wx + s * p.axial_inertia * wz
-    if rotor is not None:
-        momentum += s * rotor.spin_momentum
+    wx, _, wz = body_rates(x, u, p, e.base_motion)
+    momentum = p.frame_inertia * frame_rates(x, u, p, e.base_motion)[0] + c * p.cross_inertia * wx + s * p.axial_inertia * wz
+    if e.rotor is not None:
+        momentum += s * e.rotor.spin_momentum
     return momentum
 
 
 @kernel
-def gimbal_energy(x, u, p, gravity, lugre, stops, base):
+def gimbal_energy(x, u, p, e):
     """Kinetic energy relative to the ground, height above the hanging body, bending of bristles and stops, J."""
-    wx, wy, wz = body_rates(x, u, p, base)
-    turning = frame_rates(x, u, p, base)[0]
+    wx, wy, wz = body_rates(x, u, p, e.base_motion)
+    turning = frame_rates(x, u, p, e.base_motion)[0]
     twice = (p.frame_inertia * turning * turning + p.cross_inertia * wx * wx + p.inner_inertia * wy * wy
              + p.axial_inertia * wz * wz)
-    if lugre is not None:
-        twice += lugre.stiffness * (x[CONTACT] * x[CONTACT] + x[CONTACT + 1] * x[CONTACT + 1])
-    if stops is not None:
-        outer = stop_depth(x[ALPHA], stops.outer_lower, stops.outer_upper)
-        inner = stop_depth(x[BETA], stops.inner_lower, stops.inner_upper)
-        twice += stops.stiffness * (outer * outer + inner * inner)
+    if e.lugre_friction is not None:
+        twice += e.lugre_friction.stiffness * (x[CONTACT] * x[CONTACT] + x[CONTACT + 1] * x[CONTACT + 1])
+    if e.stops is not None:
+        outer = stop_depth(x[ALPHA], e.stops.outer_lower, e.stops.outer_upper)
+        inner = stop_depth(x[BETA], e.stops.inner_lower, e.stops.inner_upper)
+        twice += e.stops.stiffness * (outer * outer + inner * inner)
     energy = 0.5 * twice
-    if gravity is not None:
+    if e.gravity is not None:
         down = math.cos(x[BETA])
         if p.axis_orientation != VERTICAL:
             down *= math.cos(x[ALPHA])
-        energy += gravity.mass * gravity.acceleration * gravity.distance * (1.0 - down)
+        energy += e.gravity.mass * e.gravity.acceleration * e.gravity.distance * (1.0 - down)
     return energy
 
 
@@ -184,24 +184,24 @@ def body_to_base(vx, vy, vz, x, p):
 
 
 @kernel
-def reactions_of_base(x, u, alpha_2, beta_2, p, gravity, rotor, base, payload):
+def reactions_of_base(x, u, alpha_2, beta_2, p, e):
     """(force, moment about the crossing of the axes) of the base on the joint, in base axes, by Newton's and Euler's laws.
 
     The frame has inertia about the outer axis only, and no weight.
     """
     c, s = axis_in_body(x[BETA], p.axis_orientation)
-    mx, my, mz = body_moment(c, s, x, u, alpha_2, beta_2, p, rotor, base)
-    wx, wy, wz = body_rates(x, u, p, base)
-    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, base)
+    mx, my, mz = body_moment(c, s, x, u, alpha_2, beta_2, p, e)
+    wx, wy, wz = body_rates(x, u, p, e.base_motion)
+    about_outer, about_inner, about_third, outer_1, inner_1, third_1 = frame_rates(x, u, p, e.base_motion)
     wx_1 = c * (outer_1 + alpha_2) - s * third_1 - x[INNER] * wz
-    d = gravity.distance
+    m, d = e.gravity.mass, e.gravity.distance
     ax, ay, az = body_to_base(d * (inner_1 + beta_2 + wx * wz), d * (wy * wz - wx_1), -d * (wx * wx + wy * wy), x, p)
-    gx, gy, gz = specific_force(u, gravity, base)
-    rx, ry, rz = body_to_base(0.0, 0.0, gravity.mass * d, x, p)
-    if payload is not None:
-        mx -= u[payload.u]
-        my -= u[payload.u + 1]
-        mz -= u[payload.u + 2]
+    gx, gy, gz = specific_force(u, e.gravity, e.base_motion)
+    rx, ry, rz = body_to_base(0.0, 0.0, m * d, x, p)
+    if e.payload is not None:
+        mx -= u[e.payload.u]
+        my -= u[e.payload.u + 1]
+        mz -= u[e.payload.u + 2]
     # the frame: (outer, inner, third) moments of an inertia about its own axis alone
     turn = p.frame_inertia * (outer_1 + alpha_2)
     second, third = p.frame_inertia * about_outer * about_third, -p.frame_inertia * about_outer * about_inner
@@ -209,7 +209,6 @@ def reactions_of_base(x, u, alpha_2, beta_2, p, gravity, rotor, base, payload):
     my += second
     mz += s * turn + c * third
     mx, my, mz = body_to_base(mx, my, mz, x, p)
-    m = gravity.mass
     return (m * (ax - gx), m * (ay - gy), m * (az - gz),
             mx - ry * gz + rz * gy, my - rz * gx + rx * gz, mz - rx * gy + ry * gx)
 

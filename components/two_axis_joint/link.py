@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
+PINNED_POINT, FREE_POINT, PINNED_MOVES = OWN + 1, OWN + 2, OWN + 3  # statuses
 LOADS = ("base_force_x", "base_force_y", "base_torque", "tip_force_x", "tip_force_y", "tip_torque")
 
 
@@ -45,6 +44,12 @@ class PlanarLink(OdeComponent):
     system = "two_axis_joint"
     start_inputs = ()
     default_stop = 10.0
+    refusals = {
+        PINNED_POINT: Refusal("a link without inertia about its joint", "a positive one", "Give inertia."),
+        FREE_POINT: Refusal("a link without inertia about its centre of mass", "a positive one", "Give inertia."),
+        PINNED_MOVES: Refusal("a start velocity of ({start_velocity_x}, {start_velocity_y}) m/s at a pinned base", "none",
+                              "Leave it out, or the effect 'pinned'."),
+    }
 
     pinned = Pinned
     gravity = Gravity
@@ -80,42 +85,47 @@ class PlanarLink(OdeComponent):
     rate = output("rad/s", "rate of the link", nominal=3.0)
     mechanical_energy = output("J", "kinetic energy, and height above the origin where there is gravity", nominal=10.0)
 
-    def initial_state(self) -> np.ndarray:
-        """The pose and rates given (x: angle, rate and, of a free link, place and velocity of the centre of mass)."""
-        p, e = self.arguments
-        inertia = p.inertia + (p.mass * p.centre**2 if e.pinned is not None else 0.0)
-        if inertia == 0.0:
-            raise BadInput(self.name,
-                           "a link without inertia about its " + ("joint" if e.pinned is not None else "centre of mass"),
-                           "a positive one", "Give inertia.")
-        if e.pinned is not None:
-            if p.start_velocity_x != 0.0 or p.start_velocity_y != 0.0:
-                actual = f"a start velocity of ({p.start_velocity_x:g}, {p.start_velocity_y:g}) m/s at a pinned base"
-                raise BadInput(self.name, actual, "none", "Leave it out, or the effect 'pinned'.")
-            return np.array([p.start_angle, p.start_rate])
-        sine, cosine = math.sin(p.start_angle), math.cos(p.start_angle)
-        return np.array([
-            p.start_angle, p.start_rate, p.start_x + p.centre * sine, p.start_y - p.centre * cosine,
-            p.start_velocity_x + p.centre * cosine * p.start_rate, p.start_velocity_y + p.centre * sine * p.start_rate,
-        ])  # fmt: skip
+    def states(self) -> int:
+        """Angle, rate and, of a free link, place and velocity of the centre of mass."""
+        return 2 if "pinned" in self.on else 6
 
     def energy(self) -> float:
         """Kinetic energy, J, and with gravity that of the height above the origin."""
-        p, e = self.arguments
-        return float(link_energy(self.x, p, e))
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
-        p, e = self._declared_arguments()
-        if e.pinned is None or e.gravity is None:
-            return math.inf
-        inertia = p.inertia + p.mass * p.centre**2
-        moment = abs(p.mass * e.gravity.acceleration * p.centre)
-        return RK4_STABILITY_RADIUS * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
+        return float(link_energy(self.x, *self.arguments[1:]))
 
 
 @kernel
-def link_derivatives(t, x, u, dx, p, e):
+def link_start(t, s, p, e):
+    """The pose and rates given."""
+    x = s.x
+    x[0], x[1] = p.start_angle, p.start_rate
+    if e.pinned is not None:
+        if p.inertia + p.mass * p.centre * p.centre == 0.0:
+            return PINNED_POINT
+        if p.start_velocity_x != 0.0 or p.start_velocity_y != 0.0:
+            return PINNED_MOVES
+    else:
+        if p.inertia == 0.0:
+            return FREE_POINT
+        sine, cosine = math.sin(p.start_angle), math.cos(p.start_angle)
+        x[2], x[3] = p.start_x + p.centre * sine, p.start_y - p.centre * cosine
+        x[4] = p.start_velocity_x + p.centre * cosine * p.start_rate
+        x[5] = p.start_velocity_y + p.centre * sine * p.start_rate
+    return DONE
+
+
+@kernel
+def link_stable(t, s, p, e):
+    """RK4's limit, radius / frequency for the hanging pinned link, s; a free one has no frequency of its own."""
+    if e.pinned is None or e.gravity is None:
+        return math.inf
+    inertia = p.inertia + p.mass * p.centre * p.centre
+    moment = abs(p.mass * e.gravity.acceleration * p.centre)
+    return RK4_STABILITY_RADIUS * math.sqrt(inertia / moment) if moment > 0.0 else math.inf
+
+
+@kernel
+def link_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (angle, rate[, x, y, x', y' of the centre of mass])."""
     sine, cosine = math.sin(x[0]), math.cos(x[0])
     torque = u[2] + u[5]
@@ -149,8 +159,9 @@ def link_energy(x, p, e):
 
 
 @kernel
-def link_outputs(t, x, u, y, p, e):
+def link_outputs(t, s, p, e):
     """Motion of both ends, angle, rate and energy; pinned: the joint's force."""
+    x, u, y = s.x, s.u[0], s.y
     sine, cosine = math.sin(x[0]), math.cos(x[0])
     if e.pinned is not None:
         y[0], y[1], y[2], y[3] = p.start_x, p.start_y, 0.0, 0.0
@@ -168,7 +179,8 @@ def link_outputs(t, x, u, y, p, e):
         turning = x[1] * x[1]
         y[e.pinned.y] = p.mass * p.centre * (acceleration * cosine - turning * sine) - u[0] - u[3]
         y[e.pinned.y + 1] = p.mass * p.centre * (acceleration * sine + turning * cosine) + weight - u[1] - u[4]
+    return DONE
 
 
-PlanarLink.advance = bind(rk4, __name__, derivatives=link_derivatives, outputs=link_outputs)
-PlanarLink.output_kernel = link_outputs
+PlanarLink.kernels = ode_kernels(__name__, start=link_start, derivatives=link_derivatives, outputs=link_outputs,
+                                 stable=link_stable)

@@ -104,7 +104,7 @@ def test_no_load_loaded_and_stalled(effects):
 
 def test_gear_and_wheel_belong_to_the_inertia_at_the_wheel():
     made = motor(gear_ratio=-3.0, rotor_inertia=2e-6, wheel_inertia=5e-6)
-    assert shaft_inertia(made.arguments[0]) == wheel_constants(made)[0] == pytest.approx(23e-6, rel=1e-15)
+    assert shaft_inertia(made.arguments[1]) == wheel_constants(made)[0] == pytest.approx(23e-6, rel=1e-15)
     backwards = motor(gear_ratio=-19.0)
     assert response(backwards, [0.2], 12.0)[0, 1] == -response(motor(), [0.2], 12.0)[0, 1]
 

@@ -62,7 +62,7 @@ def test_the_track_is_the_components_own_axis(orientation):
     for alpha, beta in rng.uniform(-3.0, 3.0, (20, 2)):
         body.x[:2] = alpha, beta
         direction = axis_direction(np.array([alpha]), np.array([beta]), orientation)[:, 0]
-        np.testing.assert_allclose(direction, body_to_base(0.0, 0.0, 1.0, body.x, body.arguments[0]), atol=1e-15)
+        np.testing.assert_allclose(direction, body_to_base(0.0, 0.0, 1.0, body.x, body.arguments[1]), atol=1e-15)
 
 
 def test_the_sphere_shows_its_near_and_its_far_side():

@@ -66,7 +66,7 @@ def test_energy_grows_by_the_work_at_the_ends(effects):
         dx = np.empty(link.x.size)
         link_derivatives(0.0, link.x, link.u[0], dx, *link.arguments)
         h = 1e-6
-        ends = [link_energy(link.x + s * h * dx, *link.arguments) for s in (1.0, -1.0)]
+        ends = [link_energy(link.x + s * h * dx, *link.arguments[1:]) for s in (1.0, -1.0)]
         power = sum(link[f"{end}_force_{a}"] * link[f"{end}_velocity_{a}"] for end in ("base", "tip") for a in "xy")
         power += (link["base_torque"] + link["tip_torque"]) * link["rate"]
         assert (ends[0] - ends[1]) / (2.0 * h) == pytest.approx(power, abs=1e-6)

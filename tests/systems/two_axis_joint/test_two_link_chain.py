@@ -151,14 +151,14 @@ def test_energy_changes_by_what_motors_give_and_losses_take(effects):
         chain.x[:4], chain.u[0] = state, torques
         if "stops" in effects:
             chain.x[4] = touched(state[1])
-        loss, r, (p, e) = 0.0, state[2:], chain.arguments
+        loss, r, (s, p, e) = 0.0, state[2:], chain.arguments
         dx = np.zeros(chain.x.size)
         if "stick_friction" in effects:
             chain.x[4:] = np.sign(r)
             loss += 0.1 * np.abs(r).sum()
         if "lugre_friction" in effects:
             chain.x[4:] = [2e-5, -5e-5]
-        chain_derivatives(0.0, chain.x, chain.u[0], dx, p, e)
+        chain_derivatives(0.0, chain.x, chain.u[0], dx, s, p, e)
         if "lugre_friction" in effects:
             loss += float((1000.0 * chain.x[4:] + 2.0 * dx[4:]) @ r) - float(1000.0 * chain.x[4:] @ dx[4:])
         if "viscous" in effects:
@@ -167,7 +167,7 @@ def test_energy_changes_by_what_motors_give_and_losses_take(effects):
             loss += 0.1 * r[0] ** 2 + 0.05 * r[1] ** 2 + 0.1 * np.tanh(r / 0.01) @ r + (stop - spring) * r[1]
 
         def energy(step, chain=chain, dx=dx, p=p, e=e):
-            return chain_energy(chain.x + step * dx, p, e.gravity, e.springs, e.lugre_friction, e.stops)
+            return chain_energy(chain.x + step * dx, p, e)
 
         h = 1e-6 / max(1.0, np.abs(dx[:4]).max())
         rate = (energy(h) - energy(-h)) / (2.0 * h)
