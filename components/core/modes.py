@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from .kernels import NOT_CONVERGED
+from .kernels import DONE, NOT_CONVERGED
 from .ode import (
     Kernels,
     OdeComponent,
