@@ -129,7 +129,7 @@ def fastest_of(mass, damping, stiffness):
 
 @kernel
 def lumped_stable(t, s, p, e):
-    """Limit of the internal step, radius / max |eigenvalue|, s: at the stiffest or, where damping is strong, the softest point."""
+    """Limit of the internal step, radius / max |eigenvalue|, s: at the stiffest point or, with strong damping, the softest."""
     spread = 0.0
     for n in range(p.harmonic.size):
         spread += abs(p.harmonic[n])
