@@ -430,7 +430,8 @@ def rest_on_wires(lift, wire, base_height, s, p, e):
 def rest_on_strips(t, s, p, e):
     """Equilibrium with both strips on the wire, where the derivatives of the rates are zero; a status."""
     u, n = s.work[1, : s.u.shape[1]], s.x.size // 2
-    u[:] = s.u[0]
+    for j in range(u.size):
+        u[j] = s.u[0, j]
     if e.base_excitation is not None:
         u[e.base_excitation.u + 1] = 0.0
     by = 1.0
