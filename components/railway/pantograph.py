@@ -162,7 +162,7 @@ class Pantograph(OdeComponent):
 
         `slopes`: of the derivatives over the state, and workspace, (2, n, n).
         """
-        n, get = self.states(), self.parameters.get
+        n, get = self.states(), self.get
         unevenness = fluctuation = measured = None
         if "wire_unevenness" in self.on:
             unevenness = random_phases(get("wire_unevenness.components"), 1, get("wire_unevenness.seed"))

@@ -51,7 +51,7 @@ def wrist(parameters=None, effects=("morphology", "constraint")) -> Wrist:
 
 
 def ligaments(**parameters):
-    return bundle(**parameters).arguments[0].ligaments.copy()
+    return bundle(**parameters).arguments[0].ligaments
 
 
 # -- lengths ---------------------------------------------------------------------------------------------------------------
