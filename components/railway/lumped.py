@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..core.component import Effect
+from ..core.contract import Refusal
 from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.spectrum import step_within
 from ..core.variables import input_, output, parameter
 from .statics import elasticity, stiffness_series
 
 HARMONICS = 10
+PLACES = 720  # along a span, at which the stiffness is looked at
+NO_STIFFNESS = OWN + 1  # status
 
 
 class Inerter(Effect):
@@ -71,27 +76,20 @@ class LumpedCatenary(OdeComponent):
         """A lumped catenary with the static elasticity of one span of a distributed one; arguments as of `fit_span`."""
         return cls(effects, fit_span(line, force, span).parameters)
 
-    def initial_state(self) -> np.ndarray:
-        """Static equilibrium under the present force (x: height or deviation, its rate)."""
-        p, e = self.arguments
-        angle = 2.0 * math.pi * np.arange(1, HARMONICS + 1) * np.linspace(0.0, 1.0, 721)[:, None]
-        least = 1.0 + float((np.cos(angle) @ p.harmonic).min())
-        if least <= 0.0:
-            raise BadInput(f"{self.name}.harmonic", f"a stiffness down to {least:.3g} of the mean", "a positive one everywhere")
-        force = self.u[0, FORCE] - (e.inerter.reference_force if e.inerter is not None else 0.0)
-        return np.array([force / stiffness_at(self.u[0, POSITION], p), 0.0])
+    refusals = {NO_STIFFNESS: Refusal("harmonic: a stiffness down to {least} of the mean", "a positive one everywhere")}
+
+    def states(self) -> int:
+        """Height or deviation, its rate."""
+        return 2
+
+    def shapes(self) -> dict[str, Any]:
+        """`least`: smallest stiffness along the span over the mean one."""
+        return super().shapes() | {"least": 1}
 
     def energy(self) -> float:
         """Kinetic energy plus that of the spring, J; with `inerter`, of the deviation."""
-        p, _ = self.arguments
+        p = self.arguments[1]
         return 0.5 * (p.mass * self.x[1] ** 2 + stiffness_at(self.u[0, POSITION], p) * self.x[0] ** 2)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue|, s: at the stiffest point or, where damping is strong, at the softest."""
-        p, _ = self._declared_arguments()
-        spread = float(np.abs(p.harmonic).sum())
-        ends = (p.mean_stiffness * (1.0 + spread), p.mean_stiffness * max(1.0 - spread, 0.0))
-        return float(RK4_STABILITY_RADIUS / max(np.abs(np.roots([p.mass, p.damping, stiffness])).max() for stiffness in ends))
 
 
 POSITION, FORCE = LumpedCatenary.input_indices("contact_position", "contact_force")
@@ -108,7 +106,40 @@ def stiffness_at(position, p):
 
 
 @kernel
-def lumped_derivatives(t, x, u, dx, p, e):
+def lumped_start(t, s, p, e):
+    """Static equilibrium under the present force."""
+    s.least[0] = math.inf
+    for i in range(PLACES + 1):
+        s.least[0] = min(s.least[0], stiffness_at(p.span_length * i / PLACES, p) / p.mean_stiffness)
+    if s.least[0] <= 0.0:
+        return NO_STIFFNESS
+    force = s.u[0, FORCE]
+    if e.inerter is not None:
+        force -= e.inerter.reference_force
+    s.x[0] = force / stiffness_at(s.u[0, POSITION], p)
+    return DONE
+
+
+@kernel
+def fastest_of(mass, damping, stiffness):
+    """Largest |eigenvalue| of an oscillator, 1/s."""
+    left = damping * damping - 4.0 * mass * stiffness
+    return 0.5 * (damping + math.sqrt(left)) / mass if left > 0.0 else math.sqrt(stiffness / mass)
+
+
+@kernel
+def lumped_stable(t, s, p, e):
+    """Limit of the internal step, radius / max |eigenvalue|, s: at the stiffest point or, with strong damping, the softest."""
+    spread = 0.0
+    for n in range(p.harmonic.size):
+        spread += abs(p.harmonic[n])
+    stiffest, softest = p.mean_stiffness * (1.0 + spread), p.mean_stiffness * max(1.0 - spread, 0.0)
+    fastest = max(fastest_of(p.mass, p.damping, stiffest), fastest_of(p.mass, p.damping, softest))
+    return step_within(RK4_STABILITY_RADIUS, fastest)
+
+
+@kernel
+def lumped_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (height or deviation, its rate)."""
     force = u[FORCE]
     if e.inerter is not None:
@@ -118,16 +149,18 @@ def lumped_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def lumped_outputs(t, x, u, y, p, e):
+def lumped_outputs(t, s, p, e):
     """Height, velocity, stiffness at the contact point; the velocity is that of the mass, without the static line's."""
-    y[STIFFNESS] = stiffness_at(u[POSITION], p)
+    x, y = s.x, s.y
+    y[STIFFNESS] = stiffness_at(s.u[0, POSITION], p)
     y[HEIGHT], y[VELOCITY] = x[0], x[1]
     if e.inerter is not None:
         y[HEIGHT] += e.inerter.reference_force / y[STIFFNESS]
+    return DONE
 
 
-LumpedCatenary.advance = bind(rk4, __name__, derivatives=lumped_derivatives, outputs=lumped_outputs)
-LumpedCatenary.output_kernel = lumped_outputs
+LumpedCatenary.kernels = ode_kernels(__name__, start=lumped_start, derivatives=lumped_derivatives, outputs=lumped_outputs,
+                                     stable=lumped_stable)
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,16 @@ with models of head and wire: the algorithm "interface-model" does so, and is of
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..core.component import Preset
-from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.linear import solve_dense
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .pantograph_effects import (
     Acceleration,
@@ -37,12 +41,13 @@ from .pantograph_effects import (
     StripLift,
     TwoStrips,
     WireUnevenness,
-    fluctuation_sines,
     measured_heights,
     uneven,
-    unevenness_sines,
 )
-from .sines import sum_of_sines
+from .sines import fill_bands, random_phases, sum_of_sines
+
+WRONG_ACCELERATION, WRONG_LENGTHS, WRONG_FREQUENCIES, UNHELD = range(OWN + 1, OWN + 5)  # statuses
+SUMS = 3  # of the fluctuation of lifts: lowest mass, front strip, rear strip
 
 
 class Pantograph(OdeComponent):
@@ -133,85 +138,47 @@ class Pantograph(OdeComponent):
             "repository pantograph-rigid-ocs-amm; first and third stiffness look odd there", "verbatim", ("lower_frame",)),
     }
 
-    def kernel_arguments(self):
-        """Parameters and effects; of random effects the sines that they are."""
-        p, e = self._declared_arguments()
-        a = e.acceleration
-        if a is not None and a.rate * (a.final_speed - p.speed) < 0.0:
-            raise BadInput(f"{self.name}: acceleration", f"rate = {a.rate:g} m/s2 from {p.speed:g} to {a.final_speed:g} m/s",
-                           "a rate that leads to the final speed", "Change its sign, or final_speed.")
-        if e.wire_unevenness is not None:
-            e = e._replace(wire_unevenness=unevenness_sines(e.wire_unevenness, self.name))
-        if e.measured_unevenness is not None:
-            e = e._replace(measured_unevenness=measured_heights(str(self.parameters["measured_unevenness.table"]), self.name))
-        if e.lift_fluctuation is not None:
-            e = e._replace(lift_fluctuation=fluctuation_sines(e.lift_fluctuation, self.name))
-        return p, e
+    refusals = {
+        WRONG_ACCELERATION: Refusal(
+            "acceleration: rate = {acceleration.rate} m/s2 from {speed} to {acceleration.final_speed} m/s",
+            "a rate that leads to the final speed", "Change its sign, or final_speed."),
+        WRONG_LENGTHS: Refusal(
+            "wire_unevenness: wave lengths from {wire_unevenness.shortest} to {wire_unevenness.longest} m",
+            "a shortest one below the longest"),
+        WRONG_FREQUENCIES: Refusal(
+            "lift_fluctuation: frequencies from {lift_fluctuation.lowest} to {lift_fluctuation.highest} Hz",
+            "a lowest one below the highest"),
+        UNHELD: Refusal("a lowest mass that no spring holds", "a start at rest on both strips",
+                        "Give the springs of frame and lower frame some stiffness."),
+    }
 
-    def initial_state(self) -> np.ndarray:
-        """Equilibrium on the wire at its present height.
+    def states(self) -> int:
+        """z1, z1', z2, z2', with `lower_frame` z3, z3', with `two_strips` heights of the front and the rear strip and pitch with
+        their rates, with `actuator` its force."""
+        return 4 + 2 * ("lower_frame" in self.on) + 6 * ("two_strips" in self.on) + ("actuator" in self.on)
 
-        x: z1, z1', z2, z2', with `lower_frame` z3, z3', with `two_strips` front and rear strip and pitch with their rates, with
-        `actuator` its force.
+    def shapes(self) -> dict[str, Any]:
+        """`unevenness`, `fluctuation`: sines, see `sines`.  `measured`: positions and heights, (2, n) m.
+
+        `slopes`: of the derivatives over the state, and workspace, (2, n, n).
         """
-        p, e = self.arguments
-        base_height = self.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
-        lift = p.static_force
-        if e.aerodynamic_uplift is not None:
-            lift += lift_at(self.t, e.aerodynamic_uplift.coefficient, 0, p, e)
-        if e.actuator is not None:
-            lift += limited(self.u[0, e.actuator.u], e.actuator.limit)
-        wire = uneven(self.u[0, WIRE_HEIGHT], front_position(self.t, p, e), e)
-        if e.two_strips is not None:
-            x = self._on_two_strips(p, e, lift, wire, base_height)
-        else:
-            contact = 1.0 / p.contact_stiffness + self.u[0, WIRE_COMPLIANCE]
-            x = self._on_wire(p, e, lift, wire, contact, base_height)
-            if e.second_wire is not None:
-                second = self.u[0, e.second_wire.u]
-                its = 1.0 / p.contact_stiffness + self.u[0, e.second_wire.u + 1]
-                if x[0] > second:  # both springs as one, or the second alone
-                    joint = 1.0 / (1.0 / contact + 1.0 / its)
-                    x = self._on_wire(p, e, lift, joint * (wire / contact + second / its), joint, base_height)
-                    if x[0] < wire:
-                        x = self._on_wire(p, e, lift, second, its, base_height)
-        return np.array(x if e.actuator is None else [*x, limited(self.u[0, e.actuator.u], e.actuator.limit)])
-
-    @staticmethod
-    def _on_wire(p, e, lift: float, wire: float, contact: float, base_height: float) -> list[float]:
-        """Equilibrium with the head on a wire; contact: compliance of the contact, m/N."""
-        base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
-        above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
-        lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
-        force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
-        x = [wire + force * contact, 0.0, wire + force * above_wire, 0.0]
-        return x if e.lower_frame is None else [*x, wire + force * lowest, 0.0]
-
-    def _on_two_strips(self, p, e, lift: float, wire: float, base_height: float) -> list[float]:
-        """Equilibrium with both strips on the wire: heights and pitch with their rates."""
-        K, _, m = self._matrices(p, e, [1.0 / (1.0 / p.contact_stiffness + self.u[0, c])
-                                        for c in (WIRE_COMPLIANCE, e.two_strips.u + 1)])
-        n = m.size - 3
-        rear = uneven(self.u[0, e.two_strips.u], front_position(self.t, p, e) - e.two_strips.distance, e)
-        base = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
-        load = np.zeros(m.size)
-        load[n - 1] = lift + base * (base_height + p.working_height)
-        contact = [1.0 / (1.0 / p.contact_stiffness + self.u[0, c]) for c in (WIRE_COMPLIANCE, e.two_strips.u + 1)]
-        for i, height in enumerate((wire, rear)):
-            load[n + i] = contact[i] * height
-            if e.strip_lift is not None:
-                load[n + i] += lift_at(self.t, (e.strip_lift.front, e.strip_lift.rear)[i], i + 1, p, e)
-            moment = e.two_strips.friction * e.two_strips.contact_height * contact[i]
-            K[n + 2, n + i] -= moment
-            load[n + 2] -= moment * height
-        return [value for height in np.linalg.solve(K, load).tolist() for value in (height, 0.0)]
+        n, get = self.states(), self.get
+        unevenness = fluctuation = measured = None
+        if "wire_unevenness" in self.on:
+            unevenness = random_phases(get("wire_unevenness.components"), 1, get("wire_unevenness.seed"))
+        if "lift_fluctuation" in self.on:
+            fluctuation = random_phases(get("lift_fluctuation.components"), SUMS, get("lift_fluctuation.seed"))
+        if "measured_unevenness" in self.on:
+            measured = measured_heights(get("measured_unevenness.table"), self.name)
+        return super().shapes() | {"unevenness": unevenness, "fluctuation": fluctuation, "measured": measured,
+                                   "slopes": (2, n, n)}
 
     def energy(self) -> float:
         """Kinetic energy plus that of all springs, J; neither the static force nor a contact outside is counted."""
-        p, e = self.arguments
+        s, p, e = self.arguments
         x = self.x
         springs = p.head_stiffness * (x[2] - x[0]) ** 2
-        front, rear = contact_forces(self.t, x, self.u[0], p, e)
+        front, rear = contact_forces(self.t, x, self.u[0], s, p, e)
         if e.second_wire is not None:
             springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, e.second_wire.u + 1])
         if e.outer_contact is None:
@@ -227,58 +194,12 @@ class Pantograph(OdeComponent):
         if e.bump_stops is not None:
             springs += e.bump_stops.stiffness * max(abs(x[0] - x[2]) - e.bump_stops.travel, 0.0) ** 2
         if e.two_strips is not None:
-            s, i = e.two_strips, first_strip(e)
-            springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, s.u + 1]) + s.pitch_stiffness * x[i + 4] ** 2
-            lift = 0.5 * s.distance * x[i + 4]
-            springs += s.stiffness * ((x[0] + lift - x[i]) ** 2 + (x[0] - lift - x[i + 2]) ** 2)
-            motion += s.mass * (x[i + 1] ** 2 + x[i + 3] ** 2) + s.pitch_inertia * x[i + 5] ** 2
+            strips, i = e.two_strips, first_strip(e)
+            springs += rear**2 * (1.0 / p.contact_stiffness + self.u[0, strips.u + 1]) + strips.pitch_stiffness * x[i + 4] ** 2
+            lift = 0.5 * strips.distance * x[i + 4]
+            springs += strips.stiffness * ((x[0] + lift - x[i]) ** 2 + (x[0] - lift - x[i + 2]) ** 2)
+            motion += strips.mass * (x[i + 1] ** 2 + x[i + 3] ** 2) + strips.pitch_inertia * x[i + 5] ** 2
         return 0.5 * (motion + springs)
-
-    def _matrices(self, p, e, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K, C (n, n) and masses (n,) of head, frame, [lower frame,] [front strip, rear strip, pitch], every spring engaged.
-
-        contact: stiffness of the contacts, N/m, of the head alone or of both strips.
-        """
-        head = p.head_stiffness + (e.bump_stops.stiffness if e.bump_stops is not None else 0.0)
-        k, c, m = [head, p.frame_stiffness], [p.head_damping, p.frame_damping], [p.head_mass, p.frame_mass]
-        if e.lower_frame is not None:
-            k, c, m = [*k, e.lower_frame.stiffness], [*c, e.lower_frame.damping], [*m, e.lower_frame.mass]
-        n, strips = len(m), e.two_strips
-        size = n + (3 if strips is not None else 0)
-        K, C = np.zeros((2, size, size))
-
-        def link(stiffness, damping, direction):
-            d = np.zeros(size)
-            for i, value in direction.items():
-                d[i] = value
-            K[:] += stiffness * np.outer(d, d)
-            C[:] += damping * np.outer(d, d)
-
-        for i in range(n):
-            link(k[i], c[i], {i: 1.0, i + 1: -1.0} if i < n - 1 else {i: 1.0})
-        if strips is None:
-            link(contact[0], 0.0, {0: 1.0})
-        else:
-            m += [strips.mass, strips.mass, strips.pitch_inertia]
-            link(strips.pitch_stiffness, strips.pitch_damping, {n + 2: 1.0})
-            for i, way in ((n, 0.5), (n + 1, -0.5)):
-                link(strips.stiffness, strips.damping, {0: 1.0, n + 2: way * strips.distance, i: -1.0})
-                link(contact[i - n], 0.0, {i: 1.0})
-        if e.frame_friction is not None:
-            C[1, 1] += e.frame_friction.level / e.frame_friction.width
-        return K, C, np.array(m)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| with every spring engaged, s."""
-        p, e = self._declared_arguments()
-        contact = p.contact_stiffness * (1.0 if e.second_wire is None else 2.0)
-        K, C, m = self._matrices(p, e, (contact, contact))
-        n = m.size
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-K / m[:, None], -C / m[:, None]]])
-        fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        if e.actuator is not None:
-            fastest = max(fastest, 1.0 / e.actuator.time_constant)
-        return RK4_STABILITY_RADIUS / fastest
 
 
 WIRE_HEIGHT, WIRE_COMPLIANCE = Pantograph.input_indices("wire_height", "wire_compliance")
@@ -316,12 +237,12 @@ def front_position(t, p, e):
 
 
 @kernel
-def lift_at(t, coefficient, k, p, e):
+def lift_at(t, coefficient, k, s, p, e):
     """Lift of the air stream, N; k: 0 lowest mass, 1 front strip, 2 rear strip."""
     speed = speed_at(t, p, e)
     lift = coefficient * speed * speed
     if e.lift_fluctuation is not None:
-        lift *= 1.0 + sum_of_sines(t, k, e.lift_fluctuation)
+        lift *= 1.0 + sum_of_sines(t, k, s.fluctuation)
     return lift
 
 
@@ -341,51 +262,58 @@ def spring_force(approach, compliance, p, loss):
 
 
 @kernel
-def contact_forces(t, x, u, p, e):
-    """Force of the head or of its front strip, or what comes from outside; force of the rear strip or on the second wire; N."""
-    if e.outer_contact is not None:
-        return -u[e.outer_contact.u], 0.0
+def spring_forces(t, x, u, loss, s, p, e):
+    """Force of the head or of its front strip, and of the rear strip or on the second wire, N; loss: None where contacts pull."""
     position = front_position(t, p, e)
-    wire = uneven(u[WIRE_HEIGHT], position, e)
+    wire = uneven(u[WIRE_HEIGHT], position, s)
     if e.second_wire is not None:
         beside = x[0] - u[e.second_wire.u]
-        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
-                spring_force(beside, u[e.second_wire.u + 1], p, e.contact_loss))
+        return (spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss),
+                spring_force(beside, u[e.second_wire.u + 1], p, loss))
     if e.two_strips is None:
-        return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss), 0.0
-    i, rear = first_strip(e), uneven(u[e.two_strips.u], position - e.two_strips.distance, e)
-    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, e.contact_loss),
-            spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, e.contact_loss))
+        return spring_force(x[0] - wire, u[WIRE_COMPLIANCE], p, loss), 0.0
+    i, rear = first_strip(e), uneven(u[e.two_strips.u], position - e.two_strips.distance, s)
+    return (spring_force(x[i] - wire, u[WIRE_COMPLIANCE], p, loss),
+            spring_force(x[i + 2] - rear, u[e.two_strips.u + 1], p, loss))
 
 
 @kernel
-def strip_rates(t, x, dx, front, rear, p, e):
-    """Rates of both strips and the pitch; the force of the strips on the head, N. front, rear: contact forces, N."""
-    s, i = e.two_strips, first_strip(e)
-    reach = 0.5 * s.distance
-    to_front = s.stiffness * (x[0] + reach * x[i + 4] - x[i]) + s.damping * (x[1] + reach * x[i + 5] - x[i + 1])
-    to_rear = s.stiffness * (x[0] - reach * x[i + 4] - x[i + 2]) + s.damping * (x[1] - reach * x[i + 5] - x[i + 3])
+def contact_forces(t, x, u, s, p, e):
+    """What `spring_forces` gives, or the force from outside, N."""
+    if e.outer_contact is not None:
+        return -u[e.outer_contact.u], 0.0
+    return spring_forces(t, x, u, e.contact_loss, s, p, e)
+
+
+@kernel
+def strip_rates(t, x, dx, contact, s, p, e):
+    """Rates of both strips and the pitch; the force of the strips on the head, N. contact: forces at front and rear, N."""
+    strips, i = e.two_strips, first_strip(e)
+    front, rear = contact
+    reach = 0.5 * strips.distance
+    to_front = strips.stiffness * (x[0] + reach * x[i + 4] - x[i]) + strips.damping * (x[1] + reach * x[i + 5] - x[i + 1])
+    to_rear = strips.stiffness * (x[0] - reach * x[i + 4] - x[i + 2]) + strips.damping * (x[1] - reach * x[i + 5] - x[i + 3])
     on_front, on_rear = to_front - front, to_rear - rear
     if e.strip_lift is not None:
-        on_front += lift_at(t, e.strip_lift.front, 1, p, e)
-        on_rear += lift_at(t, e.strip_lift.rear, 2, p, e)
-    moment = (to_rear - to_front) * reach + s.friction * (front + rear) * s.contact_height
+        on_front += lift_at(t, e.strip_lift.front, 1, s, p, e)
+        on_rear += lift_at(t, e.strip_lift.rear, 2, s, p, e)
+    moment = (to_rear - to_front) * reach + strips.friction * (front + rear) * strips.contact_height
     dx[i], dx[i + 2], dx[i + 4] = x[i + 1], x[i + 3], x[i + 5]
-    dx[i + 1], dx[i + 3] = on_front / s.mass, on_rear / s.mass
-    dx[i + 5] = (moment - s.pitch_stiffness * x[i + 4] - s.pitch_damping * x[i + 5]) / s.pitch_inertia
+    dx[i + 1], dx[i + 3] = on_front / strips.mass, on_rear / strips.mass
+    dx[i + 5] = (moment - strips.pitch_stiffness * x[i + 4] - strips.pitch_damping * x[i + 5]) / strips.pitch_inertia
     return to_front + to_rear
 
 
 @kernel
-def pantograph_derivatives(t, x, u, dx, p, e):
-    """dx/dt of the state, see `Pantograph.initial_state`."""
+def rates(t, x, u, dx, contact, s, p, e):
+    """dx/dt of the state, see `Pantograph.states`; contact: what `contact_forces` gives."""
     head = p.head_stiffness * (x[2] - x[0]) + p.head_damping * (x[3] - x[1])
     if e.bump_stops is not None:
         travel = x[2] - x[0]
         head += e.bump_stops.stiffness * (max(travel - e.bump_stops.travel, 0.0) + min(travel + e.bump_stops.travel, 0.0))
     lift = p.static_force
     if e.aerodynamic_uplift is not None:
-        lift += lift_at(t, e.aerodynamic_uplift.coefficient, 0, p, e)
+        lift += lift_at(t, e.aerodynamic_uplift.coefficient, 0, s, p, e)
     if e.actuator is not None:
         f = x.size - 1
         lift += x[f]
@@ -395,11 +323,11 @@ def pantograph_derivatives(t, x, u, dx, p, e):
         base_height += u[e.base_excitation.u]
         base_velocity += u[e.base_excitation.u + 1]
 
-    down, rear = contact_forces(t, x, u, p, e)
+    down = contact[0]
     if e.two_strips is not None:
-        down = strip_rates(t, x, dx, down, rear, p, e)
+        down = strip_rates(t, x, dx, contact, s, p, e)
     if e.second_wire is not None:
-        down += rear
+        down += contact[1]
     dx[0], dx[2] = x[1], x[3]
     dx[1] = (head - down) / p.head_mass
     if e.lower_frame is not None:
@@ -415,9 +343,140 @@ def pantograph_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def pantograph_outputs(t, x, u, y, p, e):
+def pantograph_derivatives(t, x, u, dx, s, p, e):
+    """dx/dt of the state."""
+    rates(t, x, u, dx, contact_forces(t, x, u, s, p, e), s, p, e)
+
+
+@kernel
+def find_slopes(t, x, u, by, s, p, e):
+    """d(dx/dt)/dx with springs for contacts, which also pull, into s.slopes[0], by differences over `by`; dx/dt into s.work[2].
+
+    All is linear but friction and stops: where they stay as they are, the differences are exact.
+    """
+    n = x.size
+    here, there, moved = s.work[2, :n], s.work[3, :n], s.work[4, :n]
+    rates(t, x, u, here, spring_forces(t, x, u, None, s, p, e), s, p, e)
+    for j in range(n):
+        for i in range(n):
+            moved[i] = x[i]
+        moved[j] += by
+        rates(t, moved, u, there, spring_forces(t, moved, u, None, s, p, e), s, p, e)
+        for i in range(n):
+            s.slopes[0, i, j] = (there[i] - here[i]) / by
+
+
+@kernel
+def pantograph_stable(t, s, p, e):
+    """Limit of the internal step, radius / max |eigenvalue|, s: every spring engaged, friction where it is steepest."""
+    x, u = s.work[0, : s.x.size], s.work[1, : s.u.shape[1]]
+    x[:] = 0.0
+    u[:] = 0.0
+    if e.bump_stops is not None:
+        x[2] = e.bump_stops.travel + 2.0
+    if e.frame_friction is not None:
+        x[3] = 40.0 * e.frame_friction.width  # where it is constant
+    find_slopes(t, x, u, 1.0, s, p, e)
+    if e.frame_friction is not None:
+        s.slopes[0, 3, 3] -= e.frame_friction.level / e.frame_friction.width / p.frame_mass
+    return step_within(RK4_STABILITY_RADIUS, spectral_radius(s.slopes[0], s.slopes[1]))
+
+
+@kernel
+def fill_sines(s, e):
+    """Sines of the random effects; a status."""
+    if e.wire_unevenness is not None:
+        waves = e.wire_unevenness
+        if waves.shortest >= waves.longest:
+            return WRONG_LENGTHS
+        fill_bands(1.0 / waves.longest, 1.0 / waves.shortest, waves.longest, waves.exponent, waves.deviation, s.unevenness)
+    if e.lift_fluctuation is not None:
+        lifts = e.lift_fluctuation
+        if lifts.lowest >= lifts.highest:
+            return WRONG_FREQUENCIES
+        fill_bands(lifts.lowest, lifts.highest, 1.0, 0.0, lifts.intensity, s.fluctuation)
+    return DONE
+
+
+@kernel
+def rest_on_wire(lift, wire, contact, base_height, s, p, e):
+    """Equilibrium with the head on a wire, into the state; contact: compliance of the contact, m/N."""
+    x = s.x
+    base_stiffness = p.frame_stiffness if e.lower_frame is None else e.lower_frame.stiffness
+    above_wire = contact + 1.0 / p.head_stiffness  # height of the frame above the wire per force
+    lowest = above_wire if e.lower_frame is None or p.frame_stiffness == 0.0 else above_wire + 1.0 / p.frame_stiffness
+    force = (lift - base_stiffness * (wire - base_height - p.working_height)) / (1.0 + base_stiffness * lowest)
+    x[0], x[2] = wire + force * contact, wire + force * above_wire
+    if e.lower_frame is not None:
+        x[4] = wire + force * lowest
+
+
+@kernel
+def rest_on_wires(lift, wire, base_height, s, p, e):
+    """Equilibrium with the head on one of two wires or on both."""
+    contact = 1.0 / p.contact_stiffness + s.u[0, WIRE_COMPLIANCE]
+    rest_on_wire(lift, wire, contact, base_height, s, p, e)
+    if e.second_wire is not None:
+        second = s.u[0, e.second_wire.u]
+        its = 1.0 / p.contact_stiffness + s.u[0, e.second_wire.u + 1]
+        if s.x[0] > second:  # both springs as one, or the second alone
+            joint = 1.0 / (1.0 / contact + 1.0 / its)
+            rest_on_wire(lift, joint * (wire / contact + second / its), joint, base_height, s, p, e)
+            if s.x[0] < wire:
+                rest_on_wire(lift, second, its, base_height, s, p, e)
+
+
+@kernel
+def rest_on_strips(t, s, p, e):
+    """Equilibrium with both strips on the wire, where the derivatives of the rates are zero; a status."""
+    u, n = s.work[1, : s.u.shape[1]], s.x.size // 2
+    for j in range(u.size):
+        u[j] = s.u[0, j]
+    if e.base_excitation is not None:
+        u[e.base_excitation.u + 1] = 0.0
+    by = 1.0
+    if e.bump_stops is not None and e.bump_stops.travel > 0.0:
+        by = min(by, e.bump_stops.travel)
+    find_slopes(t, s.x, u, by, s, p, e)
+    A, b = s.slopes[1, :n, :n], s.work[5, :n]
+    for i in range(n):
+        b[i] = -s.work[2, 2 * i + 1]
+        for j in range(n):
+            A[i, j] = s.slopes[0, 2 * i + 1, 2 * j]
+    if solve_dense(A, b) != DONE:
+        return UNHELD
+    for i in range(n):
+        s.x[2 * i] = b[i]
+    return DONE
+
+
+@kernel
+def pantograph_start(t, s, p, e):
+    """Sines of the random effects, and equilibrium on the wire at its present height, the stops left alone."""
+    if e.acceleration is not None and e.acceleration.rate * (e.acceleration.final_speed - p.speed) < 0.0:
+        return WRONG_ACCELERATION
+    status = fill_sines(s, e)
+    if status != DONE:
+        return status
+    lift = p.static_force
+    if e.aerodynamic_uplift is not None:
+        lift += lift_at(t, e.aerodynamic_uplift.coefficient, 0, s, p, e)
+    if e.actuator is not None:
+        force = limited(s.u[0, e.actuator.u], e.actuator.limit)
+        s.x[s.x.size - 1] = force
+        lift += force
+    if e.two_strips is not None:
+        return rest_on_strips(t, s, p, e)
+    base_height = s.u[0, e.base_excitation.u] if e.base_excitation is not None else 0.0
+    rest_on_wires(lift, uneven(s.u[0, WIRE_HEIGHT], front_position(t, p, e), s), base_height, s, p, e)
+    return DONE
+
+
+@kernel
+def pantograph_outputs(t, s, p, e):
     """Contact force, position of the contact point, heights and velocity."""
-    y[FORCE], rear = contact_forces(t, x, u, p, e)
+    x, y = s.x, s.y
+    y[FORCE], rear = contact_forces(t, x, s.u[0], s, p, e)
     y[POSITION] = front_position(t, p, e)
     y[HEAD], y[HEAD_VELOCITY], y[FRAME] = x[0], x[1], x[2]
     if e.two_strips is not None:
@@ -428,7 +487,8 @@ def pantograph_outputs(t, x, u, y, p, e):
         y[e.second_wire.y], y[e.second_wire.y + 1] = rear, y[FORCE] + rear
     if e.actuator is not None:
         y[e.actuator.y] = x[x.size - 1]
+    return DONE
 
 
-Pantograph.advance = bind(rk4, __name__, derivatives=pantograph_derivatives, outputs=pantograph_outputs)
-Pantograph.output_kernel = pantograph_outputs
+Pantograph.kernels = ode_kernels(__name__, start=pantograph_start, derivatives=pantograph_derivatives, outputs=pantograph_outputs,
+                                 stable=pantograph_stable)

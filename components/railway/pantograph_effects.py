@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ..core.component import Effect
 from ..core.errors import BadInput
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import kernel
 from ..core.variables import input_, integer, output, parameter, text
-from .sines import Sines, random_sines, sum_of_sines
+from .sines import sum_of_sines
 
 
 class ContactLoss(Effect):
@@ -205,44 +203,39 @@ class OuterContact(Effect):
     force = input_(0.0, "N", "force of the wire on the head, positive upwards", nominal=100.0)
 
 
-@kernel_tuple
-class Heights(NamedTuple):
-    """Heights over positions, (n,) m each; positions rise."""
-
-    position: np.ndarray
-    height: np.ndarray
+POSITION, HEIGHT = range(2)  # rows of measured heights
 
 
 @kernel
 def height_between(x, table):
-    """Height at a position, m: straight between the rows, that of the first and the last one beyond them."""
-    low, high = 0, table.position.size - 1
-    if x <= table.position[low]:
-        return table.height[low]
-    if x >= table.position[high]:
-        return table.height[high]
+    """Height at a position, m: straight between the columns of `measured_heights`, that of the first and the last beyond them."""
+    low, high = 0, table.shape[1] - 1
+    if x <= table[POSITION, low]:
+        return table[HEIGHT, low]
+    if x >= table[POSITION, high]:
+        return table[HEIGHT, high]
     while high - low > 1:
         middle = (low + high) // 2
-        if table.position[middle] <= x:
+        if table[POSITION, middle] <= x:
             low = middle
         else:
             high = middle
-    s = (x - table.position[low]) / (table.position[high] - table.position[low])
-    return (1.0 - s) * table.height[low] + s * table.height[high]
+    share = (x - table[POSITION, low]) / (table[POSITION, high] - table[POSITION, low])
+    return (1.0 - share) * table[HEIGHT, low] + share * table[HEIGHT, high]
 
 
 @kernel
-def uneven(wire, position, e):
+def uneven(wire, position, s):
     """Height of the wire with its unevenness at a position, m."""
-    if e.wire_unevenness is not None:
-        wire += sum_of_sines(position, 0, e.wire_unevenness)
-    if e.measured_unevenness is not None:
-        wire += height_between(position, e.measured_unevenness)
+    if s.unevenness is not None:
+        wire += sum_of_sines(position, 0, s.unevenness)
+    if s.measured is not None:
+        wire += height_between(position, s.measured)
     return wire
 
 
-def measured_heights(table: str, where: str) -> Heights:
-    """Of `MeasuredUnevenness`; `BadInput` for what is no table of rising positions and heights."""
+def measured_heights(table: str, where: str) -> np.ndarray:
+    """Positions, rising, and heights, (2, n) m, of `MeasuredUnevenness`; `BadInput` for what is no such table."""
     place = f"{where}: measured_unevenness.table"
     lines = [line for line in table.splitlines() if line.strip()]
     try:
@@ -254,21 +247,4 @@ def measured_heights(table: str, where: str) -> Heights:
     if np.any(np.diff(values[:, 0]) <= 0.0):
         k = int(np.argmax(np.diff(values[:, 0]) <= 0.0))
         raise BadInput(place, f"{values[k + 1, 0]:g} m behind {values[k, 0]:g} m", "positions that rise")
-    return Heights(values[:, 0].copy(), values[:, 1].copy())
-
-
-def unevenness_sines(effect, where: str) -> Sines:
-    """Of `WireUnevenness`, over the position along the track, m."""
-    if effect.shortest >= effect.longest:
-        raise BadInput(f"{where}: wire_unevenness", f"wave lengths from {effect.shortest:g} to {effect.longest:g} m",
-                       "a shortest one below the longest")
-    return random_sines(1.0 / effect.longest, 1.0 / effect.shortest, effect.components,
-                        lambda n: 1.0 / (1.0 + (n * effect.longest) ** effect.exponent), effect.deviation, 1, effect.seed)
-
-
-def fluctuation_sines(effect, where: str) -> Sines:
-    """Of `LiftFluctuation`, over time, s, relative; rows: lowest mass, front strip, rear strip."""
-    if effect.lowest >= effect.highest:
-        raise BadInput(f"{where}: lift_fluctuation", f"frequencies from {effect.lowest:g} to {effect.highest:g} Hz",
-                       "a lowest one below the highest")
-    return random_sines(effect.lowest, effect.highest, effect.components, np.ones_like, effect.intensity, 3, effect.seed)
+    return np.ascontiguousarray(values.T)

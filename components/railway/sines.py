@@ -3,31 +3,51 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import kernel
 
 TURN = 2.0 * math.pi
-
-
-@kernel_tuple
-class Sines(NamedTuple):
-    """sum amplitude[i] cos(number[i] s + phase[k, i]) over a distance or a time s; number: (n,) 1/m or 1/s, phase: (m, n)."""
-
-    amplitude: np.ndarray
-    number: np.ndarray
-    phase: np.ndarray
+AMPLITUDE, NUMBER, PLACE, PHASE = range(4)  # rows of sines; number: rad/m or rad/s, place: 0 to 1 within the band, phases: rad
 
 
 @kernel
 def sum_of_sines(s, k, sines):
-    """Row k of `sines` at s."""
+    """sum amplitude[i] cos(number[i] s + phase[k, i]) over a distance or a time s; sines: (3 + sums, n)."""
     total = 0.0
-    for i in range(sines.amplitude.size):
-        total += sines.amplitude[i] * math.cos(sines.number[i] * s + sines.phase[k, i])
+    for i in range(sines.shape[1]):
+        total += sines[AMPLITUDE, i] * math.cos(sines[NUMBER, i] * s + sines[PHASE + k, i])
     return total
+
+
+def random_phases(count: int, sums: int, seed: int) -> np.ndarray:
+    """Sines of which only what is random is known: places within their bands, 0 to 1, and phases, (3 + sums, count)."""
+    random = np.random.default_rng(seed)
+    sines = np.zeros((PHASE + sums, count))
+    sines[PLACE] = random.random(count)
+    sines[PHASE:] = TURN * random.random((sums, count))
+    return sines
+
+
+@kernel
+def fill_bands(lowest, highest, longest, exponent, deviation, sines):
+    """Numbers and amplitudes of sines in bands of equal ratio between two frequencies, each with the energy of its band.
+
+    The energy per frequency n goes as 1 / (1 + (n longest)^exponent), exponent 0: the same for all; the sum has the deviation.
+    """
+    count = sines.shape[1]
+    first, step = math.log10(lowest), (math.log10(highest) - math.log10(lowest)) / count
+    edge, total = lowest, 0.0
+    for i in range(count):
+        end = 10.0 ** (step * (i + 1) + first) if i < count - 1 else highest
+        sines[NUMBER, i] = TURN * (edge * (end / edge) ** sines[PLACE, i])
+        energy = 1.0 / (1.0 + (math.sqrt(end * edge) * longest) ** exponent) * (end - edge)
+        sines[AMPLITUDE, i] = energy
+        total += energy
+        edge = end
+    for i in range(count):
+        sines[AMPLITUDE, i] = deviation * math.sqrt(2.0 * sines[AMPLITUDE, i] / total)
 
 
 def random_bands(lowest: float, highest: float, count: int, random) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -35,15 +55,3 @@ def random_bands(lowest: float, highest: float, count: int, random) -> tuple[np.
     edges = np.geomspace(lowest, highest, int(count) + 1)
     number = edges[:-1] * (edges[1:] / edges[:-1]) ** random.random(int(count))
     return number, np.sqrt(edges[1:] * edges[:-1]), np.diff(edges)
-
-
-def random_sines(lowest: float, highest: float, count: int, density, deviation: float, rows: int, seed: int) -> Sines:
-    """Sines in `count` bands of equal ratio between two frequencies, each at random within its band, with the band's energy.
-
-    density: of the energy over the frequency, to a factor; the sum has the standard deviation.
-    """
-    random = np.random.default_rng(int(seed))
-    number, middle, width = random_bands(lowest, highest, count, random)
-    energy = density(middle) * width
-    amplitude = deviation * np.sqrt(2.0 * energy / energy.sum())
-    return Sines(amplitude, TURN * number, TURN * random.random((rows, int(count))))

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ..core.component import Effect
-from ..core.errors import BadInput, StepFailed
-from ..core.kernels import DONE, kernel
-from ..core.stateless import StatelessComponent
+from ..core.contract import Refusal
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.errors import StepFailed
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, kernel
 from ..core.variables import choice, input_, output, parameter
-from .linkage import Linkage, change_points, check_lengths, position
+from .linkage import Linkage, change_points, longest_link, position, turns_freely
 
+LINKS = ("crank", "coupler", "rocker", "ground")
+OPEN, REFUSE, THROUGH = 0, 0, 1  # of the choices
+FREE_PAIR, AT_0, AT_180, AT_BOTH, NO_CHANGE_POINT, TOO_LONG = range(OWN + 1, OWN + 7)  # statuses; the last one and three more
+UNRESOLVED = ("word of how it goes on there", "Set change_point to through or fold, or change a length.")
+NEAR, FAR, REST = range(3)  # of the array `linkage`
 ANGLE, MOTION, LOADED = ("input_angle",), ("input_angle", "input_rate"), ("input_angle", "load_torque")
 
 
@@ -43,7 +50,7 @@ class CouplerPoint(Effect):
     velocity_y = output("m/s", "velocity across the ground", nominal=0.1, feedthrough=MOTION)
 
 
-class FourBar(StatelessComponent):
+class FourBar(DirectComponent):
     """Crank, coupler and rocker on a ground, K1 cos psi - K2 cos phi + K3 = cos(phi - psi) (Freudenstein).
 
         K1 = d/a, K2 = d/c, K3 = (a² - b² + c² + d²) / (2 a c);    ratio = psi'/phi' = a sin(theta - phi) / (c sin(theta - psi))
@@ -86,40 +93,43 @@ class FourBar(StatelessComponent):
     transmission_angle = output("rad", "angle between coupler and rocker, 0 and pi in the toggle", feedthrough=ANGLE)
     coupler_angle = output("rad", "angle of the coupler from the ground's direction, within -pi and pi", feedthrough=ANGLE)
 
+    refusals = {
+        FREE_PAIR: Refusal(
+            "crank = ground and coupler = rocker", "another linkage",
+            "With the crank along the ground, coupler and rocker would turn about one pin, whatever the crank does."),
+        AT_0: Refusal("a linkage with a change point at the crank angle 0", *UNRESOLVED),
+        AT_180: Refusal("a linkage with a change point at the crank angle 180 degrees", *UNRESOLVED),
+        AT_BOTH: Refusal("a linkage with a change point at the crank angle 0 and 180 degrees", *UNRESOLVED),
+        NO_CHANGE_POINT: Refusal("change_point = '{change_point}'", "a linkage with a change point",
+                                 "It would have no effect: two pairs of links are not equally long together."),
+        **{TOO_LONG + k: Refusal(f"{link} = {{{link}}} m, the others together {{linkage[{REST}]}} m",
+                                 "a longest link shorter than the others together", "Nothing moves otherwise.")
+           for k, link in enumerate(LINKS)},
+    }
+
+    def shapes(self) -> dict[str, Any]:
+        """`linkage`: how it goes on with the crank at 0 and at pi, see `Linkage`; length of all links but the longest, m."""
+        return {"linkage": 3}
+
     def energy(self) -> float:
         """Energy of the rocker's spring, J; 0 without one."""
-        spring = self.arguments[1].rocker_spring
+        spring = self.arguments[2].rocker_spring
         if spring is None:
             return 0.0
         return float(0.5 * spring.stiffness * (self.get("output_angle") - spring.rest_angle) ** 2)
 
-    def _initialize(self, t: float) -> int:
-        a, b, c, d = (float(self.get(n)) for n in ("crank", "coupler", "rocker", "ground"))
-        check_lengths(self.name, a, b, c, d)
-        points, way = change_points(a, b, c, d), str(self.get("change_point"))
-        if any(points) and way == "refuse":
-            where = " and ".join(text for there, text in zip(points, ("0", "180 degrees"), strict=True) if there)
-            raise BadInput(self.name, f"a linkage with a change point at the crank angle {where}", "word of how it goes on there",
-                           "Set change_point to through or fold, or change a length.")
-        if not any(points) and way != "refuse":
-            raise BadInput(self.name, f"change_point = {way!r}", "a linkage with a change point",
-                           "It would have no effect: two pairs of links are not equally long together.")
-        sign = 1.0 if self.get("assembly") == "open" else -1.0
-        near, far = ((1.0 if way == "through" else -1.0) if there else 0.0 for there in points)
-        self._limit = math.cos(float(self.get("least_transmission_angle")))
-        self.arguments = (Linkage(a, b, c, d, sign, near, far), self._declared_arguments()[1])
-        return DONE
+    def left_range(self) -> str:
+        """Where the crank is."""
+        s, p, _ = self.arguments
+        reached = "beyond" if abs(cosine_of_transmission(s.u[0, INPUT_ANGLE], p)) > 1.0 else "at"
+        return f"crank angle {s.u[0, INPUT_ANGLE]:.6g} rad is {reached}"
 
-    def _outputs(self, t: float) -> None:
-        linkage = self.arguments[0]
-        cosine = cosine_of_transmission(self.u[0, INPUT_ANGLE], linkage)
-        inside = (linkage.near != 0.0 or cosine < self._limit) and (linkage.far != 0.0 or cosine > -self._limit)
-        if not inside:  # also where the angle is no number
-            reached = "beyond" if abs(cosine) > 1.0 else "at"
-            angle = self.u[0, INPUT_ANGLE]
-            raise StepFailed(self.name, t, f"crank angle {angle:.6g} rad is {reached} the toggle, where coupler and rocker are "
-                             "in one line", "Keep the crank within its range, or change the lengths")
-        linkage_outputs(self.u[0], self.y, *self.arguments)
+    def _check(self, status: int) -> None:
+        if status == OUT_OF_RANGE:
+            where = self.left_range() or "the crank angle is at or beyond"
+            raise StepFailed(self.name, self.t, f"{where} the toggle, where coupler and rocker are in one line",
+                             "Keep the crank within its range, or change the lengths")
+        super()._check(status)
 
 
 INPUT_ANGLE, INPUT_RATE, LOAD = FourBar.input_indices("input_angle", "input_rate", "load_torque")
@@ -136,16 +146,44 @@ def cosine_of_transmission(angle, p):
 
 
 @kernel
-def linkage_outputs(u, y, p, e):
-    """Position, rates and torques; p: `Linkage`."""
-    angle, rate = u[INPUT_ANGLE], u[INPUT_RATE]
-    rocker, ratio, sine, cosine = position(angle, p)
+def linkage_start(t, s, p, e):
+    """How it goes on where all links lie in one line; refused for lengths that do not close, or leave a link free to turn."""
+    longest = longest_link(p.crank, p.coupler, p.rocker, p.ground)
+    length = max(p.crank, p.coupler, p.rocker, p.ground)
+    total = p.crank + p.coupler + p.rocker + p.ground
+    s.linkage[REST] = total - length
+    if length >= 0.5 * total:
+        return TOO_LONG + longest
+    if turns_freely(p.crank, p.coupler, p.rocker, p.ground):
+        return FREE_PAIR
+    near, far = change_points(p.crank, p.coupler, p.rocker, p.ground)
+    if p.change_point == REFUSE and (near or far):
+        if near and far:
+            return AT_BOTH
+        return AT_0 if near else AT_180
+    if p.change_point != REFUSE and not (near or far):
+        return NO_CHANGE_POINT
+    way = 1.0 if p.change_point == THROUGH else -1.0
+    s.linkage[NEAR], s.linkage[FAR] = way if near else 0.0, way if far else 0.0
+    return DONE
+
+
+@kernel
+def linkage_outputs(t, s, p, e):
+    """Position, rates and torques; none at the toggle, nor where the angle is no number."""
+    y, angle, rate = s.y, s.u[0, INPUT_ANGLE], s.u[0, INPUT_RATE]
+    sign = 1.0 if p.assembly == OPEN else -1.0
+    linkage = Linkage(p.crank, p.coupler, p.rocker, p.ground, sign, s.linkage[NEAR], s.linkage[FAR])
+    transmission, limit = cosine_of_transmission(angle, p), math.cos(p.least_transmission_angle)
+    if not ((linkage.near != 0.0 or transmission < limit) and (linkage.far != 0.0 or transmission > -limit)):
+        return OUT_OF_RANGE
+    rocker, ratio, sine, cosine = position(angle, linkage)
     x, z = p.crank * math.cos(angle), p.crank * math.sin(angle)  # the crank's tip
     along, across = p.ground + p.rocker * math.cos(rocker) - x, p.rocker * math.sin(rocker) - z  # from there to the rocker's
     # per rate of the crank: the rates of those two components, and of the coupler
     along_slope, across_slope = z - p.rocker * math.sin(rocker) * ratio, p.rocker * math.cos(rocker) * ratio - x
     coupler_ratio = (along * across_slope - across * along_slope) / p.coupler**2
-    load = u[LOAD]
+    load = s.u[0, LOAD]
     if e.rocker_spring is not None:
         load += e.rocker_spring.stiffness * (rocker - e.rocker_spring.rest_angle)
     y[OUTPUT_ANGLE], y[OUTPUT_RATE], y[RATIO] = rocker, ratio * rate, ratio
@@ -160,3 +198,7 @@ def linkage_outputs(u, y, p, e):
         right, up = one * point.along - two * point.across, two * point.along + one * point.across
         y[point.y], y[point.y + 1] = x + right, z + up
         y[point.y + 2], y[point.y + 3] = (-z - coupler_ratio * up) * rate, (x + coupler_ratio * right) * rate
+    return DONE
+
+
+FourBar.kernels = direct_kernels(__name__, linkage_outputs, linkage_start)

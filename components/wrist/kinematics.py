@@ -24,8 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..core.contract import Refusal
 from ..core.errors import BadInput
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import DONE, OWN, kernel, kernel_tuple
 from ..core.rotation import to_world
 
 RULES, OPENSIM_HALF = range(2)
@@ -33,6 +34,7 @@ COUPLING_MODELS = ("rules", "opensim_half")
 PROXIMAL_TILT, DISTAL_TILT = math.radians(15.0), math.radians(45.0)
 ROW_OFFSET = 0.02  # m, of the second axis along the long axis
 LEAST_CROSSING = 0.02  # |sin| of the angle between the axes, below which flexion and deviation are no longer two motions
+TILTED_HALF, PARALLEL = OWN + 1, OWN + 2  # statuses
 Vector = tuple[float, float, float]
 
 
@@ -192,21 +194,32 @@ def small_angle_matrix(axes: Axes = DEFAULT_AXES) -> np.ndarray:
     return jacobian(0.0, 0.0, axes)[:2]
 
 
-def crossing(axes: Axes) -> float:
+@kernel
+def crossing(axes):
     """Sine of the angle between the two axes at rest, 1 for the axes of `opensim_half`."""
     return math.sin(axes.proximal_tilt + axes.distal_tilt) if axes.model == RULES else 1.0
 
 
-def check_axes(axes: Axes, where: str) -> None:
-    """`BadInput` for axes that are nearly parallel, and for tilts given to a coupling model that has axes of its own."""
-    if axes.model == OPENSIM_HALF and (axes.proximal_tilt, axes.distal_tilt) not in ((0.0, 0.0), (PROXIMAL_TILT, DISTAL_TILT)):
-        actual = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad with the coupling model 'opensim_half'"
-        raise BadInput(where, actual, "tilts with the coupling model 'rules' only",
-                       "Leave them out: the other one turns about the axes of flexion and deviation.")
-    if not abs(sine := crossing(axes)) >= LEAST_CROSSING:
-        actual = f"tilts of {axes.proximal_tilt:g} and {axes.distal_tilt:g} rad: axes that cross at a sine of {sine:.2g}"
-        raise BadInput(where, actual, f"a sine of at least {LEAST_CROSSING:g}, either way",
-                       "Tilt one of the axes: about parallel ones the hand has one motion instead of two.")
+@kernel
+def axes_status(axes):
+    """Refuses axes that are nearly parallel, and tilts given to a coupling model that has axes of its own."""
+    if axes.model == OPENSIM_HALF:
+        flat = axes.proximal_tilt == 0.0 and axes.distal_tilt == 0.0
+        if not flat and not (axes.proximal_tilt == PROXIMAL_TILT and axes.distal_tilt == DISTAL_TILT):
+            return TILTED_HALF
+    return DONE if abs(crossing(axes)) >= LEAST_CROSSING else PARALLEL
+
+
+def axes_refusals(proximal_tilt: str, distal_tilt: str, sine: str) -> dict[int, Refusal]:
+    """What `axes_status` means, with texts for the two tilts and the sine between the axes."""
+    return {
+        TILTED_HALF: Refusal(f"tilts of {proximal_tilt} and {distal_tilt} rad with the coupling model 'opensim_half'",
+                             "tilts with the coupling model 'rules' only",
+                             "Leave them out: the other one turns about the axes of flexion and deviation."),
+        PARALLEL: Refusal(f"tilts of {proximal_tilt} and {distal_tilt} rad: axes that cross at a sine of {sine}",
+                          f"a sine of at least {LEAST_CROSSING:g}, either way",
+                          "Tilt one of the axes: about parallel ones the hand has one motion instead of two."),
+    }
 
 
 def inverse(flexion: float, deviation: float, axes: Axes = DEFAULT_AXES) -> Vector:
@@ -216,7 +229,9 @@ def inverse(flexion: float, deviation: float, axes: Axes = DEFAULT_AXES) -> Vect
     n_p into d. Half and half: Newton's method from the coordinates themselves.
     `BadInput` where no position of the rows gives such angles, or the axes are nearly parallel.
     """
-    check_axes(axes, "inverse kinematics")
+    if (status := axes_status(axes)) != DONE:
+        texts = axes_refusals(f"{axes.proximal_tilt:g}", f"{axes.distal_tilt:g}", f"{crossing(axes):.2g}")[status]
+        raise BadInput("inverse kinematics", *texts)
     c = math.cos(deviation)
     hand = np.array([-math.sin(flexion) * c, math.cos(flexion) * c, math.sin(deviation)])
     actual = f"flexion {flexion:g} and deviation {deviation:g} rad"

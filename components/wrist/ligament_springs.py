@@ -15,11 +15,10 @@ luno-triquetral, radio-triquetral. Everything else here is ours:
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import kernel
 from .kinematics import (
     DISTAL_TILT,
     PROXIMAL_TILT,
@@ -36,61 +35,65 @@ from .kinematics import (
 )
 
 LIGAMENTS = ("lunate_radius", "trapezium_scaphoid", "scapho_lunate", "luno_triquetral", "radio_triquetral")
-NONE_CUT, COUNT = 0, len(LIGAMENTS)
+COUNT = len(LIGAMENTS)
 TRAPEZIUM_SCAPHOID = 1
-STIFFNESS, OFF_AXIS = 5e4, 3e-3  # N/m, m
+STIFFNESS, OFF_AXIS, TOE_STRAIN = 5e4, 3e-3, 0.03  # N/m, m, 1: when nothing else is said
+
+# Columns of ligaments, (5, 12), one row a ligament in the order of `LIGAMENTS`. First both ends at rest in the radius, m. EXTENT:
+# share of the row angle by which the bone at an end turns; the second end of trapezium-scaphoid goes with the distal row.
+# SLACK: m. SPRING: N/m, 0 for a cut one. TOE, GROWTH: e and damping, see above.
+EXTENT_1, EXTENT_2, SLACK, SPRING, TOE, GROWTH = range(6, 12)
+COLUMNS = 12
 
 
-@kernel_tuple
-class Ligaments(NamedTuple):
-    """For kernels, one row a ligament, in the order of `LIGAMENTS`.
+@kernel
+def place_ends(j, about, first_along, second_along, distance, off_axis, ligaments):
+    """Ends of ligament j on its axis at rest and beside it, m; about: the row, 0 proximal, 1 distal."""
+    x, z, middle = math.sin(PROXIMAL_TILT), math.cos(PROXIMAL_TILT), 0.0
+    if about == 1:
+        x, z, middle = -math.sin(DISTAL_TILT), math.cos(DISTAL_TILT), ROW_OFFSET
+    ends = ligaments[j]
+    ends[0], ends[1], ends[2] = first_along * x, middle + distance, first_along * z
+    ends[3], ends[4], ends[5] = second_along * x, middle + math.copysign(1.0, distance) * off_axis, second_along * z
 
-    ends: (5, 6), both ends at rest in the radius, m.  extents: (5, 2), share of the row angle by which the bones at the ends
-    turn; the second end of trapezium-scaphoid goes with the distal row.  slack: (5,) m.  stiffness: (5,) N/m, 0 for a cut one.
-    locked_1, locked_2: whether rigid ligaments leave q1, q2 no freedom.
-    """
 
-    ends: np.ndarray
-    extents: np.ndarray
-    slack: np.ndarray
-    stiffness: np.ndarray
-    toe: float
-    damping: float
-    locked_1: bool
-    locked_2: bool
+@kernel
+def attach(off_axis, ligaments):
+    """Ends at rest, for distances (5,) m of the second ends from the axes as they are by default."""
+    place_ends(0, 0, 0.0, 0.0, -12e-3, off_axis[0], ligaments)
+    place_ends(1, 1, 15e-3, 15e-3, -8e-3, off_axis[1], ligaments)
+    place_ends(2, 0, 8e-3, 3e-3, 6e-3, off_axis[2], ligaments)
+    place_ends(3, 0, -3e-3, -9e-3, 6e-3, off_axis[3], ligaments)
+    place_ends(4, 0, 6e-3, -12e-3, -14e-3, off_axis[4], ligaments)
+
+
+@kernel
+def set_extents(j, first, second, ligaments):
+    """Shares of the row angle by which the bones at both ends of ligament j turn."""
+    ligaments[j, EXTENT_1], ligaments[j, EXTENT_2] = first, second
+
+
+@kernel
+def make_ligaments(p, ligaments):
+    """Springs from the parameters of `Constraint`, or those of the same names of `LigamentBundle`."""
+    attach(p.off_axis, ligaments)
+    set_extents(0, 0.0, p.lunate_extent, ligaments)
+    set_extents(1, 1.0, 1.0, ligaments)
+    set_extents(2, 1.0, p.lunate_extent, ligaments)
+    set_extents(3, p.lunate_extent, p.triquetrum_extent, ligaments)
+    set_extents(4, 0.0, p.triquetrum_extent, ligaments)
+    for j in range(COUNT):
+        x, y, z = (ligaments[j, 3] - ligaments[j, 0], ligaments[j, 4] - ligaments[j, 1], ligaments[j, 5] - ligaments[j, 2])
+        ligaments[j, SLACK] = math.sqrt(x * x + y * y + z * z) / (1.0 + p.prestrain)
+        ligaments[j, SPRING] = 0.0 if p.cut == j + 1 else p.stiffness[j]
+        ligaments[j, TOE], ligaments[j, GROWTH] = p.toe, p.damping
 
 
 def attachments(off_axis: np.ndarray) -> np.ndarray:
-    """Ends at rest, (5, 6) m, for distances (5,) m of the second ends from the axes as they are by default."""
-    n_p = np.array([math.sin(PROXIMAL_TILT), 0.0, math.cos(PROXIMAL_TILT)])
-    n_d = np.array([-math.sin(DISTAL_TILT), 0.0, math.cos(DISTAL_TILT)])
-    along, second = np.array([0.0, 1.0, 0.0]), np.array([0.0, ROW_OFFSET, 0.0])
-
-    def pair(middle, axis, first_along, second_along, distance, beside):
-        side = math.copysign(1.0, distance)
-        return np.r_[middle + first_along * axis + distance * along, middle + second_along * axis + side * beside * along]
-
-    origin = np.zeros(3)
-    d = np.asarray(off_axis, dtype=float)
-    return np.array([
-        pair(origin, n_p, 0.0, 0.0, -12e-3, d[0]),
-        pair(second, n_d, 15e-3, 15e-3, -8e-3, d[1]),
-        pair(origin, n_p, 8e-3, 3e-3, 6e-3, d[2]),
-        pair(origin, n_p, -3e-3, -9e-3, 6e-3, d[3]),
-        pair(origin, n_p, 6e-3, -12e-3, -14e-3, d[4]),
-    ])
-
-
-def make_ligaments(p: Any) -> Ligaments:
-    """Springs from the parameters of `Constraint`, or those of the same names of `LigamentBundle`."""
-    ends = attachments(p.off_axis)
-    k = np.array(p.stiffness, dtype=float)
-    if p.cut != NONE_CUT:
-        k[p.cut - 1] = 0.0
-    lunate, triquetrum = p.lunate_extent, p.triquetrum_extent
-    extents = np.array([[0.0, lunate], [1.0, 1.0], [1.0, lunate], [lunate, triquetrum], [0.0, triquetrum]])
-    lengths = np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1)
-    return Ligaments(ends, extents, lengths / (1.0 + p.prestrain), k, p.toe, p.damping, False, False)
+    """What `attach` gives, (5, 6) m."""
+    ligaments = np.zeros((COUNT, COLUMNS))
+    attach(np.asarray(off_axis, dtype=float), ligaments)
+    return ligaments[:, :EXTENT_1]
 
 
 @kernel
@@ -117,12 +120,12 @@ def end_of_hand(q1, q2, axes, point):
 @kernel
 def ligament_length(j, q1, q2, axes, ligaments):
     """(length, its derivatives by q1 and by q2) of ligament j (from 0), m and m/rad."""
-    e = ligaments.ends
-    a, a_1, a_2 = end_of_bone(q1, q2, ligaments.extents[j, 0], axes, (e[j, 0], e[j, 1], e[j, 2]))
+    e = ligaments
+    a, a_1, a_2 = end_of_bone(q1, q2, e[j, EXTENT_1], axes, (e[j, 0], e[j, 1], e[j, 2]))
     if j == TRAPEZIUM_SCAPHOID:
         b, b_1, b_2 = end_of_hand(q1, q2, axes, (e[j, 3], e[j, 4], e[j, 5]))
     else:
-        b, b_1, b_2 = end_of_bone(q1, q2, ligaments.extents[j, 1], axes, (e[j, 3], e[j, 4], e[j, 5]))
+        b, b_1, b_2 = end_of_bone(q1, q2, e[j, EXTENT_2], axes, (e[j, 3], e[j, 4], e[j, 5]))
     r = combined(1.0, b, -1.0, a)
     length = math.sqrt(dot(r, r))
     return length, dot(r, combined(1.0, b_1, -1.0, a_1)) / length, dot(r, combined(1.0, b_2, -1.0, a_2)) / length
@@ -142,13 +145,13 @@ def spring_tension(strain, toe):
 def ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments):
     """(tension, strain, torque on q1, torque on q2, energy, power lost) of ligament j."""
     length, by_1, by_2 = ligament_length(j, q1, q2, axes, ligaments)
-    slack = ligaments.slack[j]
+    slack, stiffness = ligaments[j, SLACK], ligaments[j, SPRING]
     strain = length / slack - 1.0
-    per_k, energy = spring_tension(strain, ligaments.toe)
-    elastic = ligaments.stiffness[j] * slack * per_k
+    per_k, energy = spring_tension(strain, ligaments[j, TOE])
+    elastic = stiffness * slack * per_k
     growth = by_1 * rate_1 + by_2 * rate_2
-    tension = elastic * max(0.0, 1.0 + ligaments.damping * growth / slack)
-    return (tension, strain, -tension * by_1, -tension * by_2, ligaments.stiffness[j] * slack * slack * energy,
+    tension = elastic * max(0.0, 1.0 + ligaments[j, GROWTH] * growth / slack)
+    return (tension, strain, -tension * by_1, -tension * by_2, stiffness * slack * slack * energy,
             (tension - elastic) * growth)
 
 
@@ -157,7 +160,7 @@ def bundle_pull(q1, q2, rate_1, rate_2, axes, ligaments):
     """(torque on q1, torque on q2, energy, power lost) of all of them."""
     torque_1 = torque_2 = energy = lost = 0.0
     for j in range(COUNT):
-        if ligaments.stiffness[j] > 0.0:
+        if ligaments[j, SPRING] > 0.0:
             _, _, first, second, stored, heat = ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments)
             torque_1 += first
             torque_2 += second
@@ -173,6 +176,6 @@ def write_bundle(q1, q2, rate_1, rate_2, y, at, axes, ligaments):
         y[at + j], y[at + COUNT + j], _, _, _, _ = ligament_pull(j, q1, q2, rate_1, rate_2, axes, ligaments)
 
 
-def lengths(q1: float, q2: float, axes: Axes, ligaments: Ligaments) -> np.ndarray:
+def lengths(q1: float, q2: float, axes: Axes, ligaments: np.ndarray) -> np.ndarray:
     """Lengths and their derivatives by q1 and q2, (5, 3), m and m/rad."""
     return np.array([ligament_length(j, q1, q2, axes, ligaments) for j in range(COUNT)])

@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 from ..core.component import Effect
-from ..core.kernels import DONE, kernel, kernel_tuple
-from ..core.stateless import StatelessComponent
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, kernel
 from ..core.variables import choice, input_, integer, output, parameter
-from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes
-from .ligament_springs import COUNT, LIGAMENTS, OFF_AXIS, STIFFNESS, Ligaments, bundle_pull, make_ligaments, write_bundle
+from .kinematics import (
+    COUPLING_MODELS,
+    DISTAL_TILT,
+    PROXIMAL_TILT,
+    ROW_OFFSET,
+    Axes,
+    axes_refusals,
+    axes_status,
+    crossing,
+)
+from .ligament_springs import (
+    COLUMNS,
+    COUNT,
+    LIGAMENTS,
+    OFF_AXIS,
+    STIFFNESS,
+    TOE_STRAIN,
+    bundle_pull,
+    make_ligaments,
+    write_bundle,
+)
 
 ORDER = ", ".join(f"{i + 1} {name.replace('_', '-')}" for i, name in enumerate(LIGAMENTS))
 TORQUES = ("tau_flexion", "tau_deviation", "proximal_torque", "distal_torque", *(f"load.{n}" for n in (
@@ -29,7 +48,7 @@ class Constraint(Effect):
     stiffness = parameter(STIFFNESS, "N/m", "stiffness of each ligament beyond its toe", low=0.0, size=COUNT)
     off_axis = parameter(OFF_AXIS, "m", "distance of one end from the axis; 0: isometric", low=0.0, high=5e-3, size=COUNT)
     prestrain = parameter(0.0, "1", "strain of the ligaments at rest", low=-0.5, high=0.5)
-    toe = parameter(0.03, "1", "strain over which the tension rises to its full stiffness", low=0.0)
+    toe = parameter(TOE_STRAIN, "1", "strain over which the tension rises to its full stiffness", low=0.0)
     damping = parameter(0.0, "s", "growth of the tension with the rate of strain", low=0.0)
     lunate_extent = parameter(0.7, "1", "angle of the lunate over that of the row", low=0.0, high=1.5)
     triquetrum_extent = parameter(0.85, "1", "angle of the triquetrum over that of the row", low=0.0, high=1.5)
@@ -41,15 +60,7 @@ class Constraint(Effect):
     distal_reaction = output("N.m", "torque of rigid ligaments on a distal row that they hold", feedthrough=TORQUES)
 
 
-@kernel_tuple
-class Bundle(NamedTuple):
-    """What the kernel of the unit gets."""
-
-    axes: Axes
-    ligaments: Ligaments
-
-
-class LigamentBundle(StatelessComponent):
+class LigamentBundle(DirectComponent):
     """The five ligaments as a unit without mass: angles and rates of the rows in, torques on these angles out.
 
     Its torques are for the inputs `proximal_torque` and `distal_torque` of a `Wrist` without the effect `constraint`, with the
@@ -90,26 +101,40 @@ class LigamentBundle(StatelessComponent):
     stored_energy = output("J", "energy of the stretched ligaments", nominal=0.1, feedthrough=_angles)
     dissipation = output("W", "power lost in the ligaments", feedthrough=_motion)
 
-    arguments: tuple[Bundle]
+    refusals = axes_refusals("{proximal_tilt}", "{distal_tilt}", "{crossing}")
+
+    def shapes(self) -> dict[str, Any]:
+        """`ligaments`: see `ligament_springs`.  `crossing`: sine of the angle between the axes."""
+        return {"ligaments": (COUNT, COLUMNS), "crossing": 1}
 
     def energy(self) -> float:
         """The output `stored_energy` at the present angles, J."""
-        bundle_outputs(self.u[0], self.y, *self.arguments)
+        self.refresh()
         return float(self.get("stored_energy"))
-
-    def _initialize(self, t: float) -> int:
-        p = self._declared_arguments()[0]
-        axes = Axes(p.coupling_model, p.proximal_tilt, p.distal_tilt, p.row_offset)
-        check_axes(axes, self.name)
-        self.arguments = (Bundle(axes, make_ligaments(p)),)
-        return DONE
-
-    def _outputs(self, t: float) -> None:
-        bundle_outputs(self.u[0], self.y, *self.arguments)
 
 
 @kernel
-def bundle_outputs(u, y, bundle):
+def bundle_axes(p):
+    """Where the axes lie at rest."""
+    return Axes(p.coupling_model, p.proximal_tilt, p.distal_tilt, p.row_offset)
+
+
+@kernel
+def bundle_start(t, s, p, e):
+    """Axes that leave two motions, and the ligaments."""
+    axes = bundle_axes(p)
+    s.crossing[0] = crossing(axes)
+    make_ligaments(p, s.ligaments)
+    return axes_status(axes)
+
+
+@kernel
+def bundle_outputs(t, s, p, e):
     """Torques, tensions and strains, energy, losses."""
-    y[0], y[1], y[2 + 2 * COUNT], y[3 + 2 * COUNT] = bundle_pull(u[0], u[1], u[2], u[3], bundle.axes, bundle.ligaments)
-    write_bundle(u[0], u[1], u[2], u[3], y, 2, bundle.axes, bundle.ligaments)
+    u, y, axes = s.u[0], s.y, bundle_axes(p)
+    y[0], y[1], y[2 + 2 * COUNT], y[3 + 2 * COUNT] = bundle_pull(u[0], u[1], u[2], u[3], axes, s.ligaments)
+    write_bundle(u[0], u[1], u[2], u[3], y, 2, axes, s.ligaments)
+    return DONE
+
+
+LigamentBundle.kernels = direct_kernels(__name__, bundle_outputs, bundle_start)

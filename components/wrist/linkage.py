@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
 
 SAME = 1e-9  # of the sum of the lengths: what differs by less counts as equal, as tolerances of manufacture are far larger
@@ -37,23 +36,32 @@ class Linkage(NamedTuple):
     far: float
 
 
-def change_points(crank: float, coupler: float, rocker: float, ground: float) -> tuple[bool, bool]:
+@kernel
+def change_points(crank, coupler, rocker, ground):
     """Whether all links can lie along one line with the crank at 0 and with the crank at pi."""
     small = SAME * (crank + coupler + rocker + ground)
     near = abs(abs(crank - ground) - abs(coupler - rocker)) < small
     return near, abs(crank + ground - coupler - rocker) < small
 
 
-def check_lengths(where: str, crank: float, coupler: float, rocker: float, ground: float) -> None:
-    """`BadInput` for lengths that close in no position, or that leave a link free to turn by itself."""
-    lengths = {"crank": crank, "coupler": coupler, "rocker": rocker, "ground": ground}
-    total, longest = sum(lengths.values()), max(lengths, key=lambda n: lengths[n])
-    if lengths[longest] >= 0.5 * total:
-        raise BadInput(where, f"{longest} = {lengths[longest]:g} m, the others together {total - lengths[longest]:g} m",
-                       "a longest link shorter than the others together", "Nothing moves otherwise.")
-    if abs(crank - ground) < SAME * total and abs(coupler - rocker) < SAME * total:
-        raise BadInput(where, "crank = ground and coupler = rocker", "another linkage",
-                       "With the crank along the ground, coupler and rocker would turn about one pin, whatever the crank does.")
+@kernel
+def longest_link(crank, coupler, rocker, ground):
+    """Which of the four is longest, from 0, the first of equal ones."""
+    longest, length = 0, crank
+    if coupler > length:
+        longest, length = 1, coupler
+    if rocker > length:
+        longest, length = 2, rocker
+    if ground > length:
+        longest, length = 3, ground
+    return longest
+
+
+@kernel
+def turns_freely(crank, coupler, rocker, ground):
+    """Whether coupler and rocker would turn about one pin by themselves, with the crank along the ground."""
+    small = SAME * (crank + coupler + rocker + ground)
+    return abs(crank - ground) < small and abs(coupler - rocker) < small
 
 
 def kind(crank: float, coupler: float, rocker: float, ground: float) -> str:

@@ -10,51 +10,88 @@ the row's reaction; its parts are not determined where there are several.
 
 from __future__ import annotations
 
-import numpy as np
-
-from ..core.errors import BadInput
-from .kinematics import RULES, Axes
-from .ligament_springs import COUNT, LIGAMENTS, TRAPEZIUM_SCAPHOID, Ligaments, lengths
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from .kinematics import RULES
+from .ligament_springs import COUNT, LIGAMENTS, SLACK, SPRING, STIFFNESS, TOE_STRAIN, TRAPEZIUM_SCAPHOID, ligament_length
 
 ISOMETRIC = 1e-9  # largest change of length over the length of a ligament that counts as none: rounding is 1e-15
-RANGE = 1.0  # rad, both ways from rest
+RANGE, ANGLES = 1.0, 9  # rad, both ways from rest; angles in this range that are looked at
+# statuses: angles of both rows in every length, numbers of springs, a row held in motion, a wrong length, both rows held
+COUPLED, SOFT_TOE, DAMPED, SPRINGY = OWN + 10, OWN + 11, OWN + 12, OWN + 13
+MOVING, APART, BOTH_HELD = OWN + 20, OWN + 30, OWN + 40
 
 
-def holding(axes: Axes, ligaments: Ligaments, cut: int) -> list[int]:
-    """Numbers, from 0, of the rigid ligaments that hold their row: those that change their length when it turns."""
-    angles = np.linspace(-RANGE, RANGE, 9)
-    rest = lengths(0.0, 0.0, axes, ligaments)[:, 0]
-    rows = []
-    turns = np.array([(lengths(q, 0.0, axes, ligaments)[:, 0], lengths(0.0, q, axes, ligaments)[:, 0]) for q in angles])
-    for j in range(COUNT):
-        there = turns[:, 1 if j == TRAPEZIUM_SCAPHOID else 0, j]
-        if j != cut - 1 and np.ptp(there) > ISOMETRIC * rest[j]:
-            rows.append(j)
-    return rows
+@kernel
+def holds(j, axes, ligaments):
+    """Whether a rigid ligament holds its row: it changes its length when that turns."""
+    rest = ligament_length(j, 0.0, 0.0, axes, ligaments)[0]
+    shortest, longest = rest, rest
+    for k in range(ANGLES):
+        q = RANGE * (2.0 * k / (ANGLES - 1.0) - 1.0)
+        q1, q2 = (0.0, q) if j == TRAPEZIUM_SCAPHOID else (q, 0.0)
+        length = ligament_length(j, q1, q2, axes, ligaments)[0]
+        shortest, longest = min(shortest, length), max(longest, length)
+    return longest - shortest > ISOMETRIC * rest
 
 
-def rigid_ligaments(axes: Axes, ligaments: Ligaments, cut: int, start: np.ndarray, where: str) -> Ligaments:
-    """The same ligaments without springs, and with the rows that they hold; start: (4,) angles and rates.
+@kernel
+def make_rigid(axes, constraint, s):
+    """Takes the springs away from ligaments and notes in s.held which rows they hold, for the state at the start; a status.
 
-    `BadInput` where they hold both rows, where they are longer or shorter at the start than they can be, where a row that is held
-    is to move, and with the coupling model `opensim_half`, in which every length depends on both angles.
+    Refused where they hold both rows, where they are longer or shorter at the start than they can be, where a row that is held is
+    to move, and with the coupling model `opensim_half`, in which every length depends on both angles.
     """
+    ligaments, x = s.ligaments, s.x
+    if constraint.toe != TOE_STRAIN:
+        return SOFT_TOE
+    if constraint.damping != 0.0:
+        return DAMPED
+    for j in range(COUNT):
+        if constraint.stiffness[j] != STIFFNESS:
+            return SPRINGY + j
     if axes.model != RULES:
-        raise BadInput(where, "rigid ligaments with the coupling model 'opensim_half'", "the coupling model 'rules'",
-                       "Take the springs: there every length depends on both angles, and five conditions are too many.")
-    indices = holding(axes, ligaments, cut)
-    names = [LIGAMENTS[j].replace("_", "-") for j in indices]
-    rows = {"distal" if j == TRAPEZIUM_SCAPHOID else "proximal" for j in indices}
-    remedy = "Set their off_axis to 0 and leave the axes where they are, cut one that holds, or take the springs."
-    if len(rows) == 2:
-        raise BadInput(where, f"rigid ligaments that hold both rows ({', '.join(names)})", "a row that is free to turn", remedy)
-    now = lengths(start[0], start[1], axes, ligaments)[:, 0]
-    for j, length in enumerate(now):
-        if j != cut - 1 and abs(length / ligaments.slack[j] - 1.0) > ISOMETRIC:
-            actual = f"a rigid {LIGAMENTS[j].replace('_', '-')} ligament of {1e3 * ligaments.slack[j]:.6g} mm whose ends are "
-            raise BadInput(where, actual + f"{1e3 * length:.6g} mm apart at the start", "ends at its length",
-                           "Start at angles of zero with prestrain 0, or cut it.")
-    for i, row in enumerate(("proximal", "distal")):
-        if row in rows and start[2 + i] != 0.0:
-            raise BadInput(where, f"start_{row}_rate = {start[2 + i]:g} rad/s of a row that rigid ligaments hold", "0", remedy)
-    return ligaments._replace(stiffness=np.zeros(COUNT), locked_1="proximal" in rows, locked_2="distal" in rows)
+        return COUPLED
+    which = 0
+    for j in range(COUNT):
+        if constraint.cut != j + 1 and holds(j, axes, ligaments):
+            which += 1 << j
+            s.held[1 if j == TRAPEZIUM_SCAPHOID else 0] = 1.0
+    if s.held[0] != 0.0 and s.held[1] != 0.0:
+        return BOTH_HELD + which
+    for j in range(COUNT):
+        slack, length = ligaments[j, SLACK], ligament_length(j, x[0], x[1], axes, ligaments)[0]
+        if constraint.cut != j + 1 and abs(length / slack - 1.0) > ISOMETRIC:
+            s.lengths[0], s.lengths[1] = 1e3 * slack, 1e3 * length
+            return APART + j
+    for i in range(2):
+        if s.held[i] != 0.0 and x[2 + i] != 0.0:
+            return MOVING + i
+    for j in range(COUNT):
+        ligaments[j, SPRING] = 0.0
+    return DONE
+
+
+def _names(which: int) -> str:
+    return ", ".join(name.replace("_", "-") for j, name in enumerate(LIGAMENTS) if which >> j & 1)
+
+
+def _soft(name: str) -> Refusal:
+    return Refusal(f"{name} = {{{name}}} of rigid ligaments", "springs, or no such number",
+                   "Leave it out: rigid ligaments have none.")
+
+
+REMEDY = "Set their off_axis to 0 and leave the axes where they are, cut one that holds, or take the springs."
+RIGID_REFUSALS = {
+    COUPLED: Refusal("rigid ligaments with the coupling model 'opensim_half'", "the coupling model 'rules'",
+                     "Take the springs: there every length depends on both angles, and five conditions are too many."),
+    SOFT_TOE: _soft("constraint.toe"), DAMPED: _soft("constraint.damping"),
+    **{SPRINGY + j: _soft(f"constraint.stiffness[{j + 1}]") for j in range(COUNT)},
+    **{MOVING + i: Refusal(f"start_{row}_rate = {{start_{row}_rate}} rad/s of a row that rigid ligaments hold", "0", REMEDY)
+       for i, row in enumerate(("proximal", "distal"))},
+    **{APART + j: Refusal(f"a rigid {_names(1 << j)} ligament of {{lengths[0]}} mm whose ends are {{lengths[1]}} mm apart at the "
+                          "start", "ends at its length", "Start at angles of zero with prestrain 0, or cut it.")
+       for j in range(COUNT)},
+    **{BOTH_HELD + which: Refusal(f"rigid ligaments that hold both rows ({_names(which)})", "a row that is free to turn", REMEDY)
+       for which in range(1 << COUNT) if which >> TRAPEZIUM_SCAPHOID & 1 and which != 1 << TRAPEZIUM_SCAPHOID},
+}

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from typing import Any
 
 from ..core.component import Effect
-from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import DONE, NOT_FINITE, bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
 MUSCLES = ("fcr", "fcu", "ecrl", "ecrb", "ecu")
 COUNT, ROWS = len(MUSCLES), 16
 ORDER = "; FCR, FCU, ECRL, ECRB, ECU"
+TIMES_FALL = OWN + 1  # status
 TURNING = ("flexion", "deviation", "flexion_rate", "deviation_rate")
 
 
@@ -115,21 +115,20 @@ class ForearmTendons(OdeComponent):
     activation = output("1", "activation" + ORDER, size=COUNT)
     force = output("N", "force of the tendon" + ORDER, size=COUNT, nominal=100.0, feedthrough=TURNING)
 
-    def initial_state(self) -> np.ndarray:
-        """Steady activations of the present excitations; a programme of times that decrease is refused."""
-        programme = self.arguments[1].programme
-        if programme is not None:
-            falls = np.flatnonzero(np.diff(programme.time) < 0.0)
-            last = int(falls[0]) if falls.size else ROWS - 1
-            behind = [getattr(programme, name)[last + 1 :] for name in ("time", *MUSCLES)]
-            if any(v.any() for v in behind):
-                actual = f"programme.time[{last + 1}] = {programme.time[last]:g} s, then {programme.time[last + 1]:g} s"
-                raise BadInput(self.name, actual, "times that do not decrease, and zeros behind the last row")
-        return np.array([wanted(i, self.t, self.u[0], programme) for i in range(COUNT)])
+    refusals = {TIMES_FALL: Refusal("programme.time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
+                                    "times that do not decrease, and zeros behind the last row")}
+
+    def states(self) -> int:
+        """The activations."""
+        return COUNT
+
+    def shapes(self) -> dict[str, Any]:
+        """`fall`: of a programme whose times decrease, the number of the last row before, its time and the next one, s."""
+        return super().shapes() | {"fall": 3}
 
     def energy(self) -> float:
         """Energy of the fibres' passive stretch, J; 0 without `fibres`."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         if e.fibres is None:
             return 0.0
         total = 0.0
@@ -140,10 +139,6 @@ class ForearmTendons(OdeComponent):
                 scale = p.largest_force[i] * e.fibres.length[i] * e.fibres.stretch
                 total += scale * (math.expm1(STIFFENING * s) / STIFFENING - s) / math.expm1(STIFFENING)
         return total
-
-    def stable_step(self) -> float:
-        """RK4's limit for the shorter time constant, s."""
-        return RK4_STABILITY_RADIUS * min(float(self.get("rise_time")), float(self.get("fall_time")))
 
 
 EXCITATION, FLEXION, DEVIATION, FLEXION_RATE, DEVIATION_RATE = ForearmTendons.input_indices(
@@ -157,17 +152,17 @@ TORN = 100.0  # of that stretch, beyond which it pulls no more: the exponential 
 
 
 @kernel
-def programmed(i, programme):
-    """Excitations of the muscle i in the programme's rows, (ROWS,)."""
+def programmed(i, row, programme):
+    """Excitation of the muscle i in a row of the programme."""
     if i == 0:
-        return programme.fcr
+        return programme.fcr[row]
     if i == 1:
-        return programme.fcu
+        return programme.fcu[row]
     if i == 2:
-        return programme.ecrl
+        return programme.ecrl[row]
     if i == 3:
-        return programme.ecrb
-    return programme.ecu
+        return programme.ecrb[row]
+    return programme.ecu[row]
 
 
 @kernel
@@ -175,19 +170,53 @@ def wanted(i, t, u, programme):
     """Excitation of the muscle i at time t, within 0 and 1."""
     value = u[EXCITATION + i]
     if programme is not None:
-        rows = programmed(i, programme)
         after = 0
         while after < ROWS and programme.time[after] <= t and (after == 0 or programme.time[after] >= programme.time[after - 1]):
             after += 1
         if after == 0:
-            value += rows[0]
+            value += programmed(i, 0, programme)
         elif after == ROWS or programme.time[after] < programme.time[after - 1]:
-            value += rows[after - 1]
+            value += programmed(i, after - 1, programme)
         else:
             before = after - 1
             share = (t - programme.time[before]) / (programme.time[after] - programme.time[before])
-            value += rows[before] + share * (rows[after] - rows[before])
+            first, last = programmed(i, before, programme), programmed(i, after, programme)
+            value += first + share * (last - first)
     return min(max(value, 0.0), 1.0)
+
+
+@kernel
+def programme_status(programme, fall):
+    """Refuses times that decrease, unless all behind them is zero; fall: (3,) result, where they do."""
+    last = 0
+    while last < ROWS - 1 and programme.time[last + 1] >= programme.time[last]:
+        last += 1
+    for row in range(last + 1, ROWS):
+        zero = programme.time[row] == 0.0
+        for i in range(COUNT):
+            zero = zero and programmed(i, row, programme) == 0.0
+        if not zero:
+            fall[0], fall[1], fall[2] = last + 1.0, programme.time[last], programme.time[last + 1]
+            return TIMES_FALL
+    return DONE
+
+
+@kernel
+def tendon_start(t, s, p, e):
+    """Steady activations of the present excitations."""
+    if e.programme is not None:
+        status = programme_status(e.programme, s.fall)
+        if status != DONE:
+            return status
+    for i in range(COUNT):
+        s.x[i] = wanted(i, t, s.u[0], e.programme)
+    return DONE
+
+
+@kernel
+def tendon_stable(t, s, p, e):
+    """Limit of the internal step, s, for the shorter time constant."""
+    return RK4_STABILITY_RADIUS * min(p.rise_time, p.fall_time)
 
 
 @kernel
@@ -212,7 +241,7 @@ def by_velocity(rate, curvature, lengthened):
 
 
 @kernel
-def tendon_derivatives(t, x, u, dx, p, e):
+def tendon_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = the activations."""
     for i in range(COUNT):
         way = wanted(i, t, u, e.programme) - x[i]
@@ -220,8 +249,9 @@ def tendon_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def tendon_outputs(t, x, u, y, p, e):
+def tendon_outputs(t, s, p, e):
     """Torques, power, activations, forces."""
+    x, u, y = s.x, s.u[0], s.y
     y[FLEXION_TORQUE], y[DEVIATION_TORQUE], y[POWER] = 0.0, 0.0, 0.0
     for i in range(COUNT):
         pulled, arm = shortening(i, u, p, e.varying_arms)
@@ -241,19 +271,20 @@ def tendon_outputs(t, x, u, y, p, e):
         y[DEVIATION_TORQUE] += force * p.radial_arm[i]
         y[POWER] += force * rate
         y[ACTIVATION + i], y[FORCE + i] = x[i], force
+    return DONE
 
 
-_advance = bind(rk4, __name__, derivatives=tendon_derivatives, outputs=tendon_outputs)
+_ode = ode_kernels(__name__, start=tendon_start, derivatives=tendon_derivatives, outputs=tendon_outputs, stable=tendon_stable)
+_advance = _ode.step
 
 
 @kernel
-def tendon_advance(t, h, n, x, u, y, work, counts, p, e):
-    """`rk4`, refused for angles or rates that are no numbers: activations know nothing of them."""
-    status = _advance(t, h, n, x, u, y, work, counts, p, e)
-    if status == DONE and not math.isfinite(y[FLEXION_TORQUE] + y[DEVIATION_TORQUE] + y[POWER]):
+def tendon_step(t, h, s, p, e):
+    """A step, refused for angles or rates that are no numbers: activations know nothing of them."""
+    status = _advance(t, h, s, p, e)
+    if status == DONE and not math.isfinite(s.y[FLEXION_TORQUE] + s.y[DEVIATION_TORQUE] + s.y[POWER]):
         return NOT_FINITE
     return status
 
 
-ForearmTendons.advance = tendon_advance
-ForearmTendons.output_kernel = tendon_outputs
+ForearmTendons.kernels = _ode._replace(step=tendon_step)

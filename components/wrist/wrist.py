@@ -5,18 +5,41 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput, StepFailed
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import NOT_FINITE, bind
+from ..core.contract import Refusal
+from ..core.errors import StepFailed
+from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
-from .kinematics import COUPLING_MODELS, DISTAL_TILT, PROXIMAL_TILT, ROW_OFFSET, Axes, check_axes, pose
-from .ligament_springs import COUNT, Ligaments, make_ligaments
+from .kinematics import (
+    COUPLING_MODELS,
+    DISTAL_TILT,
+    PROXIMAL_TILT,
+    ROW_OFFSET,
+    Axes,
+    axes_refusals,
+    axes_status,
+    crossing,
+    pose,
+)
+from .ligament_springs import COLUMNS, COUNT, SPRING, make_ligaments
 from .ligaments import Constraint
-from .rigid_ligaments import rigid_ligaments
-from .wrist_equations import TENDONS, Hand, Held, mass_matrix, wrist_derivatives, wrist_energy, wrist_outputs, wrist_pose
+from .rigid_ligaments import RIGID_REFUSALS, make_rigid
+from .wrist_equations import (
+    TENDONS,
+    axes_of,
+    hand_of,
+    mass_matrix,
+    wrist_derivatives,
+    wrist_energy,
+    wrist_outputs,
+    wrist_pose,
+)
+
+GIVES_WAY, FLEXION_LIMITS, DEVIATION_LIMITS, CONTACT_LIMITS, SINGULAR = range(OWN + 3, OWN + 8)  # statuses
+RIGID = 1  # of the choice `constraint.kind`
+CROSSING, MOST_COUPLING = range(2)  # of the array `checked`
 
 
 class Morphology(Effect):
@@ -147,89 +170,42 @@ class Wrist(OdeComponent):
             "matrix with its soft direction 26.6 degrees from flexion", "computed"),
     }
 
+    refusals = {
+        **axes_refusals("{morphology.proximal_tilt}", "{morphology.distal_tilt}", f"{{checked[{CROSSING}]}}"),
+        **RIGID_REFUSALS,
+        GIVES_WAY: Refusal("coupling_stiffness = {coupling_stiffness} N.m/rad",
+                           f"at most {{checked[{MOST_COUPLING}]}} N.m/rad either way",
+                           "Beyond, the passive wrist gives way by itself."),
+        SINGULAR: Refusal("a hand without inertia in one of its motions: the mass matrix is singular", "inertia in both",
+                          "Give transverse_inertia, or hand_mass and hand_distance."),
+        **{status: Refusal(f"limits of {limit} at {{interaction.{limit}_lower}} and {{interaction.{limit}_upper}} rad",
+                           "first the lower")
+           for status, limit in ((FLEXION_LIMITS, "flexion"), (DEVIATION_LIMITS, "deviation"), (CONTACT_LIMITS, "contact"))},
+    }
+
+    def states(self) -> int:
+        """q1, q2, q1', q2'."""
+        return 4
+
+    def shapes(self) -> dict[str, Any]:
+        """`ligaments`: see `ligament_springs`.  `held`: 1 for a row that rigid ones hold.  `lengths`: of a refused one, mm.
+
+        `checked`: sine of the angle between the axes, largest coupling stiffness, N.m/rad.  `matrix`: of the linear equations,
+        and workspace.
+        """
+        held = "constraint" in self.on
+        return super().shapes() | {"ligaments": (COUNT, COLUMNS) if held else None, "held": 2 if held else None,
+                                   "lengths": 2 if held else None, "checked": 2, "matrix": (2, 4, 4)}
+
     def axes(self) -> Axes:
         """Where the axes lie at rest."""
-        p, e = self._declared_arguments()
-        if e.morphology is None:
-            return Axes(p.coupling_model, PROXIMAL_TILT, DISTAL_TILT, 0.0)
-        return Axes(p.coupling_model, e.morphology.proximal_tilt, e.morphology.distal_tilt, e.morphology.row_offset)
-
-    def _ligaments(self, constraint: Any) -> Ligaments:
-        springs = make_ligaments(constraint)
-        if self.get("constraint.kind") == "springs":
-            return springs
-        of_springs = ("toe", "damping", *(f"stiffness[{j + 1}]" for j in range(COUNT)))
-        for name in (f"constraint.{n}" for n in of_springs):
-            if self.get(name) != type(self).variables[name].start:
-                raise BadInput(self.name, f"{name} = {self.get(name):g} of rigid ligaments", "springs, or no such number",
-                               "Leave it out: rigid ligaments have none.")
-        return rigid_ligaments(self.axes(), springs, constraint.cut, self.initial_state(), self.name)
-
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """Axes and hand, then the effects; of the constraint, the ligaments."""
-        p, e = self._declared_arguments()
-        hand = Hand(self.axes(), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
-                    p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping,
-                    p.substep)
-        held = None if e.constraint is None else Held(e.constraint.y, self._ligaments(e.constraint))
-        return hand, e._replace(constraint=held)
-
-    def _initialize(self, t: float) -> int:
-        p, e = self._declared_arguments()
-        check_axes(self.axes(), self.name)
-        if p.flexion_stiffness * p.deviation_stiffness < p.coupling_stiffness**2:
-            raise BadInput(self.name, f"coupling_stiffness = {p.coupling_stiffness:g} N.m/rad",
-                           f"at most {math.sqrt(p.flexion_stiffness * p.deviation_stiffness):.4g} N.m/rad either way",
-                           "Beyond, the passive wrist gives way by itself.")
-        if e.interaction is not None:
-            for limit in ("flexion", "deviation", "contact"):
-                lower, upper = self.get(f"interaction.{limit}_lower"), self.get(f"interaction.{limit}_upper")
-                if not lower < upper:
-                    raise BadInput(self.name, f"limits of {limit} at {lower:g} and {upper:g} rad", "first the lower")
-        m11, m12, m22 = mass_matrix(pose(0.0, 0.0, self.axes()), self.kernel_arguments()[0])
-        if not m11 * m22 - m12 * m12 > 1e-12 * m11 * m22:  # also both zero
-            raise BadInput(self.name, "a hand without inertia in one of its motions: the mass matrix is singular",
-                           "inertia in both", "Give transverse_inertia, or hand_mass and hand_distance.")
-        return super()._initialize(t)
-
-    def initial_state(self) -> np.ndarray:
-        """(q1, q2, q1', q2') of the parameters."""
-        p = self._declared_arguments()[0]
-        return np.array([p.start_proximal_angle, p.start_distal_angle, p.start_proximal_rate, p.start_distal_rate])
+        return axes_of(*self._parameters())
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        hand, e = self.arguments
-        return float(wrist_energy(wrist_pose(self.x, hand, e.morphology), self.x, hand, e.constraint, e.interaction, e.load))
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue|, with every limit touched and every ligament at its longest arm, s."""
-        hand, e = self.kernel_arguments()
-        K = np.array([[hand.flexion_stiffness, hand.coupling_stiffness], [hand.coupling_stiffness, hand.deviation_stiffness]])
-        own = np.zeros(2)
-        if e.interaction is not None:
-            K = K + e.interaction.stiffness * np.eye(2)
-            own[1] = e.interaction.contact_stiffness
-        if e.constraint is not None:
-            ligaments = e.constraint.ligaments
-            arms = np.linalg.norm(ligaments.ends.reshape(COUNT, 2, 3), axis=2).max(axis=1)
-            own += float(ligaments.stiffness @ arms**2)
-        if e.load is not None:
-            own += hand.mass * hand.distance * math.hypot(e.load.gravity_x, e.load.gravity_y, e.load.gravity_z)
-        D = np.diag([hand.proximal_damping, hand.distal_damping])
-        largest = 0.0
-        for q1, q2 in ((0.0, 0.0), (0.0, 0.8), (0.0, -0.8), (0.8, 0.0), (-0.8, 0.0)) if e.morphology is not None else ((0.0,
-                                                                                                                        0.0),):
-            at = pose(q1, q2, hand.axes)
-            m11, m12, m22 = mass_matrix(at, hand)
-            M = np.array([[m11, m12], [m12, m22]])
-            if not np.linalg.det(M) > 0.0:
-                return math.inf  # refused by `_initialize`
-            J = np.array([[at.flexion_1, at.flexion_2], [at.deviation_1, at.deviation_2]])
-            A = np.block([[np.zeros((2, 2)), np.eye(2)],
-                          [-np.linalg.solve(M, J.T @ K @ J + np.diag(own)), -np.linalg.solve(M, D)]])
-            largest = max(largest, float(np.abs(np.linalg.eigvals(A)).max()))
-        return RK4_STABILITY_RADIUS / largest if largest > 0.0 else math.inf
+        s, p, e = self.arguments
+        hand = hand_of(p, e)
+        return float(wrist_energy(wrist_pose(self.x, hand, e.morphology), self.x, hand, s.ligaments, e.interaction, e.load))
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
@@ -238,5 +214,99 @@ class Wrist(OdeComponent):
         super()._check(status)
 
 
-Wrist.advance = bind(rk4, __name__, derivatives=wrist_derivatives, outputs=wrist_outputs)
-Wrist.output_kernel = wrist_outputs
+@kernel
+def limits_status(interaction):
+    """Refuses a lower limit that is not below the upper one."""
+    if not interaction.flexion_lower < interaction.flexion_upper:
+        return FLEXION_LIMITS
+    if not interaction.deviation_lower < interaction.deviation_upper:
+        return DEVIATION_LIMITS
+    return DONE if interaction.contact_lower < interaction.contact_upper else CONTACT_LIMITS
+
+
+@kernel
+def wrist_start(t, s, p, e):
+    """The state that the parameters say, and the ligaments."""
+    hand = hand_of(p, e)
+    s.checked[CROSSING] = crossing(hand.axes)
+    status = axes_status(hand.axes)
+    if status != DONE:
+        return status
+    s.checked[MOST_COUPLING] = math.sqrt(p.flexion_stiffness * p.deviation_stiffness)
+    if p.flexion_stiffness * p.deviation_stiffness < p.coupling_stiffness * p.coupling_stiffness:
+        return GIVES_WAY
+    if e.interaction is not None:
+        status = limits_status(e.interaction)
+        if status != DONE:
+            return status
+    m11, m12, m22 = mass_matrix(pose(0.0, 0.0, hand.axes), hand)
+    if not m11 * m22 - m12 * m12 > 1e-12 * m11 * m22:  # also both zero
+        return SINGULAR
+    s.x[0], s.x[1], s.x[2], s.x[3] = p.start_proximal_angle, p.start_distal_angle, p.start_proximal_rate, p.start_distal_rate
+    if e.constraint is not None:
+        make_ligaments(e.constraint, s.ligaments)
+        if e.constraint.kind == RIGID:
+            return make_rigid(hand.axes, e.constraint, s)
+    return DONE
+
+
+@kernel
+def longest_arm(j, ligaments):
+    """Distance from the wrist's centre of the farther end of ligament j, m."""
+    first, second = 0.0, 0.0
+    for k in range(3):
+        first += ligaments[j, k] * ligaments[j, k]
+        second += ligaments[j, 3 + k] * ligaments[j, 3 + k]
+    return math.sqrt(max(first, second))
+
+
+@kernel
+def fastest_at(q1, q2, own_1, own_2, more, s, hand):
+    """Largest |eigenvalue| at a position, 1/s; 0 without inertia, which is refused.
+
+    own_1, own_2: stiffness of the coordinates; more: of flexion and of deviation besides the passive one, N.m/rad.
+    """
+    at = pose(q1, q2, hand.axes)
+    m11, m12, m22 = mass_matrix(at, hand)
+    determinant = m11 * m22 - m12 * m12
+    if not determinant > 0.0:
+        return 0.0
+    flexing, deviating, both = hand.flexion_stiffness + more, hand.deviation_stiffness + more, hand.coupling_stiffness
+    by_1, by_2 = flexing * at.flexion_1 + both * at.deviation_1, flexing * at.flexion_2 + both * at.deviation_2
+    to_1, to_2 = both * at.flexion_1 + deviating * at.deviation_1, both * at.flexion_2 + deviating * at.deviation_2
+    k11, k12 = at.flexion_1 * by_1 + at.deviation_1 * to_1 + own_1, at.flexion_1 * by_2 + at.deviation_1 * to_2
+    k22 = at.flexion_2 * by_2 + at.deviation_2 * to_2 + own_2
+    d1, d2 = hand.proximal_damping, hand.distal_damping
+    A = s.matrix[0]
+    A[:] = 0.0
+    A[0, 2], A[1, 3] = 1.0, 1.0
+    A[2, 0], A[2, 1] = (m12 * k12 - m22 * k11) / determinant, (m12 * k22 - m22 * k12) / determinant
+    A[3, 0], A[3, 1] = (m12 * k11 - m11 * k12) / determinant, (m12 * k12 - m11 * k22) / determinant
+    A[2, 2], A[2, 3] = -m22 * d1 / determinant, m12 * d2 / determinant
+    A[3, 2], A[3, 3] = m12 * d1 / determinant, -m11 * d2 / determinant
+    return spectral_radius(A, s.matrix[1])
+
+
+@kernel
+def wrist_stable(t, s, p, e):
+    """Limit of the internal step, radius / max |eigenvalue|, s: every limit touched, every ligament at its longest arm."""
+    hand, own, contact, more = hand_of(p, e), 0.0, 0.0, 0.0
+    if e.interaction is not None:
+        more, contact = e.interaction.stiffness, e.interaction.contact_stiffness
+    if s.ligaments is not None:
+        for j in range(COUNT):
+            arm = longest_arm(j, s.ligaments)
+            own += s.ligaments[j, SPRING] * arm * arm
+    if e.load is not None:
+        pull = e.load.gravity_x * e.load.gravity_x + e.load.gravity_y * e.load.gravity_y + e.load.gravity_z * e.load.gravity_z
+        own += hand.mass * hand.distance * math.sqrt(pull)
+    fastest = fastest_at(0.0, 0.0, own, own + contact, more, s, hand)
+    if e.morphology is not None:
+        for way in (-0.8, 0.8):
+            fastest = max(fastest, fastest_at(0.0, way, own, own + contact, more, s, hand),
+                          fastest_at(way, 0.0, own, own + contact, more, s, hand))
+    return step_within(RK4_STABILITY_RADIUS, fastest)
+
+
+Wrist.kernels = ode_kernels(__name__, start=wrist_start, derivatives=wrist_derivatives, outputs=wrist_outputs,
+                            stable=wrist_stable)

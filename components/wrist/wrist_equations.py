@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 from ..core.contact import stop_depth, stop_torque
-from ..core.kernels import kernel, kernel_tuple
-from .kinematics import Axes, Pose, combined, cross, dot, pose
-from .ligament_springs import COUNT, Ligaments, bundle_pull, write_bundle
+from ..core.kernels import DONE, kernel, kernel_tuple
+from .kinematics import DISTAL_TILT, PROXIMAL_TILT, RULES, Axes, Pose, combined, cross, dot, pose
+from .ligament_springs import COUNT, bundle_pull, write_bundle
 
 Q1, Q2, RATE_1, RATE_2 = range(4)
 TAU_FLEXION, TAU_DEVIATION, PROXIMAL_TORQUE, DISTAL_TORQUE = range(4)
@@ -39,12 +39,19 @@ class Hand(NamedTuple):
     substep: float
 
 
-@kernel_tuple
-class Held(NamedTuple):
-    """Ligaments, and where their outputs begin."""
+@kernel
+def axes_of(p, e):
+    """Where the axes lie at rest."""
+    if e.morphology is not None:
+        return Axes(p.coupling_model, e.morphology.proximal_tilt, e.morphology.distal_tilt, e.morphology.row_offset)
+    return Axes(p.coupling_model, PROXIMAL_TILT, DISTAL_TILT, 0.0)
 
-    y: int
-    ligaments: Ligaments
+
+@kernel
+def hand_of(p, e):
+    """The hand with its axes from the parameters."""
+    return Hand(axes_of(p, e), p.hand_mass, p.hand_distance, p.transverse_inertia, p.axial_inertia, p.row_inertia,
+                p.flexion_stiffness, p.deviation_stiffness, p.coupling_stiffness, p.proximal_damping, p.distal_damping, p.substep)
 
 
 @kernel
@@ -118,7 +125,7 @@ def weight(load, c):
 
 
 @kernel
-def torques(at, x, u, c, constraint, interaction, load):
+def torques(at, x, u, c, ligaments, interaction, load):
     """What acts on the two coordinates but inertia, N.m."""
     flexion_rate = at.flexion_1 * x[RATE_1] + at.flexion_2 * x[RATE_2]
     deviation_rate = at.deviation_1 * x[RATE_1] + at.deviation_2 * x[RATE_2]
@@ -141,8 +148,8 @@ def torques(at, x, u, c, constraint, interaction, load):
         force = (u[load.u + TENDONS], u[load.u + TENDONS + 1], u[load.u + TENDONS + 2])
         first += dot(v1, down) + dot(tip_1, force)
         second += dot(v2, down) + dot(tip_2, force)
-    if constraint is not None:
-        of_first, of_second, _, _ = bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)
+    if ligaments is not None:
+        of_first, of_second, _, _ = bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, ligaments)
         first += of_first
         second += of_second
     return (first + at.flexion_1 * flexing + at.deviation_1 * deviating,
@@ -150,10 +157,10 @@ def torques(at, x, u, c, constraint, interaction, load):
 
 
 @kernel
-def motion(at, x, u, c, e):
+def motion(at, x, u, c, s, e):
     """(q1'', q2'', torques of rigid ligaments on q1 and q2); not a number where the model or the substep cannot follow."""
     m11, m12, m22 = mass_matrix(at, c)
-    first, second = torques(at, x, u, c, e.constraint, e.interaction, e.load)
+    first, second = torques(at, x, u, c, s.ligaments, e.interaction, e.load)
     if e.morphology is not None:
         turning_1, turning_2 = gyroscopic(at, x[RATE_1], x[RATE_2], c)
         first -= turning_1
@@ -163,23 +170,24 @@ def motion(at, x, u, c, e):
     if max(abs(x[RATE_1]), abs(x[RATE_2])) * c.substep > 1.0:
         first = second = math.nan
     if e.constraint is not None:
-        if e.constraint.ligaments.locked_1:
+        if s.held[0] != 0.0:
             return 0.0, second / m22, m12 * second / m22 - first, 0.0
-        if e.constraint.ligaments.locked_2:
+        if s.held[1] != 0.0:
             return first / m11, 0.0, 0.0, m12 * first / m11 - second
     determinant = m11 * m22 - m12 * m12
     return (m22 * first - m12 * second) / determinant, (m11 * second - m12 * first) / determinant, 0.0, 0.0
 
 
 @kernel
-def wrist_derivatives(t, x, u, dx, c, e):
+def wrist_derivatives(t, x, u, dx, s, p, e):
     """dx/dt."""
+    c = hand_of(p, e)
     dx[Q1], dx[Q2] = x[RATE_1], x[RATE_2]
-    dx[RATE_1], dx[RATE_2], _, _ = motion(wrist_pose(x, c, e.morphology), x, u, c, e)
+    dx[RATE_1], dx[RATE_2], _, _ = motion(wrist_pose(x, c, e.morphology), x, u, c, s, e)
 
 
 @kernel
-def wrist_energy(at, x, c, constraint, interaction, load):
+def wrist_energy(at, x, c, ligaments, interaction, load):
     """Kinetic energy, passive stiffness, ligaments, limits, and the weight's height over the hand at rest, J."""
     m11, m12, m22 = mass_matrix(at, c)
     energy = 0.5 * (m11 * x[RATE_1] * x[RATE_1] + m22 * x[RATE_2] * x[RATE_2]) + m12 * x[RATE_1] * x[RATE_2]
@@ -195,13 +203,13 @@ def wrist_energy(at, x, c, constraint, interaction, load):
         offset = c.axes.offset
         place = combined(offset, at.row, c.distance - offset, at.hand)
         energy -= dot(weight(load, c), (place[0], place[1] - c.distance, place[2]))
-    if constraint is not None:
-        energy += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)[2]
+    if ligaments is not None:
+        energy += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, ligaments)[2]
     return energy
 
 
 @kernel
-def power_lost(at, x, c, constraint, interaction):
+def power_lost(at, x, c, ligaments, interaction):
     """Power of damping, of the hysteresis of limits and of that of ligaments, W."""
     lost = c.proximal_damping * x[RATE_1] * x[RATE_1] + c.distal_damping * x[RATE_2] * x[RATE_2]
     if interaction is not None:
@@ -210,26 +218,27 @@ def power_lost(at, x, c, constraint, interaction):
         with_losses = limit_torques(at, x, flexion_rate, deviation_rate, interaction)
         elastic = limit_torques(at, (x[Q1], x[Q2], 0.0, 0.0), 0.0, 0.0, interaction)
         lost -= dot(combined(1.0, with_losses, -1.0, elastic), (flexion_rate, deviation_rate, x[RATE_2]))
-    if constraint is not None:
-        lost += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, constraint.ligaments)[3]
+    if ligaments is not None:
+        lost += bundle_pull(x[Q1], x[Q2], x[RATE_1], x[RATE_2], c.axes, ligaments)[3]
     return lost
 
 
 @kernel
-def wrist_outputs(t, x, u, y, c, e):
+def wrist_outputs(t, s, p, e):
     """Angles and rates of the hand and of the rows, energy, and what the effects add."""
+    x, y, c = s.x, s.y, hand_of(p, e)
     at = wrist_pose(x, c, e.morphology)
     y[0], y[1], y[2] = at.flexion, at.deviation, at.roll
     y[3] = at.flexion_1 * x[RATE_1] + at.flexion_2 * x[RATE_2]
     y[4] = at.deviation_1 * x[RATE_1] + at.deviation_2 * x[RATE_2]
     y[5], y[6], y[7], y[8] = x[Q1], x[Q2], x[RATE_1], x[RATE_2]
     y[9], y[10] = row_flexion(x, c)
-    y[11] = wrist_energy(at, x, c, e.constraint, e.interaction, e.load)
-    y[12] = power_lost(at, x, c, e.constraint, e.interaction)
+    y[11] = wrist_energy(at, x, c, s.ligaments, e.interaction, e.load)
+    y[12] = power_lost(at, x, c, s.ligaments, e.interaction)
     if e.constraint is not None:
-        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, e.constraint.y, c.axes, e.constraint.ligaments)
+        write_bundle(x[Q1], x[Q2], x[RATE_1], x[RATE_2], y, e.constraint.y, c.axes, s.ligaments)
         k = e.constraint.y + 2 * COUNT
-        _, _, y[k], y[k + 1] = motion(at, x, u, c, e)
+        _, _, y[k], y[k + 1] = motion(at, x, s.u[0], c, s, e)
     if e.load is not None:
         for j in range(TENDONS):
             y[e.load.y + j] = e.load.flexion_arm[j] * y[3] + e.load.deviation_arm[j] * y[4]
@@ -237,11 +246,12 @@ def wrist_outputs(t, x, u, y, c, e):
         y[k], y[k + 1], y[k + 2] = combined(offset, at.row, e.load.tool_distance - offset, at.hand)
         tip_1, tip_2 = point_turning(at, e.load.tool_distance, c)
         y[k + 3], y[k + 4], y[k + 5] = combined(x[RATE_1], tip_1, x[RATE_2], tip_2)
+    return DONE
 
 
 @kernel
 def row_flexion(x, c):
     """What the proximal and the distal row contribute to flexion, each against what carries it, rad."""
-    if c.axes.model == 0:
+    if c.axes.model == RULES:
         return math.cos(c.axes.proximal_tilt) * x[Q1], math.cos(c.axes.distal_tilt) * x[Q2]
     return 0.5 * x[Q1], 0.5 * x[Q1]

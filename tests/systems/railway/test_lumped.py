@@ -90,7 +90,7 @@ def test_mass_makes_a_forced_oscillation_that_the_inerter_does_not():
     with_mass = carried(LumpedCatenary(parameters={"mass": 60.0}), 69.4, 120.0, 3.0)
     inerter = LumpedCatenary(["inerter"], {"mass": 60.0})
     with_inerter = carried(inerter, 69.4, 120.0, 3.0)
-    p = inerter.arguments[0]
+    p = inerter.arguments[1]
     k = p.mean_stiffness * (1.0 + np.cos(2.0 * np.pi * x[:, None] * np.arange(1, HARMONICS + 1) / 60.0) @ p.harmonic)
     static = 120.0 / k
     assert np.abs(with_inerter - static).max() < 1e-12

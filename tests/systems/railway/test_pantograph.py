@@ -107,14 +107,14 @@ def test_energy_balance_at_random_states(strips):
     pantograph = Pantograph(["contact_loss", "lower_frame", "bump_stops", *strips], {"bump_stops.travel": 0.005})
     pantograph.initialize(0.0)
     rng = np.random.default_rng(3)
-    p, e = pantograph.arguments
+    s, p, e = pantograph.arguments
     from cosimo.components.railway.pantograph import pantograph_derivatives
 
     for _ in range(50):
         n = pantograph.x.size
         x = rng.normal(scale=[0.05, 0.5] * (n // 2))
         dx = np.zeros(n)
-        pantograph_derivatives(0.0, x, pantograph.u[0], dx, p, e)
+        pantograph_derivatives(0.0, x, pantograph.u[0], dx, s, p, e)
         gradient, step = np.zeros(n), 1e-6
         for k in range(n):
             sides = []

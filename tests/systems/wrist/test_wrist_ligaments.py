@@ -10,6 +10,7 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.wrist.kinematics import DEFAULT_AXES, DISTAL_TILT, OPENSIM_HALF, PROXIMAL_TILT, ROW_OFFSET, RULES, Axes
 from cosimo.components.wrist.ligament_springs import (
     LIGAMENTS,
+    SLACK,
     attachments,
     bundle_pull,
     end_of_bone,
@@ -115,7 +116,7 @@ def test_tension_is_toe_linear_and_its_energy_is_its_integral(toe):
 def test_prestrain_is_the_strain_at_rest(prestrain):
     made = bundle(prestrain=prestrain, toe=0.0)
     assert [made[f"strain[{j}]"] for j in range(1, 6)] == pytest.approx([prestrain] * 5, abs=1e-15)
-    slack = made.arguments[0].ligaments.slack
+    slack = made.arguments[0].ligaments[:, SLACK]
     assert [made[f"tension[{j}]"] for j in range(1, 6)] == pytest.approx(5e4 * slack * max(prestrain, 0.0), abs=1e-9)
 
 
@@ -125,7 +126,7 @@ def test_tension_grows_with_the_rate_and_never_pushes():
         made.set("proximal_angle", 0.3)
         made.set("proximal_rate", 0.0)
         made.refresh()
-        still, slack = made["tension[1]"], made.arguments[0].ligaments.slack[0]
+        still, slack = made["tension[1]"], made.arguments[0].ligaments[0, SLACK]
         made.set("proximal_rate", rate)
         made.refresh()
         slope = lengths(0.3, 0.0, AXES, made.arguments[0].ligaments)[0, 1]

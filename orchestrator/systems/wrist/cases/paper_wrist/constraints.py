@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ......components.wrist.kinematics import inverse
-from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, Ligaments, attachments, lengths
+from ......components.wrist.ligament_springs import COUNT, LIGAMENTS, attachments, lengths
 from ......components.wrist.ligaments import LigamentBundle
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
@@ -44,7 +44,7 @@ def _strains(ends: np.ndarray) -> np.ndarray:
     """Strain of five pairs of ends (5, 6) over the postures, (flexions, deviations, 5)."""
     at = axes(STANDARD)
     slack = np.linalg.norm(ends[:, 3:] - ends[:, :3], axis=1)
-    ligaments = Ligaments(ends, EXTENTS, slack, np.ones(COUNT), 0.03, 0.0, False, False)
+    ligaments = np.column_stack((ends, EXTENTS))  # of whose columns lengths know these
     return np.array([[lengths(*inverse(f, d, at)[:2], at, ligaments)[:, 0] / slack - 1.0 for d in DEVIATIONS.tolist()]
                      for f in FLEXIONS.tolist()])  # fmt: skip
 
