@@ -358,7 +358,7 @@ def hull_start(t, s, p, e):
     x[3], x[4], x[5], x[6] = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
     x[7], x[8], x[9] = p.start_surge, p.start_sway, p.start_heave
     x[10], x[11], x[12] = p.start_roll_rate, p.start_pitch_rate, p.start_yaw_rate
-    roll = math.fmod(p.start_roll, TURN)
+    roll = np.fmod(p.start_roll, TURN)
     x[13] = roll - math.copysign(TURN, roll) if abs(roll) > 0.5 * TURN else roll
     return DONE
 
