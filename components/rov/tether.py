@@ -200,9 +200,9 @@ def motion(k, n, x, u):
 
 
 @kernel
-def segment_forces(k, x, u, s, p, e):
-    """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N."""
-    n, c = p.segments, chain(s)
+def segment_forces(k, x, u, c, p, e):
+    """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N; c: `Chain`."""
+    n = p.segments
     ax, ay, az = place(k, n, x, u, p)
     bx, by, bz = place(k + 1, n, x, u, p)
     rx, ry, rz = bx - ax, by - ay, bz - az
@@ -244,7 +244,7 @@ def tether_derivatives(t, x, u, dx, s, p, e):
             dx[size + 3 * i + j] = 0.0
         dx[size + 3 * i + 2] = c.weight
     for k in range(n):
-        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, s, p, e)
+        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, c, p, e)
         if k > 0:
             i = size + 3 * (k - 1)
             dx[i] += tx + ex
@@ -262,10 +262,10 @@ def tether_derivatives(t, x, u, dx, s, p, e):
 @kernel
 def tether_outputs(t, s, p, e):
     """Force on the vehicle, tensions at both ends, depth of the lowest node."""
-    n, x, u, y = p.segments, s.x, s.u[0], s.y
-    y[4] = segment_forces(0, x, u, s, p, e)[6]
-    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, s, p, e)
-    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * chain(s).weight, tension
+    n, c, x, u, y = p.segments, chain(s), s.x, s.u[0], s.y
+    y[4] = segment_forces(0, x, u, c, p, e)[6]
+    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, c, p, e)
+    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * c.weight, tension
     y[5] = p.anchor_down
     for i in range(n - 1):
         y[5] = max(y[5], x[3 * i + 2])
