@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
-from ..core.stateless import StatelessComponent
 from ..core.variables import input_, output, parameter
 
 
-class AddedMassForce(StatelessComponent):
+class AddedMassForce(DirectComponent):
     """Force of the water on an accelerated hull, f = -M_A nu', without a state of its own.
 
     A demonstrator. Added mass belongs into the hull's inertia, as `RovHull` has it. Exchanged as a force it closes a loop
@@ -45,17 +43,14 @@ class AddedMassForce(StatelessComponent):
     moment_y = output("N.m", "moment on the hull about y", feedthrough=("angular_acceleration_y",))
     moment_z = output("N.m", "moment on the hull about z", feedthrough=("angular_acceleration_z",))
 
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        self._masses = np.array(self.arguments[0])
-        return DONE
-
-    def _outputs(self, t: float) -> None:
-        reaction(self.u[0], self.y, self._masses)
-
 
 @kernel
-def reaction(acceleration, force, masses):
+def reaction(t, s, p, e):
     """Force against each acceleration."""
-    for j in range(masses.size):
-        force[j] = -masses[j] * acceleration[j]
+    u, y = s.u[0], s.y
+    y[0], y[1], y[2] = -p.surge * u[0], -p.sway * u[1], -p.heave * u[2]
+    y[3], y[4], y[5] = -p.roll * u[3], -p.pitch * u[4], -p.yaw * u[5]
+    return DONE
+
+
+AddedMassForce.kernels = direct_kernels(__name__, reaction)

@@ -8,33 +8,92 @@ keeps its direction: cutting single thrusts off would turn a climb into a turn.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..core.kernels import kernel
 
 THRUSTERS = 6  # of a vehicle without further ones
+NOTHING = 1e-10  # of the largest singular value: smaller ones count as zero
+SWEEPS = 40  # at most; six or so are needed
 
 
-def allocations(matrix: np.ndarray, priority: np.ndarray) -> np.ndarray:
-    """Thrusts per wrench, (2^n, n, 6), one for each set of available thrusters; bit i of the index: thruster i is available.
-
-    matrix: wrench per thrust, (6, n).  priority: weight of an axis's error, (6,).  Of thrusts that do as well, the smallest.
-    """
-    weighted = priority[:, None] * matrix
+def allocation_of(matrix: np.ndarray, priority: np.ndarray, choice: int) -> np.ndarray:
+    """Thrusts per wrench, (n, 6), of `fill_allocation`, for studies."""
     n = matrix.shape[1]
-    tables = np.zeros((2**n, n, 6))
-    for choice in range(2**n):
-        there = [i for i in range(n) if choice >> i & 1]
-        if there:
-            tables[choice, there] = np.linalg.pinv(weighted[:, there], rcond=1e-10) * priority
-    return tables
+    table = np.zeros((n, 6))
+    fill_allocation(table, matrix, priority, choice, np.zeros((6, n + 6)))
+    return table
+
+
+@kernel
+def fill_allocation(table, matrix, priority, choice, work):
+    """Thrusts per wrench into table, (n, 6), for the thrusters that are available: bit i of choice is thruster i.
+
+    matrix: wrench per thrust, (6, n).  priority: weight of an axis's error, (6,).  work: (6, n + 6). Of thrusts that do as well,
+    the smallest. It is the pseudo-inverse of the weighted matrix W: rotations J of its rows make them orthogonal to each other,
+    G = J W (Jacobi's method of one side), and W⁺ is the sum of G_k' J_k / |G_k|² over the rows that are not zero.
+    """
+    n = matrix.shape[1]
+    for j in range(6):
+        for i in range(n):
+            work[j, i] = priority[j] * matrix[j, i] if choice >> i & 1 else 0.0
+        for k in range(6):
+            work[j, n + k] = 1.0 if j == k else 0.0
+    largest = 0.0
+    for _ in range(SWEEPS):
+        largest = 0.0
+        for j in range(6):
+            largest = max(largest, product(work, j, j, n))
+        turned = False
+        for j in range(5):
+            for k in range(j + 1, 6):
+                if turn_rows(work, j, k, n, 1e-28 * largest):
+                    turned = True
+        if not turned:
+            break
+    for i in range(n):
+        for k in range(6):
+            table[i, k] = 0.0
+    for j in range(6):
+        size = product(work, j, j, n)
+        if size > NOTHING * NOTHING * largest:
+            for i in range(n):
+                for k in range(6):
+                    table[i, k] += work[j, i] / size * work[j, n + k] * priority[k]
+
+
+@kernel
+def product(work, j, k, n):
+    """Scalar product of the first n elements of two rows."""
+    total = 0.0
+    for i in range(n):
+        total += work[j, i] * work[k, i]
+    return total
+
+
+@kernel
+def turn_rows(work, j, k, n, least):
+    """Turn two rows so that their first n elements are orthogonal, unless they are, or one of them has a square below `least`."""
+    jj, kk, jk = product(work, j, j, n), product(work, k, k, n), product(work, j, k, n)
+    if not min(jj, kk) > least or not abs(jk) > 1e-15 * math.sqrt(jj * kk):
+        return False
+    ratio = 0.5 * (kk - jj) / jk
+    tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    sine = cosine * tangent
+    for i in range(work.shape[1]):
+        a, b = work[j, i], work[k, i]
+        work[j, i], work[k, i] = cosine * a - sine * b, sine * a + cosine * b
+    return True
 
 
 @kernel
 def allocate(wrench, table, matrix, forward_limit, reverse_limit, thrust, given):
     """Scale of the wrench that the limits allow, in (0, 1]; fills thrust, (n,), N, and given, (6,), the wrench that comes of it.
 
-    wrench: (6,).  table: thrusts per wrench, (n, 6), of `allocations`.  matrix: wrench per thrust, (6, n).
+    wrench: (6,).  table: thrusts per wrench, (n, 6), of `fill_allocation`.  matrix: wrench per thrust, (6, n).
     """
     n = matrix.shape[1]
     scale = 1.0
@@ -56,7 +115,7 @@ def allocate(wrench, table, matrix, forward_limit, reverse_limit, thrust, given)
 
 @kernel
 def chosen(available, first, count):
-    """Index into `allocations` of what is available: each of `count` thrusters whose number, from `first` on, is above 0.5."""
+    """Bits of what is available: each of `count` thrusters whose number, from `first` on, is above 0.5."""
     choice = 0
     for i in range(count):
         if available[first + i] > 0.5:

@@ -19,11 +19,21 @@ import math
 
 import numpy as np
 
-from ..core.errors import BadInput
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.plain import in_python
 
 HORIZONTAL_RADIUS = 0.15125  # m
 HORIZONTAL_HEIGHT = -0.00387  # m, above the origin
 VERTICAL_RADIUS = 0.225  # m
+NO_DIRECTION, NO_FURTHER_DIRECTION = OWN + 5, OWN + 6  # statuses
+REFUSALS = {
+    NO_DIRECTION: Refusal("thruster {found[0]} with the direction (0, 0, 0)", "a direction",
+                          "Set thruster_direction_x[{found[0]}], _y[{found[0]}], _z[{found[0]}]."),
+    NO_FURTHER_DIRECTION: Refusal(
+        "thruster {found[0]} with the direction (0, 0, 0)", "a direction",
+        "Set further_thrusters.thruster_direction_x[{found[1]}], _y[{found[1]}], _z[{found[1]}]."),
+}
 EIGHT = "BlueROV2 Heavy, eight thrusters"  # name of the preset of hull and controller
 
 
@@ -59,27 +69,50 @@ def eight_places() -> dict[str, float]:
             for j, n in enumerate(names) for i in range(8)}
 
 
-def places_of(values, further) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and directions of all thrusters, (n, 3) each; `further`: the values of `further_thrusters`, or None."""
-    places, directions = [], []
-    for some in (values, further) if further is not None else (values,):
-        places.append(np.c_[some.thruster_x, some.thruster_y, some.thruster_z])
-        directions.append(np.c_[some.thruster_direction_x, some.thruster_direction_y, some.thruster_direction_z])
-    return np.vstack(places), np.vstack(directions)
-
-
 def columns(table: np.ndarray) -> tuple[tuple[float, ...], ...]:
     """The columns of an array as tuples of numbers, for starts of declared variables; rounded to 1e-15."""
     return tuple(tuple(float(v) + 0.0 for v in column) for column in np.round(table, 15).T)
 
 
-def wrench_matrix(positions: np.ndarray, directions: np.ndarray, where: str) -> np.ndarray:
-    """Wrench (X, Y, Z, K, M, N) on the body per thrust, (6, n); a direction may have any length but 0, else `BadInput`."""
-    lengths = np.linalg.norm(directions, axis=1)
-    if not lengths.all():
-        i = int(np.argmin(lengths)) + 1
-        raise BadInput(where, f"thruster {i} with the direction (0, 0, 0)", "a direction",
-                       f"Set thruster_direction_x[{i}], _y[{i}], _z[{i}]." if i <= 6 else
-                       f"Set further_thrusters.thruster_direction_x[{i - 6}], _y[{i - 6}], _z[{i - 6}].")
-    axes = directions / lengths[:, None]
-    return np.vstack((axes.T, np.cross(positions, axes).T))
+def wrench_matrix(positions: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Wrench (X, Y, Z, K, M, N) on the body per thrust, (6, n), for positions in m and directions of thrust, (n, 3) each."""
+    places = np.hstack((positions, directions)).tolist()
+    return np.ascontiguousarray(np.array([in_python(wrench_of)(*place) for place in places]).T)
+
+
+@kernel
+def wrench_of(x, y, z, a, b, c):
+    """Wrench (X, Y, Z, K, M, N) on the body per thrust at (x, y, z) in m along (a, b, c), which may have any length but 0."""
+    length = math.sqrt(a * a + b * b + c * c)
+    a, b, c = a / length, b / length, c / length
+    return a, b, c, y * c - z * b, z * a - x * c, x * b - y * a
+
+
+@kernel
+def add_thrusters(matrix, first, places):
+    """Columns of the matrix, (6, n), from `first` on, of some thrusters; returns the number of one without a direction, or 0."""
+    for i in range(places.thruster_x.size):
+        a, b, c = places.thruster_direction_x[i], places.thruster_direction_y[i], places.thruster_direction_z[i]
+        if not a * a + b * b + c * c > 0.0:
+            return i + 1
+        column = wrench_of(places.thruster_x[i], places.thruster_y[i], places.thruster_z[i], a, b, c)
+        for j in range(6):
+            matrix[j, first + i] = column[j]
+    return 0
+
+
+@kernel
+def arrange(matrix, found, p, further):
+    """Matrix of all thrusters, those of the effect `further_thrusters` or None behind the others; returns a status.
+
+    found: (2,) numbers of a refusal.
+    """
+    found[0] = add_thrusters(matrix, 0, p)
+    if found[0] > 0.0:
+        return NO_DIRECTION
+    if further is not None:
+        found[1] = add_thrusters(matrix, p.thruster_x.size, further)
+        if found[1] > 0.0:
+            found[0] = p.thruster_x.size + found[1]
+            return NO_FURTHER_DIRECTION
+    return DONE

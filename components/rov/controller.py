@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.kernels import bind, kernel, kernel_tuple
+from ..core.contract import Refusal
+from ..core.courses import is_zero_behind, rows_in_use
+from ..core.kernels import DONE, OWN, kernel
 from ..core.rotation import quaternion_of_angles, to_body, to_world
-from ..core.sampled import SampledComponent, rows_in_use, sampled
+from ..core.sampling import SampledComponent, sampled_kernels
 from ..core.variables import input_, output, parameter
-from .allocation import THRUSTERS, allocate, allocations, chosen
-from .arrangement import EIGHT, columns, eight_arrangement, eight_places, places_of, wrench_matrix, y_arrangement
-from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_command
+from .allocation import THRUSTERS, allocate, chosen, fill_allocation
+from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
+from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_command, curve_refusals
 
 POSES = 8
-WAYS = ("north", "east", "depth", "roll", "pitch", "yaw")
+TIME_FALLS = OWN + 4  # status
 POSITIONS, DIRECTIONS = (columns(table) for table in y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
 # the state: number of the next sample, commands, integrals of force (north, east, down) and moment, errors, scale; then the
@@ -159,55 +161,25 @@ class RovController(SampledComponent):
                       "recalled", ("further_thrusters",)),
     }
 
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """What the kernel gets: the control law, then the effects; curve and table of poses are checked."""
-        p, e = self._declared_arguments()
-        if e.inverse_curve is not None:
-            check_curve(e.inverse_curve.command, e.inverse_curve.thrust, f"{self.name}: inverse_curve")
-        if e.manoeuvre is not None:
-            e = e._replace(manoeuvre=self._course(e.manoeuvre))
-        matrix = wrench_matrix(*places_of(p, e.further_thrusters), self.name)
-        law = Law(
-            p.period, np.array([p.set_north, p.set_east, p.set_depth, p.set_roll, p.set_pitch, p.set_yaw]),
-            np.concatenate((p.position_gain, p.attitude_gain)), np.concatenate((p.velocity_gain, p.rate_gain)),
-            np.concatenate((p.position_integral_gain, p.attitude_integral_gain)), p.reach, p.unwinding_time,
-            np.ascontiguousarray(matrix), allocations(matrix, p.priority), p.forward_limit, p.reverse_limit)
-        return law, e
+    refusals = REFUSALS | curve_refusals("inverse_curve") | {
+        TIME_FALLS: Refusal("manoeuvre: time[{found[0]}] = {found[1]} s, then {found[2]} s",
+                            "times that do not decrease, and zeros behind the last row"),
+    }
 
-    def _course(self, manoeuvre: Any) -> Course:
-        """Times and poses of the manoeuvre, its last row repeated to the end; an earlier time that is not 0 is refused."""
-        poses = np.stack([getattr(manoeuvre, way) for way in WAYS], axis=1)
-        rows = rows_in_use(f"{self.name}: manoeuvre", manoeuvre.time, poses)
-        return Course(manoeuvre.time[rows], poses[rows])
+    def states(self) -> int:
+        """See the top of the file."""
+        return STATES + (2 if "further_thrusters" in self.on else 0)
 
-    def initial_state(self, t: float) -> np.ndarray:
-        """All zero."""
-        return np.zeros(STATES + (2 if "further_thrusters" in self.on else 0))
+    def shapes(self) -> dict[str, Any]:
+        """What follows from the arrangement and the table of poses.
 
-
-@kernel_tuple
-class Law(NamedTuple):
-    """The control law for the kernels; gains (6,): surge, sway, heave, roll, pitch, yaw."""
-
-    period: float
-    set_point: np.ndarray  # (6,) north, east, depth, roll, pitch, yaw
-    gain: np.ndarray
-    rate_gain: np.ndarray
-    integral_gain: np.ndarray
-    reach: float
-    unwinding_time: float
-    matrix: np.ndarray  # (6, n), wrench per thrust
-    allocations: np.ndarray  # (2^n, n, 6), thrusts per wrench
-    forward_limit: float
-    reverse_limit: float
-
-
-@kernel_tuple
-class Course(NamedTuple):
-    """Times, (8,), and poses, (8, 6), of a manoeuvre for the kernels."""
-
-    time: np.ndarray
-    pose: np.ndarray
+        `matrix`: (6, n) wrench per thrust.  `table`: (n, 6) thrusts per wrench, of the thrusters whose bits are in `choice`,
+        (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace.  `found`: (4,) numbers of a refusal.
+        """
+        n = THRUSTERS + (2 if "further_thrusters" in self.on else 0)
+        return super().shapes() | {
+            "matrix": (6, n), "table": (n, 6), "choice": np.zeros(1, dtype=np.int64), "allocation": (6, n + 6), "found": 4,
+            "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None}
 
 
 NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
@@ -216,24 +188,57 @@ NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
 
 
 @kernel
-def wanted(t, set_point, course, pose, rate):
+def control_start(t, s, p, e):
+    """Curve, table of poses and arrangement are checked; all states are zero before the first sample."""
+    if e.inverse_curve is not None:
+        status = check_curve(e.inverse_curve.command, e.inverse_curve.thrust, s.found)
+        if status != DONE:
+            return status
+    if e.manoeuvre is not None:
+        m = e.manoeuvre
+        rows = rows_in_use(m.time)
+        s.rows[0] = rows
+        if not (is_zero_behind(m.time, rows) and is_zero_behind(m.north, rows) and is_zero_behind(m.east, rows)
+                and is_zero_behind(m.depth, rows) and is_zero_behind(m.roll, rows) and is_zero_behind(m.pitch, rows)
+                and is_zero_behind(m.yaw, rows)):
+            s.found[0], s.found[1], s.found[2] = rows, m.time[rows - 1], m.time[rows]
+            return TIME_FALLS
+    s.choice[0] = -1  # no table yet
+    return arrange(s.matrix, s.found, p, e.further_thrusters)
+
+
+@kernel
+def on_leg(way, before, after, share, share_rate):
+    """A way at a share of the leg between two rows, and its rate."""
+    length = way[after] - way[before]
+    return way[before] + share * length, share_rate * length
+
+
+@kernel
+def wanted(t, p, manoeuvre, rows, pose, rate):
     """Set point at time t: pose (6,), and its rate of change, (6,), angles as roll, pitch, yaw."""
+    pose[0], pose[1], pose[2] = p.set_north, p.set_east, p.set_depth
+    pose[3], pose[4], pose[5] = p.set_roll, p.set_pitch, p.set_yaw
     for j in range(6):
-        pose[j], rate[j] = set_point[j], 0.0
-    if course is not None:
-        i = 0
-        while i < POSES and course.time[i] <= t:
+        rate[j] = 0.0
+    if manoeuvre is not None:
+        time, n, i = manoeuvre.time, rows[0], 0
+        while i < n and time[i] <= t:
             i += 1
-        before, after = max(i - 1, 0), min(i, POSES - 1)
-        length = course.time[after] - course.time[before]
+        before, after = max(i - 1, 0), min(i, n - 1)
+        length = time[after] - time[before]
         share, share_rate = 0.0, 0.0
         if length > 0.0:
-            s = (t - course.time[before]) / length
-            share, share_rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / length
-        for j in range(6):
-            way = course.pose[after, j] - course.pose[before, j]
-            pose[j] += course.pose[before, j] + share * way
-            rate[j] = share_rate * way
+            r = (t - time[before]) / length
+            share, share_rate = r * r * (3.0 - 2.0 * r), 6.0 * r * (1.0 - r) / length
+        north, rate[0] = on_leg(manoeuvre.north, before, after, share, share_rate)
+        east, rate[1] = on_leg(manoeuvre.east, before, after, share, share_rate)
+        depth, rate[2] = on_leg(manoeuvre.depth, before, after, share, share_rate)
+        roll, rate[3] = on_leg(manoeuvre.roll, before, after, share, share_rate)
+        pitch, rate[4] = on_leg(manoeuvre.pitch, before, after, share, share_rate)
+        yaw, rate[5] = on_leg(manoeuvre.yaw, before, after, share, share_rate)
+        pose[0], pose[1], pose[2] = pose[0] + north, pose[1] + east, pose[2] + depth
+        pose[3], pose[4], pose[5] = pose[3] + roll, pose[4] + pitch, pose[5] + yaw
 
 
 @kernel
@@ -254,25 +259,25 @@ def turn_between(w, x, y, z, a, b, c, d):
 
 
 @kernel
-def command(thrust, law, e):
+def command(thrust, p, e):
     """Command for a thrust in N."""
     if e.inverse_curve is not None:
         return curve_command(thrust, e.inverse_curve.command, e.inverse_curve.thrust)
-    return thrust / (law.forward_limit if thrust > 0.0 else law.reverse_limit)
+    return thrust / (p.forward_limit if thrust > 0.0 else p.reverse_limit)
 
 
 @kernel
-def control_sample(t, u, x, work, law, e):
-    """One sample at time t with the inputs u, (m,): commands, integrals and errors in x."""
-    pose, rate, wrench, thrust, given = work[1], work[2], work[3], work[4], work[5]
-    wanted(t, law.set_point, e.manoeuvre, pose, rate)
+def control_sample(t, u, s, p, e):
+    """One sample at time t with the inputs u, (m,): commands, integrals and errors in the state."""
+    x, pose, rate, wrench, thrust, given = s.x, s.work[1], s.work[2], s.work[3], s.work[4], s.work[5]
+    wanted(t, p, e.manoeuvre, s.rows, pose, rate)
     qw, qx, qy, qz = u[QUATERNION], u[QUATERNION + 1], u[QUATERNION + 2], u[QUATERNION + 3]
     x[ERRORS], x[ERRORS + 1], x[ERRORS + 2] = pose[0] - u[NORTH], pose[1] - u[NORTH + 1], pose[2] - u[NORTH + 2]
     a, b, c, d = quaternion_of_angles(pose[3], pose[4], pose[5])
     x[ERRORS + 3], x[ERRORS + 4], x[ERRORS + 5] = turn_between(qw, qx, qy, qz, a, b, c, d)
 
     far = math.sqrt(x[ERRORS] ** 2 + x[ERRORS + 1] ** 2 + x[ERRORS + 2] ** 2)
-    share, near = (law.reach / far, 0.0) if far > law.reach else (1.0, 1.0)
+    share, near = (p.reach / far, 0.0) if far > p.reach else (1.0, 1.0)
     error = to_body(qw, qx, qy, qz, share * x[ERRORS], share * x[ERRORS + 1], share * x[ERRORS + 2])
     v = to_body(qw, qx, qy, qz, rate[0], rate[1], rate[2])
     f = to_body(qw, qx, qy, qz, x[INTEGRALS], x[INTEGRALS + 1], x[INTEGRALS + 2])
@@ -281,38 +286,42 @@ def control_sample(t, u, x, work, law, e):
     turn = to_world(a, b, c, d, rate[3] - rate[5] * sp, rate[4] * cr + rate[5] * cp * sr, rate[5] * cp * cr - rate[4] * sr)
     turn = to_body(qw, qx, qy, qz, turn[0], turn[1], turn[2])
     for j in range(3):
-        wrench[j] = f[j] + law.gain[j] * error[j] + law.rate_gain[j] * (v[j] - u[SURGE + j])
+        wrench[j] = f[j] + p.position_gain[j] * error[j] + p.velocity_gain[j] * (v[j] - u[SURGE + j])
         k = j + 3
-        wrench[k] = x[INTEGRALS + k] + law.gain[k] * x[ERRORS + k] + law.rate_gain[k] * (turn[j] - u[ROLL_RATE + j])
+        wrench[k] = x[INTEGRALS + k] + p.attitude_gain[j] * x[ERRORS + k] + p.rate_gain[j] * (turn[j] - u[ROLL_RATE + j])
 
     choice = chosen(u, AVAILABLE, THRUSTERS)
     if e.further_thrusters is not None:
         choice += chosen(u, e.further_thrusters.u, 2) << THRUSTERS
-    x[SCALE] = allocate(wrench, law.allocations[choice], law.matrix, law.forward_limit, law.reverse_limit, thrust, given)
+    if choice != s.choice[0]:
+        fill_allocation(s.table, s.matrix, p.priority, choice, s.allocation)
+        s.choice[0] = choice
+    x[SCALE] = allocate(wrench, s.table, s.matrix, p.forward_limit, p.reverse_limit, thrust, given)
     for i in range(THRUSTERS):
-        x[COMMANDS + i] = command(thrust[i], law, e)
+        x[COMMANDS + i] = command(thrust[i], p, e)
     if e.further_thrusters is not None:
         for i in range(2):
-            x[STATES + i] = command(thrust[THRUSTERS + i], law, e)
+            x[STATES + i] = command(thrust[THRUSTERS + i], p, e)
 
     for j in range(6):
-        given[j] = (given[j] - wrench[j]) / law.unwinding_time
-    gained = to_world(qw, qx, qy, qz, near * law.integral_gain[0] * error[0] + given[0],
-                      near * law.integral_gain[1] * error[1] + given[1], near * law.integral_gain[2] * error[2] + given[2])
+        given[j] = (given[j] - wrench[j]) / p.unwinding_time
+    gained = to_world(qw, qx, qy, qz, near * p.position_integral_gain[0] * error[0] + given[0],
+                      near * p.position_integral_gain[1] * error[1] + given[1],
+                      near * p.position_integral_gain[2] * error[2] + given[2])
     for j in range(3):
-        x[INTEGRALS + j] += law.period * gained[j]
-        x[INTEGRALS + 3 + j] += law.period * (law.integral_gain[3 + j] * x[ERRORS + 3 + j] + given[3 + j])
+        x[INTEGRALS + j] += p.period * gained[j]
+        x[INTEGRALS + 3 + j] += p.period * (p.attitude_integral_gain[j] * x[ERRORS + 3 + j] + given[3 + j])
 
 
 @kernel
-def control_outputs(x, y):
+def control_outputs(t, s, p, e):
     """Commands, errors, scale and further commands of the last sample."""
+    x, y = s.x, s.y
     for i in range(THRUSTERS):
         y[i] = x[COMMANDS + i]
     for j in range(x.size - ERRORS):
         y[THRUSTERS + j] = x[ERRORS + j]
+    return DONE
 
 
-RovController.sample_kernel = control_sample
-RovController.output_kernel = control_outputs
-RovController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)
+RovController.kernels = sampled_kernels(__name__, control_start, control_sample, control_outputs)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Any
+
+import numpy as np
 
 from ..core.component import Effect
+from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
-from ..core.stateless import StatelessComponent
 from ..core.variables import output, parameter
-from .waves import PLACE, Waves, WaveSpectrum, add_waves, wave_train
+from .waves import PLACE, REFUSALS, ROWS, Waves, WaveSpectrum, add_waves, chances, start_waves
 
 TURN = 2.0 * math.pi
 
@@ -44,7 +47,7 @@ class Gust(Effect):
     direction = parameter(0.0, "rad", "where it sets, from north over east")
 
 
-class WaterCurrent(StatelessComponent):
+class WaterCurrent(DirectComponent):
     """Velocity and acceleration of the water in north, east and down; a function of time and, with `waves`, of the place.
 
     A vehicle needs the acceleration, too, which pulls at its added mass: with `waves` that of the water at the place, which is
@@ -53,9 +56,9 @@ class WaterCurrent(StatelessComponent):
 
     title = "Current of the water"
     system = "rov"
-    start_inputs = ()
     default_step = 0.02
     default_stop = 60.0
+    refusals = REFUSALS
 
     tide = Tide
     ramp = Ramp
@@ -74,25 +77,39 @@ class WaterCurrent(StatelessComponent):
     acceleration_east = output("m/s2", "acceleration to the east", nominal=0.1, feedthrough=PLACE)
     acceleration_down = output("m/s2", "acceleration downwards", nominal=0.1, feedthrough=PLACE)
 
-    def _initialize(self, t: float) -> int:
-        p, e = self._declared_arguments()
-        if e.waves is not None:
-            along = p.speed * math.cos(p.direction - e.waves.direction)
-            e = e._replace(waves=wave_train(e.waves, e.spectrum, self.name, along))
-        self.arguments = p, e
-        return DONE
+    def shapes(self) -> dict[str, Any]:
+        """What the waves consist of.
 
-    def _outputs(self, t: float) -> None:
-        water(t, self.u[0], self.y, *self.arguments)
+        `sea`: (5, n) amplitude in m, frequency at a fixed place and seen by one who drifts with the current in rad/s, wave number
+        in 1/m, phase in rad.  `taken`: (1,) of components that the current lets through.  `chance`: (2, n) of the seed.
+        `found`: (2,) numbers of a refusal.
+        """
+        sea: dict[str, Any] = {"sea": None, "taken": None, "chance": None, "found": None}
+        if "waves" in self.on:
+            sea |= {"sea": (ROWS, 1), "taken": np.zeros(1, dtype=np.int64), "found": 2}
+        if "spectrum" in self.on:
+            n = self.get("spectrum.components")
+            sea |= {"sea": (ROWS, n), "chance": chances(n, self.get("spectrum.seed"))}
+        return sea
 
 
 @kernel
-def water(t, u, y, p, e):
-    """Velocity and acceleration at time t in y[:6], the surface's elevation behind them; u: (m,) inputs."""
+def water_start(t, s, p, e):
+    """The components of the waves on the mean current."""
+    if e.waves is not None:
+        along = p.speed * math.cos(p.direction - e.waves.direction)
+        return start_waves(along, s.sea, s.taken, s.found, s.chance, e.waves, e.spectrum)
+    return DONE
+
+
+@kernel
+def water(t, s, p, e):
+    """Velocity and acceleration at time t, and the surface's elevation."""
+    y = s.y
     share, rate = 1.0, 0.0
     if e.ramp is not None:
-        s = min(max((t - e.ramp.start_time) / e.ramp.duration, 0.0), 1.0)
-        share, rate = s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / e.ramp.duration
+        r = min(max((t - e.ramp.start_time) / e.ramp.duration, 0.0), 1.0)
+        share, rate = r * r * (3.0 - 2.0 * r), 6.0 * r * (1.0 - r) / e.ramp.duration
     north, east = p.speed * math.cos(p.direction), p.speed * math.sin(p.direction)
     y[0], y[1], y[2] = share * north, share * east, share * p.downwelling
     y[3], y[4], y[5] = rate * north, rate * east, rate * p.downwelling
@@ -101,12 +118,13 @@ def water(t, u, y, p, e):
         add(y, e.tide.direction, e.tide.amplitude * math.sin(w * t + e.tide.phase),
             w * e.tide.amplitude * math.cos(w * t + e.tide.phase))
     if e.gust is not None:
-        s = min(max((t - e.gust.start_time) / e.gust.duration, 0.0), 1.0)
+        r = min(max((t - e.gust.start_time) / e.gust.duration, 0.0), 1.0)
         w = TURN / e.gust.duration
-        add(y, e.gust.direction, 0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * s)),
-            0.5 * w * e.gust.amplitude * math.sin(TURN * s))
+        add(y, e.gust.direction, 0.5 * e.gust.amplitude * (1.0 - math.cos(TURN * r)),
+            0.5 * w * e.gust.amplitude * math.sin(TURN * r))
     if e.waves is not None:
-        add_waves(t, u, y, e.waves)
+        add_waves(t, s.u[0], y, s.sea, s.taken, e.waves)
+    return DONE
 
 
 @kernel
@@ -117,3 +135,6 @@ def add(y, direction, speed, acceleration):
     y[1] += speed * east
     y[3] += acceleration * north
     y[4] += acceleration * east
+
+
+WaterCurrent.kernels = direct_kernels(__name__, water, water_start)

@@ -8,18 +8,23 @@ from typing import Any
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.plain import in_python
 from ..core.rotation import quaternion_of_angles, to_body, to_world
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
-from .arrangement import EIGHT, columns, eight_arrangement, eight_places, places_of, wrench_matrix, y_arrangement
-from .hull_equations import Hull, hull_derivatives, hull_outputs, steady_outputs
+from .arrangement import EIGHT, REFUSALS, arrange, columns, eight_arrangement, eight_places, y_arrangement
+from .hull_equations import hull_derivatives, hull_outputs, steady_outputs
+from .inertia import invert, least_moment, rigid_mass, six
 
 POSITIONS, DIRECTIONS = map(columns, y_arrangement())
 FURTHER_POSITIONS, FURTHER_DIRECTIONS = (columns(table[6:]) for table in eight_arrangement())
 AXES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 TOP_SPEED, TOP_RATE = 2.0, 2.0  # m/s, rad/s: up to these the default step is stable; faster than the vehicles of the presets
+TURN = 2.0 * math.pi
+NO_BODY = OWN + 1  # status
 
 
 class AddedMass(Effect):
@@ -286,86 +291,103 @@ class RovHull(OdeComponent):
             (*WATER, "further_thrusters")),
     }
 
+    refusals = REFUSALS | {
+        NO_BODY: Refusal("moments of inertia that leave {found[0]} kg.m2 about the centre of gravity", "positive ones",
+                         "The inertia is about the origin: that about the centre of gravity plus mass times the square of the "
+                         "distance."),
+    }
+
+    def states(self) -> int:
+        """Position, quaternion, velocities, roll kept."""
+        return 14
+
+    def shapes(self) -> dict[str, Any]:
+        """What follows from masses, arrangement and weight; (X, Y, Z, K, M, N) in body axes about the origin.
+
+        `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
+        wrench per thrust, those of `further_thrusters` last.  `righting`: (3,) N m.  `matrix`: of the linear equations, and
+        workspace.  `found`: (4,) numbers of a refusal.
+        """
+        n = 8 if "further_thrusters" in self.on else 6
+        return super().shapes() | {"rigid": (6, 6), "added": 6, "inverse": (6, 6), "thrusters": (6, n), "righting": 3,
+                                   "matrix": (2, 12, 12), "found": 4}
+
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rigid body's and added mass matrix about the origin, (6, 6) each; `BadInput` where no body has such numbers."""
-        p, e = self._declared_arguments()
-        centre, inertia = _centre(p), np.diag([p.inertia_x, p.inertia_y, p.inertia_z])
-        S = np.array([[0.0, -centre[2], centre[1]], [centre[2], 0.0, -centre[0]], [-centre[1], centre[0], 0.0]])
-        about_centre = inertia + p.mass * S @ S
-        if (least := float(np.linalg.eigvalsh(about_centre)[0])) <= 0.0:
-            raise BadInput(self.name, f"moments of inertia that leave {least:.3g} kg.m2 about the centre of gravity",
-                           "positive ones", "The inertia is about the origin: that about the centre of gravity plus mass "
-                           "times the square of the distance.")
-        rigid = np.block([[p.mass * np.eye(3), -p.mass * S], [p.mass * S, inertia]])
-        return rigid, np.diag(_six(e.added_mass) if e.added_mass is not None else np.zeros(6))
-
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """The vehicle for the kernels; of added mass, drag and restoring forces the arrays they multiply with."""
-        p, e = self._declared_arguments()
-        self.rigid_mass, self.water_mass = self.masses()
-        inverse = np.ascontiguousarray(np.linalg.inv(self.rigid_mass + self.water_mass))
-        hull = Hull(p.mass, _centre(p), np.diag(self.rigid_mass)[3:].copy(), inverse,
-                    np.ascontiguousarray(wrench_matrix(*places_of(p, e.further_thrusters), self.name)))
-        sixes = [n for n in ("added_mass", "linear_drag", "quadratic_drag") if n in self.on]
-        arrays: dict[str, np.ndarray] = {n: _six(getattr(e, n)) for n in sixes}
-        if (restoring := e.restoring) is not None:
-            arrays["restoring"] = np.array([restoring.weight - restoring.buoyancy, *_righting(p, restoring)])
-        return hull, e._replace(**arrays)
-
-    def initial_state(self) -> np.ndarray:
-        """The pose and the velocities given (x: position, quaternion, velocities, roll)."""
-        p = self._declared_arguments()[0]
-        attitude = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
-        return np.array([p.start_position_north, p.start_position_east, p.start_depth, *attitude, *_start_velocities(p),
-                         math.remainder(p.start_roll, 2.0 * math.pi)])
+        """Rigid body's and added mass matrix about the origin, (6, 6) each, of the present parameters."""
+        (p, e), rigid, added = self._parameters(), np.zeros((6, 6)), np.zeros(6)
+        in_python(rigid_mass)(p, rigid)
+        if e.added_mass is not None:
+            in_python(six)(e.added_mass, added)
+        return rigid, np.diag(added)
 
     def energy(self) -> float:
         """Energy of the hull's motion, of the water's relative to the current, and of weight and buoyancy, J."""
-        x, restoring, current = self.x, self._declared_arguments()[1].restoring, self.arguments[1].current
+        (s, _, e), x = self.arguments, self.x
         velocity, q = x[7:13], tuple(x[3:7])
         relative = velocity.copy()
-        if current is not None:
-            relative[:3] -= to_body(*q, *self.u[0, current.u : current.u + 3])
-        total = 0.5 * (velocity @ self.rigid_mass @ velocity + relative @ self.water_mass @ relative)
-        if restoring is not None:
-            down = to_world(*q, *_righting(self._declared_arguments()[0], restoring))[2]
-            total -= (restoring.weight - restoring.buoyancy) * x[2] + down
+        if e.current is not None:
+            relative[:3] -= to_body(*q, *self.u[0, e.current.u : e.current.u + 3])
+        total = 0.5 * (velocity @ s.rigid @ velocity + relative @ np.diag(s.added) @ relative)
+        if e.restoring is not None:
+            total -= (e.restoring.weight - e.restoring.buoyancy) * x[2] + to_world(*q, *s.righting)[2]
         return float(total)
 
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
-        p, e = self._declared_arguments()
-        inverse = np.linalg.inv(sum(self.masses()))
-        fastest = np.maximum(np.abs(_start_velocities(p)), [TOP_SPEED] * 3 + [TOP_RATE] * 3)
-        drag = _six(e.linear_drag) if e.linear_drag is not None else np.zeros(6)
-        drag = drag + 2.0 * fastest * _six(e.quadratic_drag) if e.quadratic_drag is not None else drag
-        stiffness = np.zeros(6)
-        if e.restoring is not None:
-            stiffness[3:] = math.hypot(*_righting(p, e.restoring))
-        A = np.block([[np.zeros((6, 6)), np.eye(6)], [-inverse * stiffness, -inverse * drag]])
-        return float(RK4_STABILITY_RADIUS / max(np.abs(np.linalg.eigvals(A)).max(), fastest[3:].max()))
+
+@kernel
+def hull_start(t, s, p, e):
+    """Masses, arrangement and righting moment; then the pose and the velocities given."""
+    x = s.x
+    s.found[0] = least_moment(p)
+    if not s.found[0] > 0.0:
+        return NO_BODY
+    status = arrange(s.thrusters, s.found, p, e.further_thrusters)
+    if status != DONE:
+        return status
+    rigid_mass(p, s.rigid)
+    if e.added_mass is not None:
+        six(e.added_mass, s.added)
+    status = invert(s.rigid, s.added, s.inverse, s.matrix[0, :6, :6], s.matrix[1, 0, :6])
+    if status != DONE:
+        return status
+    if e.restoring is not None:
+        r = e.restoring
+        s.righting[0] = r.weight * p.centre_of_gravity_x - r.buoyancy * r.centre_of_buoyancy_x
+        s.righting[1] = r.weight * p.centre_of_gravity_y - r.buoyancy * r.centre_of_buoyancy_y
+        s.righting[2] = r.weight * p.centre_of_gravity_z - r.buoyancy * r.centre_of_buoyancy_z
+    x[0], x[1], x[2] = p.start_position_north, p.start_position_east, p.start_depth
+    x[3], x[4], x[5], x[6] = quaternion_of_angles(p.start_roll, p.start_pitch, p.start_yaw)
+    x[7], x[8], x[9] = p.start_surge, p.start_sway, p.start_heave
+    x[10], x[11], x[12] = p.start_roll_rate, p.start_pitch_rate, p.start_yaw_rate
+    roll = np.fmod(p.start_roll, TURN)
+    x[13] = roll - math.copysign(TURN, roll) if abs(roll) > 0.5 * TURN else roll
+    return DONE
 
 
-def _six(effect: Any) -> np.ndarray:
-    """The six coefficients of an effect, (6,)."""
-    return np.array([getattr(effect, axis) for axis in AXES])
+@kernel
+def hull_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| at the speeds of the start, or at 2 m/s and 2 rad/s if they are higher, s."""
+    A, drag, square = s.matrix[0], s.work[0], s.work[1]
+    drag[:] = 0.0
+    square[:] = 0.0
+    if e.linear_drag is not None:
+        six(e.linear_drag, drag)
+    if e.quadratic_drag is not None:
+        six(e.quadratic_drag, square)
+    A[:] = 0.0
+    spin, stiffness = TOP_RATE, 0.0
+    if e.restoring is not None:
+        stiffness = math.sqrt(s.righting[0] ** 2 + s.righting[1] ** 2 + s.righting[2] ** 2)
+    for j in range(6):
+        fastest = max(abs(s.x[7 + j]), TOP_SPEED if j < 3 else TOP_RATE)
+        if j > 2:
+            spin = max(spin, fastest)
+        A[j, 6 + j] = 1.0
+        for i in range(6):
+            A[6 + i, j] = -s.inverse[i, j] * stiffness if j > 2 else 0.0
+            A[6 + i, 6 + j] = -s.inverse[i, j] * (drag[j] + 2.0 * fastest * square[j])
+    return step_within(RK4_STABILITY_RADIUS, max(spectral_radius(A, s.matrix[1]), spin))
 
 
-def _start_velocities(p: Any) -> np.ndarray:
-    """Velocities at the start in body axes, (6,)."""
-    return np.array([p.start_surge, p.start_sway, p.start_heave, p.start_roll_rate, p.start_pitch_rate, p.start_yaw_rate])
-
-
-def _centre(p: Any) -> np.ndarray:
-    """Centre of gravity, (3,), m."""
-    return np.array([p.centre_of_gravity_x, p.centre_of_gravity_y, p.centre_of_gravity_z])
-
-
-def _righting(p: Any, restoring: Any) -> np.ndarray:
-    """Weight times its place less buoyancy times its place, (3,), N m: the moment is this times the downward direction."""
-    buoyancy = np.array([restoring.centre_of_buoyancy_x, restoring.centre_of_buoyancy_y, restoring.centre_of_buoyancy_z])
-    return restoring.weight * _centre(p) - restoring.buoyancy * buoyancy
-
-
-RovHull.advance = bind(rk4, __name__, derivatives=hull_derivatives, outputs=steady_outputs)
-RovHull.output_kernel = hull_outputs
+# the quaternion comes back to its length at the end of a step, not where outputs are looked at
+RovHull.kernels = ode_kernels(__name__, start=hull_start, derivatives=hull_derivatives, outputs=steady_outputs,
+                              stable=hull_stable)._replace(outputs=hull_outputs)

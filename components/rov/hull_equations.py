@@ -2,23 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
-import numpy as np
-
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import DONE, kernel
 from ..core.rotation import angles, quaternion_rate, to_body, to_world
-
-
-@kernel_tuple
-class Hull(NamedTuple):
-    """What the kernels know of the vehicle; (X, Y, Z, K, M, N) in body axes about the origin."""
-
-    mass: float
-    centre: np.ndarray  # (3,) of gravity, m
-    inertia: np.ndarray  # (3,) principal, about the origin, kg m²
-    inverse: np.ndarray  # (6, 6) of the rigid body's and the added mass
-    thrusters: np.ndarray  # (6, n) wrench per thrust; the first six, then those of `further_thrusters`
 
 
 @kernel
@@ -38,13 +25,16 @@ def tether_velocity(x, tether):
 
 
 @kernel
-def wrench(x, u, h, e):
-    """Everything that accelerates the hull, (X, Y, Z, K, M, N): thrust, loads, Coriolis, drag and restoring forces."""
+def wrench(x, u, s, v, e):
+    """Everything that accelerates the hull, (X, Y, Z, K, M, N): thrust, loads, Coriolis, drag and restoring forces.
+
+    v: the parameters.
+    """
     w, i, j, k = x[3], x[4], x[5], x[6]
     p, q, r = x[10], x[11], x[12]
     vx, vy, vz = x[7], x[8], x[9]
     X = Y = Z = K = M = N = 0.0
-    T = h.thrusters
+    T = s.thrusters
     for n in range(6):
         F = u[n]
         X, Y, Z = X + T[0, n] * F, Y + T[1, n] * F, Z + T[2, n] * F
@@ -58,41 +48,43 @@ def wrench(x, u, h, e):
     rx, ry, rz = vx - cx, vy - cy, vz - cz  # velocity through the water
 
     if e.coriolis is not None:
-        gx, gy, gz = h.centre[0], h.centre[1], h.centre[2]
-        Px, Py, Pz = h.mass * (vx + q * gz - r * gy), h.mass * (vy + r * gx - p * gz), h.mass * (vz + p * gy - q * gx)
-        Hx = h.inertia[0] * p + h.mass * (gy * vz - gz * vy)
-        Hy = h.inertia[1] * q + h.mass * (gz * vx - gx * vz)
-        Hz = h.inertia[2] * r + h.mass * (gx * vy - gy * vx)
+        gx, gy, gz = v.centre_of_gravity_x, v.centre_of_gravity_y, v.centre_of_gravity_z
+        Px, Py, Pz = v.mass * (vx + q * gz - r * gy), v.mass * (vy + r * gx - p * gz), v.mass * (vz + p * gy - q * gx)
+        Hx = v.inertia_x * p + v.mass * (gy * vz - gz * vy)
+        Hy = v.inertia_y * q + v.mass * (gz * vx - gx * vz)
+        Hz = v.inertia_z * r + v.mass * (gx * vy - gy * vx)
         X, Y, Z = X - (q * Pz - r * Py), Y - (r * Px - p * Pz), Z - (p * Py - q * Px)
         K -= q * Hz - r * Hy + vy * Pz - vz * Py
         M -= r * Hx - p * Hz + vz * Px - vx * Pz
         N -= p * Hy - q * Hx + vx * Py - vy * Px
         if e.added_mass is not None:
-            Px, Py, Pz = e.added_mass[0] * rx, e.added_mass[1] * ry, e.added_mass[2] * rz
-            Hx, Hy, Hz = e.added_mass[3] * p, e.added_mass[4] * q, e.added_mass[5] * r
+            Px, Py, Pz = s.added[0] * rx, s.added[1] * ry, s.added[2] * rz
+            Hx, Hy, Hz = s.added[3] * p, s.added[4] * q, s.added[5] * r
             X, Y, Z = X - (q * Pz - r * Py), Y - (r * Px - p * Pz), Z - (p * Py - q * Px)
             K -= q * Hz - r * Hy + ry * Pz - rz * Py
             M -= r * Hx - p * Hz + rz * Px - rx * Pz
             N -= p * Hy - q * Hx + rx * Py - ry * Px
     if e.linear_drag is not None:
-        X, Y, Z = X - e.linear_drag[0] * rx, Y - e.linear_drag[1] * ry, Z - e.linear_drag[2] * rz
-        K, M, N = K - e.linear_drag[3] * p, M - e.linear_drag[4] * q, N - e.linear_drag[5] * r
+        linear = e.linear_drag
+        X, Y, Z = X - linear.surge * rx, Y - linear.sway * ry, Z - linear.heave * rz
+        K, M, N = K - linear.roll * p, M - linear.pitch * q, N - linear.yaw * r
     if e.quadratic_drag is not None:
-        drag = e.quadratic_drag
-        X, Y, Z = X - drag[0] * abs(rx) * rx, Y - drag[1] * abs(ry) * ry, Z - drag[2] * abs(rz) * rz
-        K, M, N = K - drag[3] * abs(p) * p, M - drag[4] * abs(q) * q, N - drag[5] * abs(r) * r
+        square = e.quadratic_drag
+        X, Y, Z = X - square.surge * abs(rx) * rx, Y - square.sway * abs(ry) * ry, Z - square.heave * abs(rz) * rz
+        K, M, N = K - square.roll * abs(p) * p, M - square.pitch * abs(q) * q, N - square.yaw * abs(r) * r
     if e.restoring is not None:
         dx, dy, dz = to_body(w, i, j, k, 0.0, 0.0, 1.0)  # downwards
-        X, Y, Z = X + e.restoring[0] * dx, Y + e.restoring[0] * dy, Z + e.restoring[0] * dz
-        K += e.restoring[2] * dz - e.restoring[3] * dy
-        M += e.restoring[3] * dx - e.restoring[1] * dz
-        N += e.restoring[1] * dy - e.restoring[2] * dx
+        weight = e.restoring.weight - e.restoring.buoyancy  # in water
+        X, Y, Z = X + weight * dx, Y + weight * dy, Z + weight * dz
+        K += s.righting[1] * dz - s.righting[2] * dy
+        M += s.righting[2] * dx - s.righting[0] * dz
+        N += s.righting[0] * dy - s.righting[1] * dx
     if e.current is not None and e.added_mass is not None:
         n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
         if e.coriolis is not None:
             ax, ay, az = ax - (q * cz - r * cy), ay - (r * cx - p * cz), az - (p * cy - q * cx)
-        X, Y, Z = X + e.added_mass[0] * ax, Y + e.added_mass[1] * ay, Z + e.added_mass[2] * az
+        X, Y, Z = X + s.added[0] * ax, Y + s.added[1] * ay, Z + s.added[2] * az
     if e.current is not None and e.pressure_gradient is not None:
         n = e.current.u + 3
         ax, ay, az = to_body(w, i, j, k, u[n], u[n + 1], u[n + 2])
@@ -114,26 +106,27 @@ def wrench(x, u, h, e):
 
 
 @kernel
-def hull_derivatives(t, x, u, dx, h, e):
+def hull_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (position in world axes, quaternion, velocities in body axes, roll kept)."""
     w, i, j, k = x[3], x[4], x[5], x[6]
     dx[0], dx[1], dx[2] = to_world(w, i, j, k, x[7], x[8], x[9])
     dx[3], dx[4], dx[5], dx[6] = quaternion_rate(w, i, j, k, x[10], x[11], x[12])
-    X, Y, Z, K, M, N = wrench(x, u, h, e)
-    m = h.inverse
+    X, Y, Z, K, M, N = wrench(x, u, s, p, e)
+    m = s.inverse
     for n in range(6):
         dx[7 + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
     dx[13] = 0.0
 
 
 @kernel
-def hull_outputs(t, x, u, y, h, e):
+def hull_outputs(t, s, p, e):
     """Pose, velocities, angles, speed of each thruster through the water; the attachment's motion; the accelerations."""
+    x, u, y = s.x, s.u[0], s.y
     for n in range(13):
         y[n] = x[n]
     y[13], y[14], y[15], y[16] = angles(x[3], x[4], x[5], x[6], x[13])
     cx, cy, cz = water_velocity(x, u, e.current)
-    T = h.thrusters
+    T = s.thrusters
     for n in range(6):
         y[17 + n] = (T[0, n] * (x[7] - cx) + T[1, n] * (x[8] - cy) + T[2, n] * (x[9] - cz)
                      + T[3, n] * x[10] + T[4, n] * x[11] + T[5, n] * x[12])
@@ -150,17 +143,19 @@ def hull_outputs(t, x, u, y, h, e):
         vx, vy, vz = tether_velocity(x, e.tether)
         y[n + 3], y[n + 4], y[n + 5] = to_world(w, i, j, k, vx, vy, vz)
     if e.external is not None:
-        X, Y, Z, K, M, N = wrench(x, u, h, e)
-        m = h.inverse
+        X, Y, Z, K, M, N = wrench(x, u, s, p, e)
+        m = s.inverse
         for n in range(6):
             y[e.external.y + n] = m[n, 0] * X + m[n, 1] * Y + m[n, 2] * Z + m[n, 3] * K + m[n, 4] * M + m[n, 5] * N
+    return DONE
 
 
 @kernel
-def steady_outputs(t, x, u, y, h, e):
+def steady_outputs(t, s, p, e):
     """End of a step: the quaternion back to norm 1, the roll that was last determinate is kept; then the outputs."""
-    norm = np.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
+    x = s.x
+    norm = math.sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6])
     for n in range(3, 7):
         x[n] /= norm
     x[13] = angles(x[3], x[4], x[5], x[6], x[13])[0]
-    hull_outputs(t, x, u, y, h, e)
+    return hull_outputs(t, s, p, e)

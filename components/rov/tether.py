@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.errors import StepFailed
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel, kernel_tuple
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.oscillator import fastest_rate
+from ..core.spectrum import step_within
 from ..core.variables import input_, integer, output, parameter
-from .tether_statics import hanging_chain
+from .tether_statics import ROWS, WAY, hanging_chain
 
 FASTEST = 2.0  # m/s through the water, up to which the stable step holds
+NO_SHAPE = OWN + 1  # status
 
 
 class InternalDamping(Effect):
@@ -99,44 +103,78 @@ class Tether(OdeComponent):
             ("internal_damping", "drag")),
     }
 
-    @property
-    def _constants(self) -> tuple[float, float, float, float]:
-        """Length of a segment (m), tension per strain (N), mass of a node (kg), weight of a node in water (N)."""
-        p = {n: float(self.get(n)) for n in ("segments", "length", "diameter", "youngs_modulus", "mass_per_length",
-                                             "water_density", "gravity")}
-        length, area = p["length"] / p["segments"], 0.25 * math.pi * p["diameter"] ** 2
-        weight = (p["mass_per_length"] - p["water_density"] * area) * p["gravity"] * length
-        return length, p["youngs_modulus"] * area, p["mass_per_length"] * length, weight
+    refusals = {
+        NO_SHAPE: Refusal("no shape at rest was found between the ends", "ends between which a tether can hang",
+                          "Move an end of the tether."),
+    }
 
-    def initial_state(self) -> np.ndarray:
-        """Nodes at rest between the present ends (x: positions of the inner nodes, then their velocities, three each)."""
-        length, stiffness, _, weight = self._constants
-        p = self.arguments[0]
-        anchor = np.array([p.anchor_north, p.anchor_east, p.anchor_down])
-        nodes = hanging_chain(self.u[0, :3] - anchor, p.segments, length, stiffness, weight)
-        if nodes is None:
-            raise StepFailed(self.name, self.t, "no shape at rest was found between the ends", "Move an end of the tether")
-        return np.concatenate(((anchor + nodes).ravel(), np.zeros(3 * (p.segments - 1))))
+    def states(self) -> int:
+        """Positions of the inner nodes, then their velocities, three each."""
+        return 6 * (self.get("segments") - 1)
+
+    def shapes(self) -> dict[str, Any]:
+        """`constants`: of the chain, see `Chain`.  `statics`: workspace of the shape at rest."""
+        return super().shapes() | {"constants": len(Chain._fields), "statics": (ROWS, 3)}
 
     def energy(self) -> float:
         """Energy of motion, of strain and of height, half of the outermost segments' weight at the ends included, J."""
-        length, stiffness, mass, weight = self._constants
-        p, x = self.arguments[0], self.x.reshape(2, -1, 3)
+        s, p, _ = self.arguments
+        length, stiffness, mass, weight = s.constants
+        x = self.x.reshape(2, -1, 3)
         ends = np.array([[p.anchor_north, p.anchor_east, p.anchor_down]]), self.u[:1, :3]
         points = np.concatenate((ends[0], x[0], ends[1]))
         strain = np.maximum(np.linalg.norm(np.diff(points, axis=0), axis=1) - length, 0.0)
         depth = x[0, :, 2].sum() + 0.5 * (points[0, 2] + points[-1, 2])
         return float(0.5 * mass * (x[1] ** 2).sum() + 0.5 * stiffness / length * (strain**2).sum() - weight * depth)
 
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
-        length, stiffness, mass, _ = self._constants
-        p, e = self._declared_arguments()
-        c = 4.0 * e.internal_damping.coefficient if e.internal_damping is not None else 0.0
-        if e.drag is not None:
-            largest = max(e.drag.normal_coefficient, e.drag.tangential_coefficient)
-            c += p.water_density * p.diameter * length * largest * FASTEST
-        return float(RK4_STABILITY_RADIUS / np.abs(np.roots([mass, c, 4.0 * stiffness / length])).max())
+
+@kernel_tuple
+class Chain(NamedTuple):
+    """What follows from the parameters."""
+
+    length: float  # m, of a segment without tension
+    stiffness: float  # N, tension per strain
+    mass: float  # kg, of a node
+    weight: float  # N, of a node in water, downwards
+
+
+@kernel
+def chain(s):
+    """The constants of the chain."""
+    c = s.constants
+    return Chain(c[0], c[1], c[2], c[3])
+
+
+@kernel
+def tether_start(t, s, p, e):
+    """Nodes at rest between the present ends; no shape between them is refused."""
+    n, c, x, way = p.segments, s.constants, s.x, s.statics[WAY]
+    c[0], c[1] = p.length / n, p.youngs_modulus * 0.25 * math.pi * p.diameter**2
+    c[2] = p.mass_per_length * p.length / n
+    c[3] = (p.mass_per_length - p.water_density * 0.25 * math.pi * p.diameter**2) * p.gravity * p.length / n
+    anchor = p.anchor_north, p.anchor_east, p.anchor_down
+    for j in range(3):
+        way[j] = s.u[0, j] - anchor[j]
+    area = 0.25 * math.pi * p.diameter**2  # in another order than above: where it starts, bit for bit
+    load = (p.mass_per_length - p.water_density * area) * p.gravity * c[0]
+    if hanging_chain(x, s.statics, n, c[0], p.youngs_modulus * area, load) != DONE:
+        return NO_SHAPE
+    for i in range(n - 1):
+        for j in range(3):
+            x[3 * i + j] = anchor[j] + x[3 * i + j]
+    return DONE
+
+
+@kernel
+def tether_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| of the taut cable, in water that moves across it at up to 2 m/s, s."""
+    c, damping = chain(s), 0.0
+    if e.internal_damping is not None:
+        damping += 4.0 * e.internal_damping.coefficient
+    if e.drag is not None:
+        largest = max(e.drag.normal_coefficient, e.drag.tangential_coefficient)
+        damping += p.water_density * p.diameter * c.length * largest * FASTEST
+    return step_within(RK4_STABILITY_RADIUS, fastest_rate(c.mass, damping, 4.0 * c.stiffness / c.length))
 
 
 @kernel
@@ -162,10 +200,9 @@ def motion(k, n, x, u):
 
 
 @kernel
-def segment_forces(k, x, u, p, e):
-    """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N."""
+def segment_forces(k, x, u, c, p, e):
+    """Of the segment from node k to node k + 1: its pull on node k, N, half of its drag, N, and the tension, N; c: `Chain`."""
     n = p.segments
-    rest = p.length / n
     ax, ay, az = place(k, n, x, u, p)
     bx, by, bz = place(k + 1, n, x, u, p)
     rx, ry, rz = bx - ax, by - ay, bz - az
@@ -173,8 +210,8 @@ def segment_forces(k, x, u, p, e):
     inverse = 1.0 / long if long > 0.0 else 0.0
     rx, ry, rz = rx * inverse, ry * inverse, rz * inverse
     tension = 0.0
-    if long > rest:
-        tension = p.youngs_modulus * 0.25 * math.pi * p.diameter**2 * (long / rest - 1.0)
+    if long > c.length:
+        tension = c.stiffness * (long / c.length - 1.0)
         if e.internal_damping is not None:
             ax, ay, az = motion(k, n, x, u)
             bx, by, bz = motion(k + 1, n, x, u)
@@ -189,7 +226,7 @@ def segment_forces(k, x, u, p, e):
             wx, wy, wz = wx + u[e.current.u], wy + u[e.current.u + 1], wz + u[e.current.u + 2]
         slip = wx * rx + wy * ry + wz * rz
         wx, wy, wz = wx - slip * rx, wy - slip * ry, wz - slip * rz
-        half = 0.25 * p.water_density * p.diameter * rest
+        half = 0.25 * p.water_density * p.diameter * c.length
         across = half * e.drag.normal_coefficient * math.sqrt(wx * wx + wy * wy + wz * wz)
         along = half * e.drag.tangential_coefficient * abs(slip) * slip
         dx, dy, dz = across * wx + along * rx, across * wy + along * ry, across * wz + along * rz
@@ -197,24 +234,17 @@ def segment_forces(k, x, u, p, e):
 
 
 @kernel
-def node_weight(p):
-    """Weight in water of a node, downwards, N."""
-    return (p.mass_per_length - p.water_density * 0.25 * math.pi * p.diameter**2) * p.gravity * p.length / p.segments
-
-
-@kernel
-def tether_derivatives(t, x, u, dx, p, e):
+def tether_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of the positions and velocities of the inner nodes."""
-    n = p.segments
+    n, c = p.segments, chain(s)
     size = 3 * (n - 1)
-    weight, mass = node_weight(p), p.mass_per_length * p.length / n
     for i in range(n - 1):
         for j in range(3):
             dx[3 * i + j] = x[size + 3 * i + j]
             dx[size + 3 * i + j] = 0.0
-        dx[size + 3 * i + 2] = weight
+        dx[size + 3 * i + 2] = c.weight
     for k in range(n):
-        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, p, e)
+        tx, ty, tz, ex, ey, ez, _ = segment_forces(k, x, u, c, p, e)
         if k > 0:
             i = size + 3 * (k - 1)
             dx[i] += tx + ex
@@ -226,20 +256,21 @@ def tether_derivatives(t, x, u, dx, p, e):
             dx[i + 1] += ey - ty
             dx[i + 2] += ez - tz
     for i in range(size, 2 * size):
-        dx[i] /= mass
+        dx[i] /= c.mass
 
 
 @kernel
-def tether_outputs(t, x, u, y, p, e):
+def tether_outputs(t, s, p, e):
     """Force on the vehicle, tensions at both ends, depth of the lowest node."""
-    n = p.segments
-    y[4] = segment_forces(0, x, u, p, e)[6]
-    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, p, e)
-    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * node_weight(p), tension
+    n, c, x, u, y = p.segments, chain(s), s.x, s.u[0], s.y
+    y[4] = segment_forces(0, x, u, c, p, e)[6]
+    tx, ty, tz, ex, ey, ez, tension = segment_forces(n - 1, x, u, c, p, e)
+    y[0], y[1], y[2], y[3] = ex - tx, ey - ty, ez - tz + 0.5 * c.weight, tension
     y[5] = p.anchor_down
     for i in range(n - 1):
         y[5] = max(y[5], x[3 * i + 2])
+    return DONE
 
 
-Tether.advance = bind(rk4, __name__, derivatives=tether_derivatives, outputs=tether_outputs)
-Tether.output_kernel = tether_outputs
+Tether.kernels = ode_kernels(__name__, start=tether_start, derivatives=tether_derivatives, outputs=tether_outputs,
+                             stable=tether_stable)

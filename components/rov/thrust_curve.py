@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from ..core.errors import BadInput
-from ..core.kernels import kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
 
 ROWS = 16
+COMMANDS_FALL, THRUSTS_FALL, ONE_SIDED = OWN + 1, OWN + 2, OWN + 3  # statuses
 GRAVITY = 9.80665  # m/s², of the kilogram-force
 
 # Pulse width in us and thrust in kgf at 16 V, of the maker's public sheet of the T200 (September 2019), as read in the
@@ -31,16 +30,41 @@ T200_COMMAND = _filled([(pulse - 1500) / 400 for pulse in T200_PULSES])
 T200_THRUST = _filled([force * GRAVITY for force in T200_FORCES])  # N
 
 
-def check_curve(command: np.ndarray, thrust: np.ndarray, where: str) -> None:
-    """Raise `BadInput` where commands or thrusts decrease, or where thrust at rest is not 0, which no command would stop."""
-    for name, values in (("command", command), ("thrust", thrust)):
-        falls = np.flatnonzero(np.diff(values) < 0.0)
-        if falls.size:
-            i = int(falls[0])
-            raise BadInput(where, f"{name}[{i + 1}] = {values[i]:g}, {name}[{i + 2}] = {values[i + 1]:g}",
-                           "values that do not decrease", "Repeat the last row where the table ends.")
-    if not thrust[0] < 0.0 < thrust[-1]:
-        raise BadInput(where, f"thrust from {thrust[0]:g} to {thrust[-1]:g} N", "a table from reverse to forward thrust")
+def curve_refusals(effect: str) -> dict[int, Refusal]:
+    """What `check_curve` refuses of the effect of a component that has the table in this effect."""
+    return {
+        COMMANDS_FALL: Refusal(f"{effect}: command[{{found[0]}}] = {{found[1]}}, command[{{found[2]}}] = {{found[3]}}",
+                               "values that do not decrease", "Repeat the last row where the table ends."),
+        THRUSTS_FALL: Refusal(f"{effect}: thrust[{{found[0]}}] = {{found[1]}}, thrust[{{found[2]}}] = {{found[3]}}",
+                              "values that do not decrease", "Repeat the last row where the table ends."),
+        ONE_SIDED: Refusal(f"{effect}: thrust from {{{effect}.thrust[1]}} to {{{effect}.thrust[{ROWS}]}} N",
+                           "a table from reverse to forward thrust"),
+    }
+
+
+@kernel
+def check_curve(commands, thrusts, found):
+    """Status of a table: commands or thrusts that decrease are refused, and thrust of one sign, which no command would stop.
+
+    found: (4,) numbers of the refusal.
+    """
+    if falls(commands, found):
+        return COMMANDS_FALL
+    if falls(thrusts, found):
+        return THRUSTS_FALL
+    if not (thrusts[0] < 0.0 and thrusts[thrusts.size - 1] > 0.0):
+        return ONE_SIDED
+    return DONE
+
+
+@kernel
+def falls(values, found):
+    """Whether values decrease; number and value of the first one that does so, and of the next, are then put into `found`."""
+    for i in range(values.size - 1):
+        if values[i + 1] < values[i]:
+            found[0], found[1], found[2], found[3] = i + 1, values[i], i + 2, values[i + 1]
+            return True
+    return False
 
 
 @kernel

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-
-import numpy as np
+from typing import Any
 
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput
-from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.oscillator import fastest_rate
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
-from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_thrust
+from .thrust_curve import ROWS, T200_COMMAND, T200_THRUST, check_curve, curve_refusals, curve_thrust
 
 TURN = 2.0 * math.pi
 FASTEST_WATER = 5.0  # m/s, up to which the stable step of the propeller holds
-
+SOURCE_OF_POWER = OWN + 4  # status
 
 WITH_STATE = ("lag", "motor_lag", "propeller")  # effects that give a thruster a state
 LIMITS = ("forward_limit", "reverse_limit")  # parameters of the thruster without a curve
@@ -160,39 +161,21 @@ class Thruster(OdeComponent):
             ("polynomial_curve", "motor_lag")),
     }
 
-    def kernel_arguments(self):
-        """Parameters, checked: a curve that rises, a propeller that takes more power than it gives."""
-        p, e = self._declared_arguments()
-        if e.static_curve is not None:
-            check_curve(e.static_curve.command, e.static_curve.thrust, f"{self.name}: static_curve")
-        if e.propeller is not None:
-            self._check_passive(e.propeller)
-        return p, e
+    refusals = curve_refusals("static_curve") | {
+        SOURCE_OF_POWER: Refusal("propeller: more thrust power than shaft power near the advance ratio {found[0]}",
+                                 "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|",
+                                 "Raise torque_bollard, or lower thrust_bollard."),
+    }
 
-    def _check_passive(self, propeller) -> None:
-        """Power of the shaft less that of the thrust, over rho D⁵ |n|³: a + b J + c J² in the advance ratio J, never negative."""
-        a = TURN * propeller.torque_bollard
-        b = TURN * propeller.torque_advance - propeller.thrust_bollard
-        c = -propeller.thrust_advance
-        if b * b > 4.0 * a * c:
-            ratio = 0.5 * abs(b) / c if c > 0.0 else math.inf
-            raise BadInput(f"{self.name}: propeller", f"more thrust power than shaft power near the advance ratio {ratio:.3g}",
-                           "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|", "Raise torque_bollard, or lower thrust_bollard.")
+    def states(self) -> int:
+        """Thrust; the three states of the lag; speed (and current); nothing without such an effect."""
+        if "motor_lag" in self.on:
+            return 3
+        return sum(effect in self.on for effect in ("lag", "propeller", "inductance"))
 
-    def initial_state(self) -> np.ndarray:
-        """Steady state at the present command: (), thrust, the three states of the lag, or speed (and current)."""
-        p, e = self.arguments
-        static = static_thrust(self.u[0, COMMAND], p, e.static_curve, e.polynomial_curve)
-        if e.lag is not None:
-            return np.array([static])
-        if e.motor_lag is not None:
-            return np.array([static / e.motor_lag.b0, 0.0, 0.0])
-        if e.propeller is None:
-            return np.zeros(0)
-        command = limited(self.u[0, COMMAND])
-        speed = steady_speed(command, self.u[0, e.propeller.u], e.propeller)
-        current = (command * e.propeller.supply_voltage - e.propeller.motor_constant * speed) / e.propeller.resistance
-        return np.array([speed] if e.inductance is None else [speed, current])
+    def shapes(self) -> dict[str, Any]:
+        """`found`: (4,) numbers of a refusal.  `matrix`: of the lag of third order, and workspace."""
+        return super().shapes() | {"found": 4, "matrix": (2, 3, 3) if "motor_lag" in self.on else None}
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also the internal step of a thruster that integrates nothing."""
@@ -204,30 +187,11 @@ class Thruster(OdeComponent):
 
     def energy(self) -> float:
         """Energy of the turning propeller and of the inductance, J; 0 where a thruster has neither."""
-        _, e = self.arguments
+        _, _, e = self.arguments
         if e.propeller is None:
             return 0.0
         energy = 0.5 * e.propeller.inertia * self.x[0] ** 2
         return energy if e.inductance is None else energy + 0.5 * e.inductance.inductance * self.x[1] ** 2
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
-        _, e = self._declared_arguments()
-        if e.lag is not None:
-            return RK4_STABILITY_RADIUS * e.lag.time_constant
-        if e.motor_lag is not None:
-            return float(RK4_STABILITY_RADIUS / np.abs(np.roots([1.0, e.motor_lag.a2, e.motor_lag.a1, e.motor_lag.b0])).max())
-        if e.propeller is None:
-            return math.inf
-        fastest = e.propeller.supply_voltage / e.propeller.motor_constant
-        square, cross = torque_constants(e.propeller)
-        water = e.propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
-        k, r = e.propeller.motor_constant, e.propeller.resistance
-        if e.inductance is None:
-            return RK4_STABILITY_RADIUS * e.propeller.inertia / (water + k * k / r)
-        A = np.array([[-water / e.propeller.inertia, k / e.propeller.inertia],
-                      [-k / e.inductance.inductance, -r / e.inductance.inductance]])
-        return float(RK4_STABILITY_RADIUS / np.abs(np.linalg.eigvals(A)).max())
 
 
 (COMMAND,) = Thruster.input_indices("command")
@@ -273,7 +237,8 @@ def propeller_thrust(speed, advance, propeller):
     return propeller.water_density * d**4 * abs(n) * (propeller.thrust_bollard * n + propeller.thrust_advance * advance / d)
 
 
-def steady_speed(command, advance, propeller) -> float:
+@kernel
+def steady_speed(command, advance, propeller):
     """Speed at which motor and water balance, rad/s, turning the way the voltage drives; 0 without voltage."""
     square, cross = torque_constants(propeller)
     k, r = propeller.motor_constant, propeller.resistance
@@ -296,7 +261,69 @@ def motor_current(x, u, propeller, inductance):
 
 
 @kernel
-def thruster_derivatives(t, x, u, dx, p, e):
+def gives_power(propeller, found):
+    """Whether there is an advance ratio, then in `found`, at which the thrust has more power than the shaft.
+
+    Power of the shaft less that of the thrust, over rho D⁵ |n|³, is a + b J + c J² in the advance ratio J.
+    """
+    a = TURN * propeller.torque_bollard
+    b = TURN * propeller.torque_advance - propeller.thrust_bollard
+    c = -propeller.thrust_advance
+    if b * b > 4.0 * a * c:
+        found[0] = 0.5 * abs(b) / c if c > 0.0 else math.inf
+        return True
+    return False
+
+
+@kernel
+def thruster_start(t, s, p, e):
+    """Steady state at the present command; a curve that falls and a propeller that is a source of power are refused."""
+    x, u = s.x, s.u[0]
+    if e.static_curve is not None:
+        status = check_curve(e.static_curve.command, e.static_curve.thrust, s.found)
+        if status != DONE:
+            return status
+    if e.lag is not None:
+        x[0] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
+    if e.motor_lag is not None:
+        x[0] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) / e.motor_lag.b0
+    if e.propeller is not None:
+        if gives_power(e.propeller, s.found):
+            return SOURCE_OF_POWER
+        command = limited(u[COMMAND])
+        x[0] = steady_speed(command, u[e.propeller.u], e.propeller)
+        if e.inductance is not None:
+            voltage = command * e.propeller.supply_voltage
+            x[1] = (voltage - e.propeller.motor_constant * x[0]) / e.propeller.resistance
+    return DONE
+
+
+@kernel
+def thruster_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue|, s; of the propeller at full speed in water that moves at up to 5 m/s."""
+    if e.lag is not None:
+        return RK4_STABILITY_RADIUS * e.lag.time_constant
+    if e.motor_lag is not None:
+        A = s.matrix[0]
+        A[:] = 0.0
+        A[0, 1], A[1, 2] = 1.0, 1.0
+        A[2, 0], A[2, 1], A[2, 2] = -e.motor_lag.b0, -e.motor_lag.a1, -e.motor_lag.a2
+        return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+    if e.propeller is not None:
+        fastest = e.propeller.supply_voltage / e.propeller.motor_constant
+        square, cross = torque_constants(e.propeller)
+        water = e.propeller.friction + 2.0 * square * fastest + abs(cross) * FASTEST_WATER
+        k, r, inertia = e.propeller.motor_constant, e.propeller.resistance, e.propeller.inertia
+        if e.inductance is not None:
+            inductance = e.inductance.inductance
+            rate = fastest_rate(inertia * inductance, water * inductance + r * inertia, water * r + k * k)
+            return step_within(RK4_STABILITY_RADIUS, rate)
+        return RK4_STABILITY_RADIUS * inertia / (water + k * k / r)
+    return math.inf
+
+
+@kernel
+def thruster_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (), (thrust), the states of the third-order lag in controllable form, or (speed[, current])."""
     if e.lag is not None:
         dx[0] = (static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) - x[0]) / e.lag.time_constant
@@ -314,8 +341,9 @@ def thruster_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def thruster_outputs(t, x, u, y, p, e):
+def thruster_outputs(t, s, p, e):
     """Thrust, and what motor and propeller do."""
+    x, u, y = s.x, s.u[0], s.y
     if e.lag is not None:
         y[THRUST] = x[0]
     elif e.motor_lag is not None:
@@ -331,7 +359,8 @@ def thruster_outputs(t, x, u, y, p, e):
         y[THRUST] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve)
     if e.status is not None:
         y[e.status.y] = 1.0
+    return DONE
 
 
-Thruster.advance = bind(rk4, __name__, derivatives=thruster_derivatives, outputs=thruster_outputs)
-Thruster.output_kernel = thruster_outputs
+Thruster.kernels = ode_kernels(__name__, start=thruster_start, derivatives=thruster_derivatives, outputs=thruster_outputs,
+                               stable=thruster_stable)

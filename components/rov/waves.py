@@ -20,13 +20,12 @@ flow" (J. Fluid Mech. 197, 1988) for the acceleration (recalled).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..core.component import Effect
-from ..core.errors import BadInput
-from ..core.kernels import kernel, kernel_tuple
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import input_, integer, output, parameter
 
 GRAVITY = 9.80665  # m/s²
@@ -34,6 +33,18 @@ TURN = 2.0 * math.pi
 STEEPEST = 0.142  # height over length at which a wave breaks in deep water (Miche 1944; recalled)
 LOWEST, HIGHEST = 0.4, 6.0  # ends of a spectrum over its peak frequency: all but 0.1 % of the energy lies between
 BLOCKED = 0.01  # of a sea's energy that a current may block: what is left out of it at most
+# rows of the components of a sea: m, rad/s at a fixed place, rad/s seen by one who drifts with the current, 1/m, rad
+AMPLITUDE, FREQUENCY, INTRINSIC, NUMBER, PHASE = range(5)
+ROWS = 5
+WAVES_BLOCKED, BROKEN, SEA_BLOCKED = OWN + 1, OWN + 2, OWN + 3
+REFUSALS = {
+    WAVES_BLOCKED: Refusal("waves: a period of {waves.period} s against a current of {found[0]} m/s",
+                           "waves that travel faster than the current", "The current blocks these waves: lengthen the period."),
+    BROKEN: Refusal("waves: a height of {waves.height} m at a period of {waves.period} s", "at most {found[1]} m",
+                    "Higher waves break at this period and depth: lower the height."),
+    SEA_BLOCKED: Refusal("spectrum: a sea of which a current of {found[0]} m/s blocks {found[1]} %",
+                         f"at most {100.0 * BLOCKED:g} % of its energy", "Lengthen the period, or slow the current down."),
+}
 PLACE = ("waves.position_north", "waves.position_east", "waves.depth")
 
 
@@ -70,120 +81,135 @@ class WaveSpectrum(Effect):
     seed = integer(1, "of the random phases and frequencies", low=0, high=2**31 - 1)
 
 
-@kernel_tuple
-class WaveTrain(NamedTuple):
-    """Waves for the kernels; arrays (n,), one element a component. u, y: positions of the first input and output."""
-
-    u: int
-    y: int
-    amplitude: np.ndarray  # m
-    frequency: np.ndarray  # rad/s, at a fixed place
-    intrinsic: np.ndarray  # rad/s, seen by one who drifts with the current
-    number: np.ndarray  # 1/m
-    phase: np.ndarray
-    north: float  # direction of travel
-    east: float
-    water_depth: float
-
-
-def wave_number(frequency: np.ndarray, water_depth: float, current: float = 0.0) -> np.ndarray:
+@kernel
+def wave_number(frequency, water_depth, current):
     """k of (w - k U)² = g k tanh(k h), 1/m, by Newton's method; frequency w in rad/s at a fixed place, current U along the wave.
 
     NaN where an opposing current blocks the wave: no wave of that frequency carries its energy against it.
     """
-    w = np.asarray(frequency, dtype=float)
-    deep = w**2 / GRAVITY * water_depth  # k h in deep water
-    x = deep / np.sqrt(np.tanh(deep))  # within 5 % at any depth
+    w = frequency
+    deep = w * w / GRAVITY * water_depth  # k h in deep water
+    x = deep / math.sqrt(math.tanh(deep))  # within 5 % at any depth
     for _ in range(8):
-        t = np.tanh(x)
+        t = math.tanh(x)
         x = x - (x * t - deep) / (t + x * (1.0 - t * t))
     k = x / water_depth
     if current == 0.0:
         return k
-    blocked = np.zeros(w.shape, dtype=bool)
     for _ in range(200):  # r + k U - w is concave: from the left of its zero, or where U > 0 after one step, none goes beyond it
-        r, group = _intrinsic(k, water_depth)
-        blocked |= group + current <= 0.0
-        k = np.where(blocked, k, k - (r + k * current - w) / np.where(blocked, 1.0, group + current))
-    r, _ = _intrinsic(k, water_depth)
-    return np.where(blocked | (np.abs(r + k * current - w) > 1e-9 * w), np.nan, k)
+        r, group = intrinsic(k, water_depth)
+        if group + current <= 0.0:
+            return math.nan
+        before = k
+        k = k - (r + k * current - w) / (group + current)
+        if k == before:
+            break
+    r, _ = intrinsic(k, water_depth)
+    return math.nan if abs(r + k * current - w) > 1e-9 * w else k
 
 
-def _intrinsic(number: np.ndarray, water_depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequency, rad/s, and group velocity, m/s, of waves on water at rest."""
+@kernel
+def intrinsic(number, water_depth):
+    """Frequency, rad/s, and group velocity, m/s, of a wave on water at rest."""
     kh = number * water_depth
-    r = np.sqrt(GRAVITY * number * np.tanh(kh))
-    return r, 0.5 * r / number * (1.0 + 2.0 * kh / np.sinh(np.minimum(2.0 * kh, 700.0)))
+    r = math.sqrt(GRAVITY * number * math.tanh(kh))
+    return r, 0.5 * r / number * (1.0 + 2.0 * kh / math.sinh(min(2.0 * kh, 700.0)))
 
 
-def jonswap(frequency: np.ndarray, height: float, period: float, peakedness: float) -> np.ndarray:
+@kernel
+def jonswap(frequency, height, period, peakedness):
     """Spectral density of the elevation, m² s, over the frequency in Hz, of a significant height in m and a peak period in s.
 
     S = (1 - 0.287 ln G) 5/16 H² f_p⁴ f⁻⁵ exp(-5/4 (f_p/f)⁴) G^exp(-(f - f_p)² / (2 s² f_p²)),  s = 0.07 below f_p, 0.09 above
     Source: Hasselmann et al. 1973; the factor, which keeps the significant height, as usual in the field (recalled).
     """
-    f, peak = np.asarray(frequency, dtype=float), 1.0 / period
-    width = np.where(f <= peak, 0.07, 0.09)
-    exponent = np.exp(-((f - peak) ** 2) / (2.0 * width**2 * peak**2))
+    f, peak = frequency, 1.0 / period
+    width = 0.07 if f <= peak else 0.09
+    exponent = math.exp(-((f - peak) ** 2) / (2.0 * width**2 * peak**2))
     scale = (1.0 - 0.287 * math.log(peakedness)) * 5.0 / 16.0 * height**2 * peak**4
-    return scale * f**-5 * np.exp(-1.25 * (peak / f) ** 4) * peakedness**exponent
+    return scale * f**-5.0 * math.exp(-1.25 * (peak / f) ** 4) * peakedness**exponent
 
 
-def wave_train(waves, spectrum, where: str, current: float = 0.0) -> WaveTrain:
-    """Components of the effects' values; `spectrum` None: one regular wave. current: m/s, along the waves.
-
-    Components of a spectrum that the current blocks are left out. `BadInput` for waves that would have broken, and where more
-    than `BLOCKED` of the energy is blocked.
-    """
-    (number,) = wave_number(np.array([TURN / waves.period]), waves.water_depth, current)
-    if math.isnan(number):
-        raise BadInput(f"{where}: waves", f"a period of {waves.period:g} s against a current of {-current:.3g} m/s",
-                       "waves that travel faster than the current", "The current blocks these waves: lengthen the period.")
-    limit = STEEPEST * TURN / number * math.tanh(number * waves.water_depth)
-    if waves.height > limit:
-        raise BadInput(f"{where}: waves", f"a height of {waves.height:g} m at a period of {waves.period:g} s",
-                       f"at most {limit:.3g} m", "Higher waves break at this period and depth: lower the height.")
-    amplitude, frequency, phase = np.array([0.5 * waves.height]), np.array([TURN / waves.period]), np.array([waves.phase])
-    if spectrum is not None:
-        random = np.random.default_rng(int(spectrum.seed))
-        edges = np.linspace(LOWEST, HIGHEST, int(spectrum.components) + 1) / waves.period
-        fine = np.linspace(edges[:-1], edges[1:], 65)  # 64 intervals of Simpson's rule a band
-        density = jonswap(fine, waves.height, waves.period, spectrum.peakedness)
-        weights = np.array([1.0, *[4.0, 2.0] * 31, 4.0, 1.0])[:, None] / 3.0
-        energy = (weights * density).sum(axis=0) * (edges[1] - edges[0]) / 64.0
-        amplitude = np.sqrt(2.0 * energy)
-        frequency = TURN * (edges[:-1] + (edges[1:] - edges[:-1]) * random.random(energy.size))
-        phase = TURN * random.random(energy.size) + waves.phase
-    k = wave_number(frequency, waves.water_depth, current)
-    if (blocked := np.isnan(k)).any():
-        share = float((amplitude[blocked] ** 2).sum() / (amplitude**2).sum())
-        if share > BLOCKED:
-            raise BadInput(f"{where}: spectrum", f"a sea of which a current of {-current:.3g} m/s blocks {100.0 * share:.2g} %",
-                           f"at most {100.0 * BLOCKED:g} % of its energy", "Lengthen the period, or slow the current down.")
-        amplitude, frequency, phase, k = amplitude[~blocked], frequency[~blocked], phase[~blocked], k[~blocked]
-    return WaveTrain(waves.u, waves.y, amplitude, frequency, frequency - k * current, k, phase,
-                     math.cos(waves.direction), math.sin(waves.direction), waves.water_depth)
+def chances(components: int, seed: int) -> np.ndarray:
+    """Places of the components within their bands, and their phases over a turn, (2, n), of a seed."""
+    random = np.random.default_rng(seed)
+    return np.stack([random.random(components), random.random(components)])
 
 
 @kernel
-def add_waves(t, u, y, waves):
+def band_edge(i, n, period):
+    """Lower edge of band i of n, Hz."""
+    return (HIGHEST if i == n else i * ((HIGHEST - LOWEST) / n) + LOWEST) / period
+
+
+@kernel
+def band_energy(low, high, waves, spectrum):
+    """Energy of the spectrum between two frequencies in Hz, m²: Simpson's rule with 64 intervals."""
+    total, step = 0.0, (high - low) / 64
+    for j in range(65):
+        weight = 1.0 if j == 0 or j == 64 else 4.0 if j % 2 == 1 else 2.0
+        f = high if j == 64 else j * step + low
+        total += weight / 3.0 * jonswap(f, waves.height, waves.period, spectrum.peakedness)
+    return total
+
+
+@kernel
+def start_waves(current, sea, count, found, chance, waves, spectrum):
+    """The components of a sea, or one regular wave where there is no spectrum, on a current along them in m/s.
+
+    Components of a spectrum that the current blocks are left out. Returns a status: refused are waves that would have broken,
+    and a sea of which the current blocks more than `BLOCKED` of the energy.
+    """
+    number = wave_number(TURN / waves.period, waves.water_depth, current)
+    found[0] = -current
+    if math.isnan(number):
+        return WAVES_BLOCKED
+    found[1] = STEEPEST * TURN / number * math.tanh(number * waves.water_depth)
+    if waves.height > found[1]:
+        return BROKEN
+    if spectrum is None:
+        sea[AMPLITUDE, 0], sea[FREQUENCY, 0], sea[PHASE, 0] = 0.5 * waves.height, TURN / waves.period, waves.phase
+        sea[NUMBER, 0], sea[INTRINSIC, 0] = number, TURN / waves.period - number * current
+        count[0] = 1
+        return DONE
+    n, taken, whole, blocked = sea.shape[1], 0, 0.0, 0.0
+    first = band_edge(1, n, waves.period) - band_edge(0, n, waves.period)
+    for i in range(n):
+        low, high = band_edge(i, n, waves.period), band_edge(i + 1, n, waves.period)
+        amplitude = math.sqrt(2.0 * (band_energy(low, high, waves, spectrum) * first / 64.0))
+        frequency = TURN * (low + (high - low) * chance[0, i])
+        number = wave_number(frequency, waves.water_depth, current)
+        whole += amplitude * amplitude
+        if math.isnan(number):
+            blocked += amplitude * amplitude
+            continue
+        sea[AMPLITUDE, taken], sea[FREQUENCY, taken], sea[NUMBER, taken] = amplitude, frequency, number
+        sea[INTRINSIC, taken], sea[PHASE, taken] = frequency - number * current, TURN * chance[1, i] + waves.phase
+        taken += 1
+    count[0] = taken
+    found[1] = 100.0 * blocked / whole if whole > 0.0 else 0.0
+    return SEA_BLOCKED if found[1] > 100.0 * BLOCKED else DONE
+
+
+@kernel
+def add_waves(t, u, y, sea, count, waves):
     """Add waves to the velocity and acceleration of the water in y[:6] (north, east, down), which hold the current.
 
     The surface's elevation follows; u: (m,) inputs.
     """
-    north, east, depth = u[waves.u], u[waves.u + 1], u[waves.u + 2]
-    along = waves.north * north + waves.east * east
+    north, east = math.cos(waves.direction), math.sin(waves.direction)
+    along = north * u[waves.u] + east * u[waves.u + 1]
     h = waves.water_depth
-    z = min(max(depth, 0.0), h)
+    z = min(max(u[waves.u + 2], 0.0), h)
     speed = sink = rate = sink_rate = elevation = 0.0
     stretch = shear = 0.0  # du/ds = -dv/dz, du/dz = dv/ds
-    for i in range(waves.amplitude.size):
-        k, w, r = waves.number[i], waves.frequency[i], waves.intrinsic[i]
-        angle = k * along - w * t + waves.phase[i]
+    for i in range(count[0]):
+        k, w, r = sea[NUMBER, i], sea[FREQUENCY, i], sea[INTRINSIC, i]
+        angle = k * along - w * t + sea[PHASE, i]
         c, s = math.cos(angle), math.sin(angle)
         # cosh and sinh of k (h - z) over sinh of k h, in a form that does not overflow
         near, far, whole = math.exp(-k * z), math.exp(-k * (2.0 * h - z)), 1.0 - math.exp(-2.0 * k * h)
-        a = waves.amplitude[i]
+        a = sea[AMPLITUDE, i]
         level, steep = a * r * (near + far) / whole, a * r * (near - far) / whole
         speed += level * c
         sink -= steep * s
@@ -192,14 +218,14 @@ def add_waves(t, u, y, waves):
         stretch -= k * level * s
         shear -= k * steep * c
         elevation += a * c
-    flow = waves.north * y[0] + waves.east * y[1] + speed
+    flow = north * y[0] + east * y[1] + speed
     fall = y[2] + sink
     rate += flow * stretch + fall * shear
     sink_rate += flow * shear - fall * stretch
-    y[0] += waves.north * speed
-    y[1] += waves.east * speed
+    y[0] += north * speed
+    y[1] += east * speed
     y[2] += sink
-    y[3] += waves.north * rate
-    y[4] += waves.east * rate
+    y[3] += north * rate
+    y[4] += east * rate
     y[5] += sink_rate
     y[waves.y] = elevation

@@ -11,7 +11,7 @@ from cosimo.components.rov.hull import RovHull
 
 pytestmark = pytest.mark.interpreted
 
-MATRIX = wrench_matrix(*eight_arrangement(), "test")
+MATRIX = wrench_matrix(*eight_arrangement())
 NAMES = [*(f"thrust[{i}]" for i in range(1, 7)), "further_thrusters.thrust[1]", "further_thrusters.thrust[2]"]
 COMMANDS = [*(f"command[{i}]" for i in range(1, 7)), "further_thrusters.command[1]", "further_thrusters.command[2]"]
 AVAILABLE = [*(f"available[{i}]" for i in range(1, 7)), "further_thrusters.available[1]", "further_thrusters.available[2]"]

@@ -118,7 +118,7 @@ def test_thrust_acts_in_its_place_and_direction():
         hull.step(0.0, 1e-3)
         r, e = (np.array([hull[f"{n}_{a}[{i}]"] for a in "xyz"]) for n in ("thruster", "thruster_direction"))
         nu = np.concatenate((linear(hull), angular(hull)))
-        momentum = (hull.rigid_mass + hull.water_mass) @ nu
+        momentum = sum(hull.masses()) @ nu
         np.testing.assert_allclose(momentum, 3e-3 * np.concatenate((e, np.cross(r, e))), atol=1e-12)
         assert hull[f"axial_speed[{i}]"] * 3.0 * 1e-3 / 2.0 == pytest.approx(hull.energy(), rel=1e-9)
         hull[f"thrust[{i}]"] = 0.0
@@ -190,7 +190,7 @@ TUMBLING = {"start_surge": 0.7, "start_sway": -0.4, "start_heave": 0.5, "start_r
 def kirchhoff(hull: RovHull) -> tuple[float, np.ndarray, np.ndarray]:
     """(kinetic energy, impulse, impulsive moment about the world's origin) from the outputs."""
     nu = np.concatenate((linear(hull), angular(hull)))
-    momentum = (hull.rigid_mass + hull.water_mass) @ nu
+    momentum = sum(hull.masses()) @ nu
     P, H = (attitude(hull).apply(part) for part in (momentum[:3], momentum[3:]))
     return 0.5 * nu @ momentum, P, H + np.cross(position(hull), P)
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cosimo.components.rov.allocation import allocate, allocations, chosen
+from cosimo.components.rov.allocation import allocate, allocation_of, chosen
 from cosimo.components.rov.arrangement import wrench_matrix, y_arrangement
 
 FORWARD, REVERSE = 51.44, 39.90
-MATRIX = wrench_matrix(*y_arrangement(), "vehicle")
+MATRIX = wrench_matrix(*y_arrangement())
 PRIORITY = np.array([1.0, 1.0, 100.0, 1.0, 1.0, 500.0])
-TABLES = allocations(MATRIX, PRIORITY)
+TABLES = np.array([allocation_of(MATRIX, PRIORITY, choice) for choice in range(64)])
 ALL = 63
 # Largest wrench along one axis with the limits above, both ways, N and N.m, computed independently from the thrusters' places
 LARGEST = [(69.11, -69.11), (77.15, -59.86), (154.3, -119.7), (15.55, -15.55), (13.47, -17.36), (23.34, -18.11)]
@@ -80,7 +80,7 @@ def test_an_arrangement_without_pitch_gets_the_best_it_can():
     """Six thrusters of which two push along the same line: rank 5 from the start, and no division by zero."""
     matrix = MATRIX.copy()
     matrix[:, 5] = matrix[:, 4]
-    table = allocations(matrix, np.ones(6))[ALL]
+    table = allocation_of(matrix, np.ones(6), ALL)
     assert np.linalg.matrix_rank(matrix) == 5
     np.testing.assert_allclose(matrix @ table @ matrix, matrix, atol=1e-12)  # every wrench it can give, it gives
     assert table[4] == pytest.approx(table[5])  # and shares between the two

@@ -11,7 +11,7 @@ from cosimo.orchestrator.systems import load_scene
 from cosimo.tests.scene_runs import assert_fmus_give_the_same_bits, finished
 from scipy.spatial.transform import Rotation
 
-MATRIX = wrench_matrix(*y_arrangement(), "vehicle")
+MATRIX = wrench_matrix(*y_arrangement())
 LINEAR, SQUARE = np.array([4.03, 6.22, 5.18]), np.array([18.18, 21.66, 36.99])  # drag of the default vehicle, N.s/m, N.s²/m²
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .....components.rov.allocation import allocate, allocations
+from .....components.rov.allocation import allocate, allocation_of
 from .....components.rov.arrangement import HORIZONTAL_HEIGHT, HORIZONTAL_RADIUS, VERTICAL_RADIUS, wrench_matrix, y_arrangement
 from ....harness.charts.chart import Grid
 from ....harness.validation.case import Case, Findings, Options, compare
@@ -16,11 +16,12 @@ FORWARD, REVERSE = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
 AXES = ("X", "Y", "Z", "K", "M", "N")
 UNITS = ("N",) * 3 + ("N.m",) * 3
 ASKED = 1e3  # N or N.m, beyond every limit
+ALL = 2**6 - 1  # thrusters that are available, as bits
 
 
 def findings(options: Options) -> Findings:
     """Nothing is simulated: the matrix from thrusts to the wrench, its inverse and its limits."""
-    matrix = wrench_matrix(*y_arrangement(), "rov-allocation")
+    matrix = wrench_matrix(*y_arrangement())
     values = np.linalg.svd(matrix, compute_uv=False)
     measured = {"determinant": abs(float(np.linalg.det(matrix))), "condition": float(values[0] / values[-1])}
     measured |= {f"singular.{i}": float(v) for i, v in enumerate(values, 1)}
@@ -44,7 +45,7 @@ def largest(matrix: np.ndarray, axis: int, sign: float) -> float:
     """Component that comes of asking far too much along one axis: the wrench is scaled as a whole."""
     wrench, thrust, given = np.zeros(6), np.zeros(6), np.zeros(6)
     wrench[axis] = sign * ASKED
-    allocate(wrench, allocations(matrix, np.ones(6))[-1], matrix, FORWARD, REVERSE, thrust, given)
+    allocate(wrench, allocation_of(matrix, np.ones(6), ALL), matrix, FORWARD, REVERSE, thrust, given)
     return float(given[axis])
 
 

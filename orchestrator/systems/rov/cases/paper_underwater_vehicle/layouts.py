@@ -11,7 +11,7 @@ from ......components.rov.arrangement import eight_arrangement, wrench_matrix, y
 
 AXES = ("X", "Y", "Z", "K", "M", "N")
 AHEAD, ASTERN = 51.44, 39.90  # N, T200 at 16 V, ends of the maker's sheet
-MATRICES = {"six": wrench_matrix(*y_arrangement(), "six"), "eight": wrench_matrix(*eight_arrangement(), "eight")}
+MATRICES = {"six": wrench_matrix(*y_arrangement()), "eight": wrench_matrix(*eight_arrangement())}
 SCENES = {"six": "rov-waves", "eight": "rov-waves-eight-thrusters"}
 WATER_DENSITY, DIAMETER = 1025.0, 0.076  # kg/m3, m
 IDEAL = 1.0 / math.sqrt(2.0 * WATER_DENSITY * math.pi / 4.0 * DIAMETER**2)  # W/N^1.5, momentum theory at rest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ......components.rov.allocation import allocate, allocations
+from ......components.rov.allocation import allocate, allocation_of
 from .....harness.charts.chart import Chart, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
@@ -52,14 +52,19 @@ def flat(matrix: np.ndarray) -> np.ndarray:
     return level
 
 
+def table(matrix: np.ndarray) -> np.ndarray:
+    """The controller's thrusts per wrench, all thrusters available, (n, 6)."""
+    return allocation_of(matrix, np.ones(6), 2 ** matrix.shape[1] - 1)
+
+
 def thrusts(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
     """Thrusts of the controller's table for wrenches, (..., 6), all thrusters available, (..., n), N."""
-    return wrenches @ allocations(matrix, np.ones(6))[-1].T
+    return wrenches @ table(matrix).T
 
 
 def given(matrix: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
     """Sizes of what the controller gives of wrenches, (k, 6), within the limits, (k,)."""
-    table, thrust, results = allocations(matrix, np.ones(6))[-1], np.zeros(matrix.shape[1]), np.zeros_like(wrenches)
+    per_wrench, thrust, results = table(matrix), np.zeros(matrix.shape[1]), np.zeros_like(wrenches)
     for wrench, result in zip(wrenches, results, strict=True):
-        allocate(wrench, table, matrix, AHEAD, ASTERN, thrust, result)
+        allocate(wrench, per_wrench, matrix, AHEAD, ASTERN, thrust, result)
     return np.linalg.norm(results, axis=1)

@@ -29,7 +29,7 @@ def study(options: Options) -> Evidence:
     sea = run(_sea_scene(), in_process=True)
     free = run(free_scene(), in_process=True)
     elevation, speed = sea["water.waves.elevation"], sea["water.velocity_north"]
-    k = float(wave_number(np.array([FREQUENCY]), BOTTOM)[0])
+    k = wave_number(FREQUENCY, BOTTOM, 0.0)
     orbit = 0.5 * SMALL * math.exp(-k * DEPTH)
     late = free.time > free.time[-1] - 4.0 * PERIOD
     surge, water = free["hull.surge"][late], free["water.velocity_north"][late]
@@ -74,7 +74,7 @@ def free_scene() -> Scene:
 
 def held(preset: str) -> tuple[float, float]:
     """Largest force of inertia and of drag, N, ahead on a hull that is held in the wave: what a thruster would have to give."""
-    k = float(wave_number(np.array([FREQUENCY]), BOTTOM)[0])
+    k = wave_number(FREQUENCY, BOTTOM, 0.0)
     speed = 0.5 * HEIGHT * FREQUENCY * math.exp(-k * DEPTH)
     values = RovHull.presets[preset].parameters
     forces = []
