@@ -38,7 +38,7 @@ def shear_coefficient(poisson, inner_over_outer):
 def circular_section(outer, inner, youngs_modulus, shear_modulus, density):
     """`Section` of a shaft with these diameters, m."""
     area = 0.25 * math.pi * (outer**2 - inner**2)
-    second_moment = math.pi / 64.0 * (outer**4 - inner**4)
+    second_moment = math.pi / 64.0 * (outer**4.0 - inner**4.0)  # 4.0: rounded in machine code as in plain Python
     kappa = shear_coefficient(0.5 * youngs_modulus / shear_modulus - 1.0, inner / outer)
     return Section(youngs_modulus * second_moment, kappa * shear_modulus * area, density * area, density * second_moment)
 
@@ -62,7 +62,7 @@ def solid_disk(outer: float, inner: float, width: float, density: float) -> Disk
 def element_stiffness(section, L, matrix):
     """Stiffness of an element of length L, into (4, 4)."""
     phi = 12.0 * section.bending / (section.shear * L**2)
-    factor, over = section.bending, (1.0 + phi) * L**3
+    factor, over = section.bending, (1.0 + phi) * L**3.0
     a, k = 12.0 * factor / over, 6.0 * L * factor / over
     set_mirrored(matrix, a, k, -a, k, (4.0 + phi) * L**2 * factor / over, (2.0 - phi) * L**2 * factor / over)
 
