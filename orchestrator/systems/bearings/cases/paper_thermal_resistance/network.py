@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ......components.bearings.conductance import AngularContactConductance, side_of_ball
+from ......components.bearings.conductance import AngularContactConductance, rings_of, side_of_ball, thermal_contact_of
 from ......components.bearings.constriction import conductances_in_series
 
 BORES = {"7008C": (40e-3, 68e-3), "7210B": (50e-3, 90e-3)}  # bore, outside diameter, m
@@ -47,11 +47,12 @@ def exponent(model: AngularContactConductance, axial: float, ratio: float = 0.0,
 
 def ball_conductances(model: AngularContactConductance) -> np.ndarray:
     """Conductance of each ball under the present loads, (Z,) W/K, without films."""
-    constants, effects = model.arguments
+    s = model.arguments[0]
+    inner_race, outer_race, rings = thermal_contact_of(0, s), thermal_contact_of(1, s), rings_of(s)
     each = []
     for load in model.ball_loads:
-        inner = side_of_ball(load, constants.inner, constants.inner_relief, constants, effects, 0.0)
-        outer = side_of_ball(load, constants.outer, constants.outer_relief, constants, effects, 0.0)
+        inner = side_of_ball(load, 0.0, inner_race, rings.inner_relief, *model.arguments)
+        outer = side_of_ball(load, 0.0, outer_race, rings.outer_relief, *model.arguments)
         each.append(conductances_in_series(inner, outer))
     return np.array(each)
 
