@@ -15,10 +15,12 @@ from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
 from ..core.variables import input_, integer, output, parameter
 from .constriction import (
-    ThermalContact,
     bridged_resistance,
     conductances_in_series,
     finite_ring,
+    note_contact,
+    noted_contact,
+    ring_part,
     thermal_contact,
     through_gap,
 )
@@ -230,23 +232,10 @@ def raceway_diameters(ball_diameter, pitch_diameter, contact_angle):
 
 
 @kernel
-def ring_part(diameter, width, balls):
-    """Radius of a circle as large as the part of a ring that belongs to one ball, m."""
-    return math.sqrt(diameter * width / balls)
-
-
-@kernel
 def ball_contacts_of(s, p):
     """`BallContacts` of the bearing."""
     c = s.bearing
     return BallContacts(p.balls, c[0], c[1], c[2], c[3], c[4])
-
-
-@kernel
-def thermal_contact_of(race, s):
-    """`ThermalContact` of the inner, 0, or the outer race, 1."""
-    c = s.races[race]
-    return ThermalContact(c[0], c[1], c[2], c[3], c[4])
 
 
 @kernel
@@ -271,8 +260,8 @@ def conductance_start(t, s, p, e):
         return LINE_CONTACT
     inner = grooved_contact(inner_along, inner_across, modulus, False)
     outer = grooved_contact(outer_along, outer_across, modulus, False)
-    note_race(thermal_contact(inner, inner_along, inner_across, p.ball_conductivity, p.ring_conductivity), s.races[0])
-    note_race(thermal_contact(outer, outer_along, outer_across, p.ball_conductivity, p.ring_conductivity), s.races[1])
+    note_contact(thermal_contact(inner, inner_along, inner_across, p.ball_conductivity, p.ring_conductivity), s.races[0])
+    note_contact(thermal_contact(outer, outer_along, outer_across, p.ball_conductivity, p.ring_conductivity), s.races[1])
     status = rings_status(s, p, e)
     if status == DONE:
         status = gaps_status(max(inner_across, outer_across), s, p, e)
@@ -289,13 +278,6 @@ def conductance_start(t, s, p, e):
     set_balls(s.places, 0.0)
     s.ring[1, 0] = s.ring[1, 2] = 1.0  # it moves along the radial load and along the shaft, and does not tilt
     return DONE
-
-
-@kernel
-def note_race(contact, race):
-    """The numbers of a `ThermalContact` into an array."""
-    race[0], race[1], race[2], race[3] = contact.along, contact.across, contact.radius_along, contact.radius_across
-    race[4] = contact.conductivity
 
 
 @kernel
@@ -368,7 +350,7 @@ def conductance_outputs(t, s, p, e):
     status = equilibrium(forces, free, ball_contacts_of(s, p), places, q, (s.tangent[0], s.tangent[1], s.rows))
     if status != DONE:
         return status
-    inner, outer, rings = thermal_contact_of(0, s), thermal_contact_of(1, s), rings_of(s)
+    inner, outer, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), rings_of(s)
     thickness = 0.0
     if e.film is not None:
         thickness = max(u[e.film.u], 0.0)

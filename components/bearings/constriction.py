@@ -65,6 +65,12 @@ def finite_ring(radius, conductivity):
     return 1.4098 / (4.0 * conductivity * radius)
 
 
+@kernel
+def ring_part(diameter, width, balls):
+    """Radius of a circle as large as the part of a ring that belongs to one ball, m."""
+    return math.sqrt(diameter * width / balls)
+
+
 @kernel_tuple
 class ThermalContact(NamedTuple):
     """Constants of the heat flow through one race's contact with a ball."""
@@ -82,6 +88,19 @@ def thermal_contact(contact, radius_along, radius_across, ball_conductivity, rin
     along, across = hertz_axes(1.0, contact.radius, contact.modulus, contact.ellipse)
     return ThermalContact(0.5 * along, 0.5 * across, radius_along, radius_across,
                           1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
+
+
+@kernel
+def note_contact(contact, numbers):
+    """A `ThermalContact` into an array, (5,)."""
+    numbers[0], numbers[1], numbers[2] = contact.along, contact.across, contact.radius_along
+    numbers[3], numbers[4] = contact.radius_across, contact.conductivity
+
+
+@kernel
+def noted_contact(numbers):
+    """The `ThermalContact` of an array."""
+    return ThermalContact(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4])
 
 
 @kernel
