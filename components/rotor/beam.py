@@ -155,7 +155,7 @@ class BeamRotor(KernelComponent):
     length = parameter(1.5, "m", "length of the shaft", low=1e-6,
                        structural="with the longest element it decides how many elements there are")
     outer_diameter = parameter(0.05, "m", "outer diameter of the shaft", low=1e-6)
-    inner_diameter = parameter(0.0, "m", "inner diameter of the shaft", low=0.0)
+    inner_diameter = parameter(0.0, "m", "inner diameter of the shaft", low=0.0, nominal=0.05)
     youngs_modulus = parameter(211e9, "Pa", "Young's modulus", low=1.0)
     shear_modulus = parameter(81.2e9, "Pa", "shear modulus", low=1.0)
     density = parameter(STEEL, "kg/m3", "density of the shaft", low=1e-6)
@@ -193,7 +193,8 @@ class BeamRotor(KernelComponent):
         `room`: right-hand side; displacement, velocity and acceleration between zeros.  `matrix`, `places`: work, of an element
         and of the nodes.  `refused`: numbers for a message.
         """
-        on, p = self.on, self.parameters
+        p: Any = self.parameters
+        on = self.on
         ports = np.zeros((sum(name in on for name in ("bearing_a", "bearing_b")), 3), dtype=np.int64)
         supports = 2 if "linear_supports" in on else 0
         fixed = 1 + (MAX_DISKS if "disks" in on else 0) + supports + len(ports)
