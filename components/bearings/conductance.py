@@ -10,26 +10,29 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.component import Component, Effect, Preset
-from ..core.errors import BadInput
-from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel, kernel_tuple
+from ..core.component import Effect, Preset
+from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
 from ..core.variables import input_, integer, output, parameter
 from .constriction import (
-    Ball,
-    ThermalContact,
     bridged_resistance,
     conductances_in_series,
     finite_ring,
+    note_contact,
+    noted_contact,
+    ring_part,
     thermal_contact,
     through_gap,
 )
-from .contacts import LARGEST_CONTACT, LOAD, BallContacts, ball_contacts, place_balls
-from .geometry import BallGeometry
-from .hertz import effective_modulus
-from .loads import equilibrium, workspace
+from .contacts import LARGEST_CONTACT, LOAD, BallContacts, groove_contacts, set_balls
+from .geometry import INNER, OUTER, BallGeometry, diameter_share, grooved_contact, relative_radii
+from .hertz import LARGEST_RATIO, effective_modulus, hertz_stiffness, two_in_series
+from .loads import equilibrium
 from .radiation import radiative_coefficient
 
-FREE = (1.0, 0.0, 1.0, 0.0, 0.0)  # the inner ring moves along the radial load and along the shaft, and does not tilt
+LARGE_BALLS, LINE_CONTACT, THIN_WALLS, NARROW_RINGS, WIDE_MENISCUS, WIDE_GAP = range(OWN + 1, OWN + 7)  # status
+AS_FAR_AS_THE_BALL = ("at most {refused[0]} m, where the gap beside the contact reaches as far out as the ball's radius of "
+                      "{refused[1]} m")
 
 
 class BallBulk(Effect):
@@ -88,7 +91,7 @@ DEPENDS = ("axial_force", "radial_force")
 HEAT_DEPENDS = (*DEPENDS, "film.thickness")
 
 
-class AngularContactConductance(Component):
+class AngularContactConductance(KernelComponent):
     """Conductance from ring to ring: balls in parallel, two contacts in series in each.
 
         G = sum over balls 1 / (1/Gi + 1/Go) + side paths,      Gi = 4 agm(a, b) / (1/k_ball + 1/k_ring)
@@ -105,8 +108,21 @@ class AngularContactConductance(Component):
     title = "Heat conductance of an angular contact ball bearing"
     system = "bearings"
     start_inputs = ()
-    needs_scipy = True
     counters = ("steps", "equilibria")
+    refusals = {
+        LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
+                             "balls smaller than the pitch diameter"),
+        LINE_CONTACT: Refusal("Ry/Rx = {refused} of a ball in its groove", f"a ratio in [1, {LARGEST_RATIO:g}]",
+                              "Correct the conformities or the diameters."),
+        THIN_WALLS: Refusal("rings from {ring_walls.bore} m to {ring_walls.outside_diameter} m",
+                            "walls around {refused[0]} m and {refused[1]} m, the diameters where the balls touch",
+                            "Correct bore and outside_diameter."),
+        NARROW_RINGS: Refusal("rings {width} m wide around {balls} balls of {ball_diameter} m",
+                              "a part of the ring for each ball that is no smaller than the ball", "Correct width or balls."),
+        WIDE_MENISCUS: Refusal("lubricant_path.meniscus_height = {lubricant_path.meniscus_height} m", AS_FAR_AS_THE_BALL,
+                               "Reduce meniscus_height."),
+        WIDE_GAP: Refusal("gas_path.widest_gap = {gas_path.widest_gap} m", AS_FAR_AS_THE_BALL, "Reduce widest_gap."),
+    }
 
     ball_bulk = BallBulk
     ring_walls = RingWalls
@@ -166,86 +182,29 @@ class AngularContactConductance(Component):
     @property
     def ball_loads(self) -> np.ndarray:
         """Loads of the balls when the outputs were last computed, (Z,) N."""
-        return self._balls[:, LOAD].copy()
+        return self.arguments[0].places[:, LOAD].copy()
 
     @property
     def raceways(self) -> tuple[float, float]:
         """Diameters where the balls touch the inner and the outer ring, m."""
         p: Any = self.parameters
-        across = p["ball_diameter"] * math.cos(p["contact_angle"])
-        return p["pitch_diameter"] - across, p["pitch_diameter"] + across
+        return raceway_diameters(p["ball_diameter"], p["pitch_diameter"], p["contact_angle"])
 
-    def _initialize(self, t: float) -> int:
-        _, e = self._declared_arguments()
-        p: Any = self.parameters
-        geometry = self.geometry()
-        modulus, raceways = self.material(), self.raceways
-        inner, outer = (
-            thermal_contact(geometry.contact(race, modulus), geometry.radii(race), p["ball_conductivity"], p["ring_conductivity"])
-            for race in ("inner", "outer")
-        )
-        if "ring_walls" in self.on:
-            self._check_walls(raceways)
-        self._check_gaps(max(inner.radius_across, outer.radius_across))
-        constants = Constants(
-            ball_contacts(geometry, geometry.stiffness(modulus)),
-            inner,
-            outer,
-            0.5 * p["ball_diameter"],
-            1.0 / (2.0 * math.pi * p["ring_conductivity"] * p["width"]),
-            finite_ring(ring_part(raceways[0], p["width"], p["balls"]), p["ring_conductivity"]),
-            finite_ring(ring_part(raceways[1], p["width"], p["balls"]), p["ring_conductivity"]),
-            raceways[1] / raceways[0],
-            math.pi * p["pitch_diameter"] * p["width"],
-            p["closest_gap"],
-        )
-        if e.ball_bulk is not None:
-            e = e._replace(ball_bulk=Ball(0.5 * p["ball_diameter"], p["ball_conductivity"]))
-        self.arguments = (constants, e)
-        self._balls, self._work = place_balls(p["balls"]), workspace()
-        self._ring = np.array([(0.0,) * 5, FREE, (0.0,) * 5])
-        return DONE
-
-    def _check_walls(self, raceways: tuple[float, float]) -> None:
-        p: Any = self.parameters
-        bore, outside = p["ring_walls.bore"], p["ring_walls.outside_diameter"]
-        if not (bore < raceways[0] and raceways[1] < outside):
-            raise BadInput(self.name, f"rings from {bore:g} m to {outside:g} m", f"walls around {raceways[0]:.4g} m and "
-                           f"{raceways[1]:.4g} m, the diameters where the balls touch", "Correct bore and outside_diameter.")
-        if ring_part(raceways[0], p["width"], p["balls"]) < 0.5 * p["ball_diameter"]:
-            raise BadInput(self.name, f"rings {p['width']:g} m wide around {p['balls']} balls of {p['ball_diameter']:g} m",
-                           "a part of the ring for each ball that is no smaller than the ball", "Correct width or balls.")
-
-    def _check_gaps(self, across: float) -> None:
-        """Refuses a gap that is bridged as far out as the ball's equator; across: the larger relative radius Ry, m."""
-        p: Any = self.parameters
-        radius = 0.5 * p["ball_diameter"]
-        widest = 0.5 * radius**2 / across
-        for effect, name in (("lubricant_path", "meniscus_height"), ("gas_path", "widest_gap")):
-            if effect in self.on and (width := p[f"{effect}.{name}"]) > widest:
-                raise BadInput(self.name, f"{effect}.{name} = {width:g} m", f"at most {widest:.3g} m, where the gap beside the "
-                               f"contact reaches as far out as the ball's radius of {radius:g} m", f"Reduce {name}.")
+    def shapes(self) -> dict[str, Any]:
+        """`places`: (Z, 4) of the balls, see `contacts`, with their loads.  `ring`: (3, 5) force on the inner ring, whether it is
+        free to move, displacement.  `bearing`: of `BallContacts` but the number of balls.  `races`: (2, 5) of `ThermalContact`.
+        `rings`: of `Rings`.  `ball`: radius in m and conductivity in W/(m.K), for its spreading.  `tangent`, `rows`: work of
+        `loads.equilibrium`.  `refused`: numbers for a message.
+        """
+        return {
+            "places": (self.parameters["balls"], 4), "ring": (3, 5), "bearing": 5, "races": (2, 5), "rings": 5,
+            "ball": 2 if "ball_bulk" in self.on else None, "tangent": (2, 5, 5), "rows": (5, 8), "refused": 2,
+        }
 
     def left_range(self) -> str:
         """The forces, and how large a contact may become."""
         given = ", ".join(f"{n} = {self.get(n):g} N" for n in ("axial_force", "radial_force"))
         return f"{given}; expected contacts within {LARGEST_CONTACT:g} radii of a ball, and rings inside each other"
-
-    def _step(self, t: float, h: float) -> int:
-        hold_inputs(self.u, h)
-        self.counts += 1
-        return self._solve()
-
-    def _outputs(self, t: float) -> None:
-        self._check(self._solve())
-
-    def _solve(self) -> int:
-        return bearing_conductance(self.u[0], self.y, self._ring, self._balls, self._work, *self.arguments)
-
-
-def ring_part(diameter: float, width: float, balls: int) -> float:
-    """Radius of a circle as large as the part of a ring that belongs to one ball, m."""
-    return math.sqrt(diameter * width / balls)
 
 
 AXIAL_FORCE, RADIAL_FORCE = AngularContactConductance.input_indices("axial_force", "radial_force")
@@ -255,31 +214,114 @@ CONDUCTANCE, BALL_CONDUCTANCE, LOADED, MAX_LOAD, AXIAL, RADIAL = AngularContactC
 
 
 @kernel_tuple
-class Constants(NamedTuple):
-    """What follows from the parameters."""
+class Rings(NamedTuple):
+    """What follows from the parameters for the rings."""
 
-    contacts: BallContacts
-    inner: ThermalContact
-    outer: ThermalContact
-    ball_radius: float  # m
     wall: float  # 1 / (2 pi k width) of a ring, K/W
     inner_relief: float  # what a ring's finite part takes off the constriction, K/W
     outer_relief: float
     raceways: float  # ratio of the diameters where the balls touch the outer and the inner ring
     area: float  # of each ring towards the other, m2
-    closest_gap: float  # m
 
 
 @kernel
-def side_of_ball(load, contact, relief, p, e, thickness):
-    """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both."""
+def raceway_diameters(ball_diameter, pitch_diameter, contact_angle):
+    """Diameters where the balls touch the inner and the outer ring, m."""
+    across = ball_diameter * math.cos(contact_angle)
+    return pitch_diameter - across, pitch_diameter + across
+
+
+@kernel
+def ball_contacts_of(s, p):
+    """`BallContacts` of the bearing."""
+    c = s.bearing
+    return BallContacts(p.balls, c[0], c[1], c[2], c[3], c[4])
+
+
+@kernel
+def rings_of(s):
+    """`Rings` of the bearing."""
+    c = s.rings
+    return Rings(c[0], c[1], c[2], c[3], c[4])
+
+
+@kernel
+def conductance_start(t, s, p, e):
+    """What follows from the parameters: contacts, rings, places of the balls."""
+    d = p.ball_diameter
+    if not d < p.pitch_diameter:
+        return LARGE_BALLS
+    gamma = diameter_share(d, p.pitch_diameter, p.contact_angle)
+    modulus = effective_modulus(p.modulus, p.poisson_ratio, p.modulus, p.poisson_ratio)
+    inner_along, inner_across = relative_radii(INNER, p.inner_conformity, d, gamma)
+    outer_along, outer_across = relative_radii(OUTER, p.outer_conformity, d, gamma)
+    s.refused[0] = max(inner_across / inner_along, outer_across / outer_along)
+    if s.refused[0] > LARGEST_RATIO:
+        return LINE_CONTACT
+    inner = grooved_contact(inner_along, inner_across, modulus, False)
+    outer = grooved_contact(outer_along, outer_across, modulus, False)
+    note_contact(thermal_contact(inner, inner_along, inner_across, p.ball_conductivity, p.ring_conductivity), s.races[0])
+    note_contact(thermal_contact(outer, outer_along, outer_across, p.ball_conductivity, p.ring_conductivity), s.races[1])
+    status = rings_status(s, p, e)
+    if status == DONE:
+        status = gaps_status(max(inner_across, outer_across), s, p, e)
+    if status != DONE:
+        return status
+    stiffness = two_in_series(hertz_stiffness(inner.radius, modulus, inner.ellipse),
+                              hertz_stiffness(outer.radius, modulus, outer.ellipse))
+    contacts = groove_contacts(p.balls, stiffness, p.inner_conformity, p.outer_conformity, d, p.pitch_diameter, p.contact_angle,
+                               0.0)
+    s.bearing[0], s.bearing[1], s.bearing[2] = contacts.stiffness, contacts.distance, contacts.radial
+    s.bearing[3], s.bearing[4] = contacts.axial, contacts.lever
+    if e.ball_bulk is not None:
+        s.ball[0], s.ball[1] = 0.5 * d, p.ball_conductivity
+    set_balls(s.places, 0.0)
+    s.ring[1, 0] = s.ring[1, 2] = 1.0  # it moves along the radial load and along the shaft, and does not tilt
+    return DONE
+
+
+@kernel
+def rings_status(s, p, e):
+    """The numbers of `Rings`, and whether there is a wall around the balls and room for their heat in it."""
+    inside, outside = raceway_diameters(p.ball_diameter, p.pitch_diameter, p.contact_angle)
+    if e.ring_walls is not None:
+        s.refused[0], s.refused[1] = inside, outside
+        if not (e.ring_walls.bore < inside and outside < e.ring_walls.outside_diameter):
+            return THIN_WALLS
+        if ring_part(inside, p.width, p.balls) < 0.5 * p.ball_diameter:
+            return NARROW_RINGS
+    s.rings[0] = 1.0 / (2.0 * math.pi * p.ring_conductivity * p.width)
+    s.rings[1] = finite_ring(ring_part(inside, p.width, p.balls), p.ring_conductivity)
+    s.rings[2] = finite_ring(ring_part(outside, p.width, p.balls), p.ring_conductivity)
+    s.rings[3], s.rings[4] = outside / inside, math.pi * p.pitch_diameter * p.width
+    return DONE
+
+
+@kernel
+def gaps_status(across, s, p, e):
+    """Whether no gap is bridged as far out as the ball's equator; across: the larger relative radius Ry, m."""
+    radius = 0.5 * p.ball_diameter
+    s.refused[0], s.refused[1] = 0.5 * radius**2 / across, radius
+    if e.lubricant_path is not None and e.lubricant_path.meniscus_height > s.refused[0]:
+        return WIDE_MENISCUS
+    if e.gas_path is not None and e.gas_path.widest_gap > s.refused[0]:
+        return WIDE_GAP
+    return DONE
+
+
+@kernel
+def side_of_ball(load, thickness, contact, relief, s, p, e):
+    """Conductance between a ball and one race, W/K: the contact, the gap beside it, and what is in series with both.
+
+    load: N.  thickness: of the film, m.  relief: what the ring's finite part takes off the constriction, K/W.
+    """
     root = load ** (1.0 / 3.0)
     inside, width = math.inf, 0.0  # resistance within the gap `width`, and the constriction from there on
     if load > 0.0:
         inside = 0.0
         if e.film is not None:
             inside = thickness / (e.film.conductivity * math.pi * contact.along * contact.across * root * root)
-    spread = bridged_resistance(0.0, root, contact, e.ball_bulk)
+    spread = bridged_resistance(0.0, root, contact, s.ball)
     reach = 0.0
     if e.gas_path is not None and e.gas_path.conductivity > 0.0:
         reach = e.gas_path.widest_gap
@@ -287,10 +329,9 @@ def side_of_ball(load, contact, relief, p, e, thickness):
         width = e.lubricant_path.meniscus_height
         # lubricant that conducts nothing: only the gas that begins beyond it needs to know how far it goes
         if width > 0.0 and (e.lubricant_path.conductivity > 0.0 or reach > width):
-            inside, spread = through_gap(inside, 0.0, width, p.closest_gap, e.lubricant_path.conductivity, root, contact,
-                                         e.ball_bulk)
+            inside, spread = through_gap(inside, 0.0, width, p.closest_gap, e.lubricant_path.conductivity, root, contact, s.ball)
     if e.gas_path is not None and reach > width:
-        inside, spread = through_gap(inside, width, reach, p.closest_gap, e.gas_path.conductivity, root, contact, e.ball_bulk)
+        inside, spread = through_gap(inside, width, reach, p.closest_gap, e.gas_path.conductivity, root, contact, s.ball)
     if inside == math.inf:
         return 0.0
     resistance = inside + spread
@@ -300,39 +341,48 @@ def side_of_ball(load, contact, relief, p, e, thickness):
 
 
 @kernel
-def bearing_conductance(u, y, ring, balls, work, p, e):
-    """Ball loads for the inputs u, and all outputs.
-
-    ring: (3, 5) force, freedom to move (`FREE`) and displacement of the inner ring; balls: (Z, 4); work: of `workspace`.
-    """
-    forces, free, q = ring[0], ring[1], ring[2]
+def conductance_outputs(t, s, p, e):
+    """Ball loads for the inputs, and all outputs."""
+    u, y, places = s.u[0], s.y, s.places
+    forces, free, q = s.ring[0], s.ring[1], s.ring[2]
     forces[0], forces[2] = u[RADIAL_FORCE], max(u[AXIAL_FORCE], 0.0)
     q[:] = 0.0  # always the same way to the equilibrium: a repeated step gives the same bits
-    status = equilibrium(forces, free, p.contacts, balls, q, work)
+    status = equilibrium(forces, free, ball_contacts_of(s, p), places, q, (s.tangent[0], s.tangent[1], s.rows))
     if status != DONE:
         return status
+    inner, outer, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), rings_of(s)
     thickness = 0.0
     if e.film is not None:
         thickness = max(u[e.film.u], 0.0)
     total, largest, loaded = 0.0, 0.0, 0
-    for j in range(balls.shape[0]):
-        load = balls[j, LOAD]
+    for j in range(places.shape[0]):
+        load = places[j, LOAD]
         loaded += load > 0.0
         largest = max(largest, load)
-        inner = side_of_ball(load, p.inner, p.inner_relief, p, e, thickness)
-        outer = side_of_ball(load, p.outer, p.outer_relief, p, e, thickness)
-        total += conductances_in_series(inner, outer)
-    if largest ** (1.0 / 3.0) * max(p.inner.across, p.outer.across) > LARGEST_CONTACT * p.ball_radius:
+        total += conductances_in_series(side_of_ball(load, thickness, inner, rings.inner_relief, s, p, e),
+                                        side_of_ball(load, thickness, outer, rings.outer_relief, s, p, e))
+    if largest ** (1.0 / 3.0) * max(inner.across, outer.across) > LARGEST_CONTACT * 0.5 * p.ball_diameter:
         return OUT_OF_RANGE
     y[BALL_CONDUCTANCE] = total
     if e.gas_path is not None:
-        total += e.gas_path.conductivity * p.area / e.gas_path.ring_gap
+        total += e.gas_path.conductivity * rings.area / e.gas_path.ring_gap
     if e.convection is not None:
-        total += 0.5 * e.convection.coefficient * p.area
+        total += 0.5 * e.convection.coefficient * rings.area
     if e.radiation is not None:
-        inner, outer = u[e.radiation.u], u[e.radiation.u + 1]
-        total += e.radiation.emissivity * p.area * radiative_coefficient(inner, outer)
+        total += e.radiation.emissivity * rings.area * radiative_coefficient(u[e.radiation.u], u[e.radiation.u + 1])
     if e.ring_walls is not None:
-        total /= 1.0 + total * p.wall * math.log(e.ring_walls.outside_diameter / e.ring_walls.bore / p.raceways)
+        total /= 1.0 + total * rings.wall * math.log(e.ring_walls.outside_diameter / e.ring_walls.bore / rings.raceways)
     y[CONDUCTANCE], y[LOADED], y[MAX_LOAD], y[AXIAL], y[RADIAL] = total, loaded, largest, q[2], q[0]
     return DONE
+
+
+@kernel
+def conductance_step(t, h, s, p, e):
+    """The outputs at the end of a step."""
+    hold_inputs(s.u, h)
+    s.counts[0] += 1
+    s.counts[1] += 1
+    return conductance_outputs(t + h, s, p, e)
+
+
+AngularContactConductance.kernels = Kernels(conductance_start, conductance_step, conductance_outputs)

@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
-from .hertz import PointContact
+from .hertz import hertz_axes
 
 RUNGS = 10  # of the ladder; with 200 the resistance is another by 0.1 % at most
 
@@ -56,12 +56,19 @@ def ball_spreading(major, minor, radius, conductivity):
     return (math.log(2.0 * radius / (major + minor)) + 0.5) / (4.0 * math.pi * conductivity * radius)
 
 
-def finite_ring(radius: float, conductivity: float) -> float:
+@kernel
+def finite_ring(radius, conductivity):
     """What an insulated cylinder of `radius` m around a small spot takes off its constriction on a half space, K/W.
 
     The leading term of R = (1 - 1.4098 a/b + ...) / (4 k a) of an isothermal circle in a tube (Yovanovich, recalled).
     """
     return 1.4098 / (4.0 * conductivity * radius)
+
+
+@kernel
+def ring_part(diameter, width, balls):
+    """Radius of a circle as large as the part of a ring that belongs to one ball, m."""
+    return math.sqrt(diameter * width / balls)
 
 
 @kernel_tuple
@@ -75,27 +82,33 @@ class ThermalContact(NamedTuple):
     conductivity: float  # of both sides in series, 1/(1/k1 + 1/k2), W/(m.K)
 
 
-def thermal_contact(
-    contact: PointContact, radii: tuple[float, float], ball_conductivity: float, ring_conductivity: float
-) -> ThermalContact:
-    """Constants of a Hertzian contact with relative radii (Rx, Ry) in m between conductivities in W/(m.K)."""
-    along, across = (0.5 * axis for axis in contact.axes(1.0))
-    return ThermalContact(along, across, *radii, 1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
+@kernel
+def thermal_contact(contact, radius_along, radius_across, ball_conductivity, ring_conductivity):
+    """Constants of a Hertzian contact with relative radii Rx, Ry in m between conductivities in W/(m.K)."""
+    along, across = hertz_axes(1.0, contact.radius, contact.modulus, contact.ellipse)
+    return ThermalContact(0.5 * along, 0.5 * across, radius_along, radius_across,
+                          1.0 / (1.0 / ball_conductivity + 1.0 / ring_conductivity))
 
 
-@kernel_tuple
-class Ball(NamedTuple):
-    """What `ball_spreading` needs of a ball."""
+@kernel
+def note_contact(contact, numbers):
+    """A `ThermalContact` into an array, (5,)."""
+    numbers[0], numbers[1], numbers[2] = contact.along, contact.across, contact.radius_along
+    numbers[3], numbers[4] = contact.radius_across, contact.conductivity
 
-    radius: float  # m
-    conductivity: float  # W/(m.K)
+
+@kernel
+def noted_contact(numbers):
+    """The `ThermalContact` of an array."""
+    return ThermalContact(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4])
 
 
 @kernel
 def bridged_resistance(width, cube_root, contact, ball):
     """Constriction on both sides of the contact and the gap beside it as far as it is up to `width` m wide, K/W.
 
-    cube_root: of the load, N^(1/3).  ball: its spreading is added, or None. Without load and width it is infinite.
+    cube_root: of the load, N^(1/3).  ball: its radius in m and its conductivity, for its spreading, or None. Without load and
+    width the constriction is infinite.
     """
     along = math.sqrt((contact.along * cube_root) ** 2 + 2.0 * contact.radius_along * width)
     across = math.sqrt((contact.across * cube_root) ** 2 + 2.0 * contact.radius_across * width)
@@ -103,7 +116,7 @@ def bridged_resistance(width, cube_root, contact, ball):
         return math.inf
     resistance = 1.0 / (4.0 * contact.conductivity * arithmetic_geometric_mean(along, across))
     if ball is not None:
-        resistance += ball_spreading(along, across, ball.radius, ball.conductivity)
+        resistance += ball_spreading(along, across, ball[0], ball[1])
     return resistance
 
 

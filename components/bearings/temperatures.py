@@ -5,15 +5,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.errors import BadInput
-from ..core.integrators import OdeComponent
-from ..core.kernels import DONE, NOT_CONVERGED, OUT_OF_RANGE, bind, kernel
-from ..core.rosenbrock import rodas3
+from ..core.contract import Refusal
+from ..core.kernels import DONE, NOT_CONVERGED, OUT_OF_RANGE, OWN, kernel
+from ..core.rosenbrock import StiffComponent, stiff_kernels
 from ..core.variables import input_, output, parameter
 from .radiation import STEFAN_BOLTZMANN, radiative_coefficient
+
+TOO_LARGE_SHARES = OWN + 1  # status
 
 
 class Housing(Effect):
@@ -43,7 +42,7 @@ class ShaftHeat(Effect):
     power = input_(0.0, "W", "heat flow into shaft and inner ring", nominal=10.0)
 
 
-class BearingTemperatures(OdeComponent):
+class BearingTemperatures(StiffComponent):
     """Shaft with inner ring, balls, outer ring with housing: three heat capacities in a row.
 
         Ci Ti' = si P - 2 G (Ti - Tb) - Gs (Ti - Ta)
@@ -68,6 +67,10 @@ class BearingTemperatures(OdeComponent):
     start_inputs = ()
     default_step = 1.0
     default_stop = 3600.0
+    refusals = {
+        TOO_LARGE_SHARES: Refusal("inner_share + outer_share = {refused}", "at most 1: the rest heats the balls",
+                                  "Reduce one of them."),
+    }
 
     housing = Housing
     oil_flow = OilFlow
@@ -101,28 +104,13 @@ class BearingTemperatures(OdeComponent):
     heat_stored = output("J", "heat stored since the start", nominal=1e4)
     heat_released = output("J", "heat given off to the ambient and to oil since the start", nominal=1e4)
 
-    def initial_state(self) -> np.ndarray:
+    def states(self) -> int:
         """Temperatures of inner ring, balls, outer ring and, with `housing`, housing, K; heat supplied and released, J."""
-        parts = 4 if "housing" in self.on else 3
-        start = self.parameters["start_temperature"]
-        return np.array([start] * parts + [0.0, 0.0])
+        return 6 if "housing" in self.on else 5
 
-    def _initialize(self, t: float) -> int:
-        p: Any = self.parameters
-        if (shares := p["inner_share"] + p["outer_share"]) > 1.0 + 1e-12:  # rounding of shares such as 0.7 and 0.3
-            raise BadInput(self.name, f"inner_share + outer_share = {shares:g}", "at most 1: the rest heats the balls",
-                           "Reduce one of them.")
-        status = super()._initialize(t)
-        n = self.x.size
-        self._work = np.zeros((n + 7, max(2 * n - 1, self.u.shape[1])))
-        return status
-
-    def _step(self, t: float, h: float) -> int:
-        low, high = range_outside(h, self.x, self.u, *self.arguments)
-        status = super()._step(t, h)
-        if status == DONE and not low <= self.x[-3] <= high:
-            return NOT_CONVERGED
-        return OUT_OF_RANGE if status == DONE and coldest(self.x) < ABSOLUTE_ZERO else status
+    def shapes(self) -> dict[str, Any]:
+        """`refused`: a number for a message."""
+        return super().shapes() | {"refused": 1}
 
     def left_range(self) -> str:
         """The coldest part, and the inputs that cool it."""
@@ -163,15 +151,15 @@ def range_outside(h, x, u, p, e):
     warmest, coldest, power = 0.0, 0.0, 0.0
     for part in x[:-2]:
         warmest, coldest = max(warmest, part), min(coldest, part)
-    for s in (0.0, h):
-        ambient = u[0, AMBIENT] + s * (u[1, AMBIENT] + s * u[2, AMBIENT])
+    for since in (0.0, h):
+        ambient = u[0, AMBIENT] + since * (u[1, AMBIENT] + since * u[2, AMBIENT])
         warmest, coldest = max(warmest, ambient), min(coldest, ambient)
-        supplied = u[0, FRICTION] + s * (u[1, FRICTION] + s * u[2, FRICTION])
+        supplied = u[0, FRICTION] + since * (u[1, FRICTION] + since * u[2, FRICTION])
         if e.oil_flow is not None:
-            inlet = u[0, e.oil_flow.u] + s * (u[1, e.oil_flow.u] + s * u[2, e.oil_flow.u])
+            inlet = u[0, e.oil_flow.u] + since * (u[1, e.oil_flow.u] + since * u[2, e.oil_flow.u])
             warmest, coldest = max(warmest, inlet), min(coldest, inlet)
         if e.shaft_heat is not None:
-            supplied += u[0, e.shaft_heat.u] + s * (u[1, e.shaft_heat.u] + s * u[2, e.shaft_heat.u])
+            supplied += u[0, e.shaft_heat.u] + since * (u[1, e.shaft_heat.u] + since * u[2, e.shaft_heat.u])
         power, coldest = max(power, supplied), min(coldest, supplied)  # heat taken away counts as cold
     high = (warmest**4 + power / (e.radiation.emissivity * e.radiation.area * STEFAN_BOLTZMANN)) ** 0.25
     low = -math.inf if coldest < 0.0 else -0.1 * high - 1.0
@@ -179,7 +167,18 @@ def range_outside(h, x, u, p, e):
 
 
 @kernel
-def network_derivatives(t, x, u, dx, p, e):
+def network_start(t, s, p, e):
+    """All parts at the same temperature; no heat supplied or released yet."""
+    s.refused[0] = p.inner_share + p.outer_share
+    if s.refused[0] > 1.0 + 1e-12:  # rounding of shares such as 0.7 and 0.3
+        return TOO_LARGE_SHARES
+    for i in range(s.x.size - 2):
+        s.x[i] = p.start_temperature
+    return DONE
+
+
+@kernel
+def network_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (Ti, Tb, To[, Th], heat supplied, heat released)."""
     n = x.size - 2
     to_balls = 2.0 * max(u[CONDUCTANCE], 0.0) * (x[INNER] - x[BALL])
@@ -213,7 +212,7 @@ def network_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def network_jacobian(t, x, u, band, p, e):
+def network_jacobian(t, x, u, band, s, p, e):
     """Derivatives of `network_derivatives` by the temperatures, in the whole band of rodas3."""
     n, w = x.size - 2, x.size - 1
     released = n + 1
@@ -245,8 +244,9 @@ def network_jacobian(t, x, u, band, p, e):
 
 
 @kernel
-def network_outputs(t, x, u, y, p, e):
+def network_outputs(t, s, p, e):
     """Temperatures, change of clearance, balance of heat."""
+    x, y = s.x, s.y
     n = x.size - 2
     y[INNER_OUT], y[BALL_OUT], y[OUTER_OUT], y[HOUSING_OUT] = x[INNER], x[BALL], x[OUTER], x[n - 1]
     d, dm, reference = p.ball_diameter, p.pitch_diameter, p.reference_temperature
@@ -257,9 +257,22 @@ def network_outputs(t, x, u, y, p, e):
     if e.housing is not None:
         stored += e.housing.heat_capacity * (x[HOUSED] - start)
     y[SUPPLIED_OUT], y[STORED_OUT], y[RELEASED_OUT] = x[n], stored, x[n + 1]
+    return DONE
 
 
-BearingTemperatures.advance = bind(
-    rodas3, __name__, derivatives=network_derivatives, jacobian=network_jacobian, outputs=network_outputs
-)
-BearingTemperatures.output_kernel = network_outputs
+_stiff = stiff_kernels(__name__, start=network_start, derivatives=network_derivatives, jacobian=network_jacobian,
+                       outputs=network_outputs)
+_advance = _stiff.step
+
+
+@kernel
+def network_step(t, h, s, p, e):
+    """A step of the method, and whether it led where temperatures can be."""
+    low, high = range_outside(h, s.x, s.u, p, e)
+    status = _advance(t, h, s, p, e)
+    if status == DONE and not low <= s.x[s.x.size - 3] <= high:
+        return NOT_CONVERGED
+    return OUT_OF_RANGE if status == DONE and coldest(s.x) < ABSOLUTE_ZERO else status
+
+
+BearingTemperatures.kernels = _stiff._replace(step=network_step)

@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 
-from ..core.banded import add_product, factor_general, solve_general
-from ..core.component import Component, Effect, Preset
-from ..core.errors import BadInput
-from ..core.kernels import DONE
+from ..core.banded import add_product
+from ..core.component import Effect, Preset
+from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.variables import input_, output, parameter
-from .elements import Disk, circular_section, solid_disk
-from .frame import FrameRotation, add_frame_load, turning_frame
-from .integration import add_imbalance, advance_rotor, make_solver, rotor_outputs
-from .model import (
-    DOFS,
-    HALF,
-    Matrices,
-    add_disk,
-    add_disk_gyroscopic,
-    assemble_shaft,
-    checked_positions,
-    dense,
-    nearest_node,
-    node_positions,
-    turned,
+from .elements import Disk, solid_disk
+from .frame import FrameRotation
+from .initialization import (
+    BEARING_BEYOND,
+    DISK_BEYOND,
+    HOLLOW,
+    NO_MATERIAL,
+    SUPPORT_BEYOND,
+    UNBALANCE_LOST,
+    WATCHED_BEYOND,
+    rotor_initialize,
 )
+from .integration import NODES, rotor_outputs, rotor_step
+from .model import DOFS, WIDTH, Matrices, dense, most_nodes
 from .ports import Bearing
-from .spin import TURN, RunUp, acceleration_at, speed_at
-from .statics import equilibrium
+from .spin import RunUp
 
 MAX_DISKS = 4
 STEEL = 7810.0  # kg/m³
+ON_SHAFT = "a place on the shaft, 0 to {length} m"
 NO_DISK = Disk(0.0, 0.0, 0.0)
 DEFAULT_DISKS = (solid_disk(0.28, 0.05, 0.07, STEEL), solid_disk(0.35, 0.05, 0.07, STEEL), NO_DISK, NO_DISK)
 
@@ -100,7 +97,7 @@ class BearingB(Bearing):
     position = parameter(1.5, "m", "place of the bearing on the shaft", low=0.0)
 
 
-class BeamRotor(Component):
+class BeamRotor(KernelComponent):
     """Uniform shaft of Timoshenko elements with disks, in bending; x horizontal, y upwards, z along the shaft.
 
         M q'' + (C + Omega G) q' + (K + Omega H) q = f
@@ -123,6 +120,19 @@ class BeamRotor(Component):
         "bearing_a.stiffness", "bearing_b.force_x", "bearing_b.force_y", "bearing_b.moment_x", "bearing_b.moment_y",
         "bearing_b.stiffness", "frame_rotation.rate_x", "frame_rotation.rate_y")
 
+    refusals = {
+        HOLLOW: Refusal("inner_diameter = {inner_diameter} m", "less than the outer diameter of {outer_diameter} m"),
+        NO_MATERIAL: Refusal("youngs_modulus = {youngs_modulus} Pa with shear_modulus = {shear_modulus} Pa: Poisson's ratio "
+                             "{refused}", "more than -1 and at most 0.5",
+                             "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel."),
+        UNBALANCE_LOST: Refusal("unbalance.moment[{refused}] without disk {refused}", "an unbalance at a disk",
+                                "Give disks.mass[{refused}], or set the unbalance to 0."),
+        WATCHED_BEYOND: Refusal("watched_position at {refused} m", ON_SHAFT),
+        DISK_BEYOND: Refusal("a disk at {refused} m", ON_SHAFT),
+        SUPPORT_BEYOND: Refusal("a support at {refused} m", ON_SHAFT),
+        BEARING_BEYOND: Refusal("a bearing at {refused} m", ON_SHAFT),
+    }
+
     gyroscopic = Gyroscopic
     disks = Disks
     unbalance = Unbalance
@@ -142,13 +152,14 @@ class BeamRotor(Component):
             ("gyroscopic", "disks", "linear_supports")),
     }
 
-    length = parameter(1.5, "m", "length of the shaft", low=1e-6)
+    length = parameter(1.5, "m", "length of the shaft", low=1e-6,
+                       structural="with the longest element it decides how many elements there are")
     outer_diameter = parameter(0.05, "m", "outer diameter of the shaft", low=1e-6)
-    inner_diameter = parameter(0.0, "m", "inner diameter of the shaft", low=0.0)
+    inner_diameter = parameter(0.0, "m", "inner diameter of the shaft", low=0.0, nominal=0.05)
     youngs_modulus = parameter(211e9, "Pa", "Young's modulus", low=1.0)
     shear_modulus = parameter(81.2e9, "Pa", "shear modulus", low=1.0)
     density = parameter(STEEL, "kg/m3", "density of the shaft", low=1e-6)
-    element = parameter(0.25, "m", "longest element", low=1e-6)
+    element = parameter(0.25, "m", "longest element", low=1e-6, structural="it decides how many elements there are")
     start_speed = parameter(100.0, "rad/s", "speed of rotation at the start, positive from x to y")
     start_angle = parameter(0.0, "rad", "angle of the rotor at the start")
     start_fall = parameter(1e-4, "m", "way along its constant loads, weight and input force, by which a rotor starts displaced "
@@ -169,124 +180,59 @@ class BeamRotor(Component):
     speed = output("rad/s", "speed of rotation", nominal=100.0)
     angle = output("rad", "angle of the rotor, in [0, 2 pi)")
 
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        p, run_up = self.arguments[0], self.arguments[1].run_up
-        self._build()
-        stiffness = self._stiffness
-        if self._circulatory is not None:
-            stiffness = stiffness + speed_at(t, p.start_speed, run_up) * self._circulatory
-        load = self._load.copy()
-        load[self._watched : self._watched + 2] += self.u[0, :2]
-        if self._frame is not None:
-            add_frame_load(0.0, speed_at(t, p.start_speed, run_up), self._frame, self.u, load)
-        q, force = equilibrium(stiffness, load, self._ports, self.u, p.start_fall)
-        angle, speed = p.start_angle % TURN, speed_at(t, p.start_speed, run_up)
-        if self._imbalance is not None:
-            add_imbalance(angle, speed, acceleration_at(t, p.start_speed, run_up), self._imbalance, force)
-        factors = self._mass.copy()
-        factor_general(factors)
-        solve_general(factors, force)  # the acceleration: a method with a spectral radius below 1 begins with it
-        self.x = np.concatenate((q, np.zeros(q.size), force, [angle]))
-        self._substep = p.substep
-        self._solver = make_solver(self._load.size, len(self._ports))
-        return DONE
+    def shapes(self) -> dict[str, Any]:
+        """Room for the most nodes; N = 4 `mesh[0]` degrees of freedom are in use, k ports.
 
-    def _build(self) -> None:
-        """Bands, constant load, ports and unbalance of the parameters."""
-        p, e = self.arguments
-        disks, unbalance, supports = e.disks, e.unbalance, e.linear_supports
-        if p.inner_diameter >= p.outer_diameter:
-            actual = f"inner_diameter = {p.inner_diameter:g} m"
-            raise BadInput(self.name, actual, f"less than the outer diameter of {p.outer_diameter:g} m")
-        poisson = 0.5 * p.youngs_modulus / p.shear_modulus - 1.0
-        if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
-            actual = f"youngs_modulus = {p.youngs_modulus:g} Pa with shear_modulus = {p.shear_modulus:g} Pa"
-            raise BadInput(self.name, f"{actual}: Poisson's ratio {poisson:.3g}", "more than -1 and at most 0.5",
-                           "The shear modulus is E / (2 (1 + nu)), E / 2.6 of steel.")
-        bearings = [b for b in (e.bearing_a, e.bearing_b) if b is not None]
-        present: list[int] = []
-        if disks is not None:
-            present = np.flatnonzero(disks.mass + disks.polar_inertia + disks.diametral_inertia).tolist()
-        if unbalance is not None and (lost := set(np.flatnonzero(unbalance.moment).tolist()) - set(present)):
-            k = min(lost) + 1
-            raise BadInput(self.name, f"unbalance.moment[{k}] without disk {k}", "an unbalance at a disk",
-                           f"Give disks.mass[{k}], or set the unbalance to 0.")
+        `x`: displacement, velocity, acceleration, (N,) each, angle.  `nodes`: m.  `mesh`: number of nodes; first degree of
+        freedom of the watched one.  `mass`, `damping`, `stiffness`: bands (N, 15) at speed 0 and without ports.  `gyroscopic`,
+        `circulatory`: bands per rad/s.  `load`: (N,) constant forces, N.  `supports`: (2, 6) first degree of freedom, lever to
+        the frame's axes in m, stiffness and damping along x and y.  `imbalance`: (4, 3) first degree of freedom, kg.m, rad.
+        `ports`: (k, 3) node, first input, first output.  `about`: (2, N) gyroscopic force on the rotor per speed and rate of the
+        frame about x and y.  `levers`: (k,) of ports to the frame's axes, m.
+        `prepared`, `fixed`, `now`, `tangents`: see `integration`; (k, 2, 4, 4) the ports' tangents to which `now` belongs.
+        `room`: right-hand side; displacement, velocity and acceleration between zeros.  `matrix`, `places`: work, of an element
+        and of the nodes.  `refused`: numbers for a message.
+        """
+        p: Any = self.parameters
+        on = self.on
+        ports = np.zeros((sum(name in on for name in ("bearing_a", "bearing_b")), 3), dtype=np.int64)
+        supports = 2 if "linear_supports" in on else 0
+        fixed = 1 + (MAX_DISKS if "disks" in on else 0) + supports + len(ports)
+        nodes = most_nodes(p["length"], p["element"], fixed)
+        N = DOFS * nodes
+        band = (N, WIDTH)
+        return {
+            "x": 3 * N + 1, "nodes": nodes, "mesh": np.zeros(2, dtype=np.int64), "places": fixed + 2, "matrix": (DOFS, DOFS),
+            "mass": band, "damping": band, "stiffness": band, "gyroscopic": band if "gyroscopic" in on else None,
+            "circulatory": band if "internal_damping" in on else None, "load": N, "supports": (supports, 6),
+            "imbalance": (MAX_DISKS, 3) if "unbalance" in on else None, "ports": ports, "levers": len(ports),
+            "about": (2, N) if "frame_rotation" in on else None, "prepared": 2, "fixed": (4, *band), "now": (4, *band),
+            "room": (4, N + WIDTH - 1), "tangents": (len(ports), 2, DOFS, DOFS), "refused": 1,
+        }
 
-        def places(positions, what: str) -> list[float]:
-            return checked_positions(positions, p.length, self.name, what)
-
-        fixed = places([p.watched_position], "watched_position")
-        fixed += places([disks.position[k] for k in present], "a disk")
-        fixed += places(supports.position, "a support") if supports is not None else []
-        fixed += places([b.position for b in bearings], "a bearing")
-        nodes = node_positions(p.length, fixed, p.element)
-        section = circular_section(p.outer_diameter, p.inner_diameter, p.youngs_modulus, p.shear_modulus, p.density)
-        shaft = assemble_shaft(section, nodes)
-
-        mass, stiffness = shaft.deflection + shaft.rotary, shaft.stiffness.copy()
-        damping = np.zeros_like(mass)
-        self._gyroscopic = 2.0 * turned(shaft.rotary) if e.gyroscopic is not None else None
-        self._circulatory = None
-        if e.internal_damping is not None:
-            damping += e.internal_damping.time_constant * shaft.stiffness
-            self._circulatory = e.internal_damping.time_constant * turned(shaft.stiffness)
-        at = {k: nearest_node(nodes, disks.position[k]) for k in present}
-        for k, node in at.items():
-            add_disk(mass, node, Disk(disks.mass[k], disks.polar_inertia[k], disks.diametral_inertia[k]))
-            if self._gyroscopic is not None:
-                add_disk_gyroscopic(self._gyroscopic, node, disks.polar_inertia[k])
-        held = np.zeros((0, 5))
-        if supports is not None:
-            at_supports = [nearest_node(nodes, position) for position in supports.position]
-            held = np.column_stack((at_supports, supports.stiffness_x, supports.stiffness_y, supports.damping_x,
-                                    supports.damping_y))
-            for node, k_x, k_y, c_x, c_y in held:
-                j = DOFS * int(node)
-                stiffness[[j, j + 1], HALF] += k_x, k_y
-                damping[[j, j + 1], HALF] += c_x, c_y
-        self._mass, self._damping, self._stiffness, self.nodes = mass, damping, stiffness, nodes
-        self._load = np.zeros(mass.shape[0])
-        if e.gravity is not None:
-            falling = np.zeros_like(self._load)
-            falling[1::DOFS] = -e.gravity.acceleration
-            add_product(mass, falling, self._load)
-        self._imbalance = None
-        if unbalance is not None:
-            rows = [(DOFS * node, unbalance.moment[k], unbalance.phase[k]) for k, node in at.items()]
-            self._imbalance = np.array(rows).reshape(-1, 3)
-        ports = [(nearest_node(nodes, b.position), b.u, b.y) for b in bearings]
-        self._ports = np.array(ports, dtype=np.int64).reshape(-1, 3)
-        self._watched = DOFS * nearest_node(nodes, p.watched_position)
-        self._frame = None
-        if e.frame_rotation is not None and self._gyroscopic is not None:  # it requires that effect
-            self._frame = turning_frame(e.frame_rotation, self._gyroscopic, nodes, held, self._ports)
-
-    def _step(self, t: float, h: float) -> int:
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        p, e = self.arguments
-        return advance_rotor(t, h, n, self.x, self.u, self.y, self.counts, p.start_speed, p.spectral_radius, self._watched,
-                             self._load, self._mass, self._damping, self._stiffness, self._solver, self._ports, self._gyroscopic,
-                             self._circulatory, self._imbalance, e.run_up, self._frame)
-
-    def _outputs(self, t: float) -> None:
-        rotor_outputs(t, self.x, self.u, self.y, self._load.size, self.arguments[0].start_speed, self._watched, self._ports,
-                      self.arguments[1].run_up, self._frame)
+    @property
+    def nodes(self) -> np.ndarray:
+        """Places of the nodes of an initialized rotor along the shaft, (n,) m."""
+        s = self.arguments[0]
+        return s.nodes[: s.mesh[NODES]]
 
     def matrices(self) -> Matrices:
         """Dense matrices of the equation of motion, without what attaches to ports; of an initialized rotor.
 
         Gyroscopic and circulatory ones are zero where their effect is off.
         """
-        zero = np.zeros((self._load.size,) * 2)
-        gyroscopic, circulatory = (zero if b is None else dense(b) for b in (self._gyroscopic, self._circulatory))
-        return Matrices(dense(self._mass), dense(self._damping), dense(self._stiffness), gyroscopic, circulatory)
+        s, N = self.arguments[0], DOFS * self.nodes.size
+        return Matrices(*(np.zeros((N, N)) if band is None else dense(band[:N])
+                          for band in (s.mass, s.damping, s.stiffness, s.gyroscopic, s.circulatory)))
 
     def energy(self) -> float:
         """Energy of bending motion, shaft and linear supports, and of the height where there is gravity, J."""
-        N = self._load.size
+        s, N = self.arguments[0], DOFS * self.nodes.size
         q, v = self.x[:N], self.x[N : 2 * N]
         force, momentum = np.zeros(N), np.zeros(N)
-        add_product(self._stiffness, q, force)
-        add_product(self._mass, v, momentum)
-        return float(0.5 * (q @ force + v @ momentum) - q @ self._load)
+        add_product(s.stiffness[:N], q, force)
+        add_product(s.mass[:N], v, momentum)
+        return float(0.5 * (q @ force + v @ momentum) - q @ s.load[:N])
+
+
+BeamRotor.kernels = Kernels(rotor_initialize, rotor_step, rotor_outputs)

@@ -14,9 +14,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
+from ..core.kernels import kernel, kernel_tuple
 
 
+@kernel_tuple
 class Section(NamedTuple):
     """What a shaft's section contributes per length; stiffness of the shear is that with Cowper's coefficient."""
 
@@ -26,16 +27,18 @@ class Section(NamedTuple):
     inertia: float  # rho I about a diameter, kg.m; twice as much about the axis
 
 
-def shear_coefficient(poisson: float, inner_over_outer: float) -> float:
+@kernel
+def shear_coefficient(poisson, inner_over_outer):
     """Cowper's kappa of a circular section, hollow or not."""
     m2 = (1.0 + inner_over_outer**2) ** 2
     return 6.0 * (1.0 + poisson) * m2 / ((7.0 + 6.0 * poisson) * m2 + (20.0 + 12.0 * poisson) * inner_over_outer**2)
 
 
-def circular_section(outer: float, inner: float, youngs_modulus: float, shear_modulus: float, density: float) -> Section:
-    """Section of a shaft with these diameters, m."""
+@kernel
+def circular_section(outer, inner, youngs_modulus, shear_modulus, density):
+    """`Section` of a shaft with these diameters, m."""
     area = 0.25 * math.pi * (outer**2 - inner**2)
-    second_moment = math.pi / 64.0 * (outer**4 - inner**4)
+    second_moment = math.pi / 64.0 * (outer**4.0 - inner**4.0)  # 4.0: rounded in machine code as in plain Python
     kappa = shear_coefficient(0.5 * youngs_modulus / shear_modulus - 1.0, inner / outer)
     return Section(youngs_modulus * second_moment, kappa * shear_modulus * area, density * area, density * second_moment)
 
@@ -55,17 +58,18 @@ def solid_disk(outer: float, inner: float, width: float, density: float) -> Disk
     return Disk(mass, polar, 0.5 * polar + mass * width**2 / 12.0)
 
 
-def element_stiffness(section: Section, L: np.ndarray) -> np.ndarray:
-    """Stiffness of elements of length L, (n, 4, 4)."""
+@kernel
+def element_stiffness(section, L, matrix):
+    """Stiffness of an element of length L, into (4, 4)."""
     phi = 12.0 * section.bending / (section.shear * L**2)
-    one = np.ones_like(L)
-    k, a, b = 6.0 * L, (4.0 + phi) * L**2, (2.0 - phi) * L**2
-    rows = [[12.0 * one, k, -12.0 * one, k], [k, a, -k, b], [-12.0 * one, -k, 12.0 * one, -k], [k, b, -k, a]]
-    return np.moveaxis(np.array(rows) * section.bending / ((1.0 + phi) * L**3), 2, 0)
+    factor, over = section.bending, (1.0 + phi) * L**3.0
+    a, k = 12.0 * factor / over, 6.0 * L * factor / over
+    set_mirrored(matrix, a, k, -a, k, (4.0 + phi) * L**2 * factor / over, (2.0 - phi) * L**2 * factor / over)
 
 
-def element_mass(section: Section, L: np.ndarray) -> np.ndarray:
-    """Mass matrix of the deflection, (n, 4, 4)."""
+@kernel
+def element_mass(section, L, matrix):
+    """Mass matrix of the deflection, into (4, 4)."""
     phi = 12.0 * section.bending / (section.shear * L**2)
     a = 312.0 + 588.0 * phi + 280.0 * phi**2
     b = (44.0 + 77.0 * phi + 35.0 * phi**2) * L
@@ -73,16 +77,27 @@ def element_mass(section: Section, L: np.ndarray) -> np.ndarray:
     d = -(26.0 + 63.0 * phi + 35.0 * phi**2) * L
     e = (8.0 + 14.0 * phi + 7.0 * phi**2) * L**2
     f = -(6.0 + 14.0 * phi + 7.0 * phi**2) * L**2
-    rows = [[a, b, c, d], [b, e, -d, f], [c, -d, a, -b], [d, f, -b, e]]
-    return np.moveaxis(np.array(rows) * section.mass * L / (840.0 * (1.0 + phi) ** 2), 2, 0)
+    m, over = section.mass, 840.0 * (1.0 + phi) ** 2
+    set_mirrored(matrix, a * m * L / over, b * m * L / over, c * m * L / over, d * m * L / over, e * m * L / over,
+                 f * m * L / over)
 
 
-def element_rotary_inertia(section: Section, L: np.ndarray) -> np.ndarray:
-    """Mass matrix of the sections' tilting; twice of it, times the speed, couples the two planes gyroscopically, (n, 4, 4)."""
+@kernel
+def element_rotary_inertia(section, L, matrix):
+    """Mass matrix of the sections' tilting, into (4, 4); twice of it, times the speed, couples the two planes gyroscopically."""
     phi = 12.0 * section.bending / (section.shear * L**2)
-    a = 36.0 * np.ones_like(L)
+    a = 36.0
     b = (3.0 - 15.0 * phi) * L
     c = (4.0 + 5.0 * phi + 10.0 * phi**2) * L**2
     d = (-1.0 - 5.0 * phi + 5.0 * phi**2) * L**2
-    rows = [[a, b, -a, b], [b, c, -b, d], [-a, -b, a, -b], [b, d, -b, c]]
-    return np.moveaxis(np.array(rows) * section.inertia / (30.0 * L * (1.0 + phi) ** 2), 2, 0)
+    m, over = section.inertia, 30.0 * L * (1.0 + phi) ** 2
+    set_mirrored(matrix, a * m / over, b * m / over, -a * m / over, b * m / over, c * m / over, d * m / over)
+
+
+@kernel
+def set_mirrored(matrix, a, b, c, d, e, f):
+    """The symmetric (4, 4) whose first row is (a, b, c, d), and whose other end is its mirror image; e, f: of the rotations."""
+    matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[0, 3] = a, b, c, d
+    matrix[1, 0], matrix[1, 1], matrix[1, 2], matrix[1, 3] = b, e, -d, f
+    matrix[2, 0], matrix[2, 1], matrix[2, 2], matrix[2, 3] = c, -d, a, -b
+    matrix[3, 0], matrix[3, 1], matrix[3, 2], matrix[3, 3] = d, f, -b, e

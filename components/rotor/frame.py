@@ -17,13 +17,9 @@ and Coriolis forces is missing, and the work on the frame is what the rotor lose
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
 from ..core.banded import add_product
 from ..core.component import Effect
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import kernel
 from ..core.variables import Causality, input_, output, parameter
 from .model import DOFS
 from .ports import STIFFNESS, Bearing
@@ -46,53 +42,47 @@ class FrameRotation(Effect):
     moment_y = output("N.m", "moment about y on the frame, of all supports and bearings", feedthrough=LOADS)
 
 
-@kernel_tuple
-class Frame(NamedTuple):
-    """What the kernels need of a frame that turns."""
+@kernel
+def turn_frame(nodes, gyroscopic, s, frame):
+    """What the outputs and the load need of a frame that turns: `s.about`, `s.levers` and the levers in `s.supports`.
 
-    u: int  # positions of rate_x and moment_x
-    y: int
-    about_x: np.ndarray  # (N,) gyroscopic force per speed and rate, G r_x
-    about_y: np.ndarray
-    supports: np.ndarray  # (k, 6) first degree of freedom, lever in m, stiffness and damping along x and y
-    levers: np.ndarray  # (ports,) m
-
-
-def turning_frame(values, gyroscopic: np.ndarray, nodes: np.ndarray, supports: np.ndarray, ports: np.ndarray) -> Frame:
-    """The frame of a rotor with these nodes, (n,) m.
-
-    values: values of the effect.  gyroscopic: (N, 15).  supports: (k, 5) node, stiffness and damping along x and y.
-    ports: (k, 3) node, first input, first output.
+    nodes: (n,) m.  gyroscopic: (N, 15).  frame: values of the effect.  Whose nodes the supports and the ports hold is known.
     """
-    levers = nodes - values.position
-    rigid_x, rigid_y, about_x, about_y = np.zeros((4, DOFS * nodes.size))
-    rigid_x[1::DOFS], rigid_x[2::DOFS] = -levers, 1.0
-    rigid_y[0::DOFS], rigid_y[3::DOFS] = levers, 1.0
-    add_product(gyroscopic, rigid_x, about_x)
-    add_product(gyroscopic, rigid_y, about_y)
-    at = supports[:, 0].astype(int)
-    held = np.column_stack((DOFS * at, levers[at], supports[:, 1:]))
-    return Frame(values.u, values.y, about_x, about_y, held, levers[ports[:, 0]])
+    N = DOFS * nodes.size
+    rigid_x, rigid_y = s.room[0, :N], s.room[1, :N]
+    rigid_x[:] = 0.0
+    rigid_y[:] = 0.0
+    for i in range(nodes.size):
+        lever = nodes[i] - frame.position
+        rigid_x[DOFS * i + 1], rigid_x[DOFS * i + 2] = -lever, 1.0
+        rigid_y[DOFS * i], rigid_y[DOFS * i + 3] = lever, 1.0
+    add_product(gyroscopic, rigid_x, s.about[0, :N])
+    add_product(gyroscopic, rigid_y, s.about[1, :N])
+    for i in range(s.supports.shape[0]):
+        s.supports[i, 1] = nodes[int(s.supports[i, 0]) // DOFS] - frame.position
+    for i in range(s.ports.shape[0]):
+        s.levers[i] = nodes[s.ports[i, 0]] - frame.position
 
 
 @kernel
-def add_frame_load(s, speed, frame, u, b):
-    """Add the gyroscopic forces of the frame's rates at time s of the macro step to b, (N,)."""
-    i = frame.u
-    by_x = speed * (u[0, i] + s * (u[1, i] + s * u[2, i]))
-    by_y = speed * (u[0, i + 1] + s * (u[1, i + 1] + s * u[2, i + 1]))
+def add_frame_load(since, speed, s, frame, b):
+    """Add the gyroscopic forces of the frame's rates at a time within the macro step to b, (N,)."""
+    i, u = frame.u, s.u
+    by_x = speed * (u[0, i] + since * (u[1, i] + since * u[2, i]))
+    by_y = speed * (u[0, i + 1] + since * (u[1, i + 1] + since * u[2, i + 1]))
     for j in range(b.size):
-        b[j] -= by_x * frame.about_x[j] + by_y * frame.about_y[j]
+        b[j] -= by_x * s.about[0, j] + by_y * s.about[1, j]
 
 
 @kernel
-def frame_outputs(frame, ports, q, v, u, y):
+def frame_outputs(s, frame, q, v):
     """Moment of supports and bearings on the frame: the opposite of theirs on the shaft."""
     about_x, about_y = 0.0, 0.0
-    for i in range(frame.supports.shape[0]):
-        j, lever = int(frame.supports[i, 0]), frame.supports[i, 1]
-        about_x -= lever * (frame.supports[i, 3] * q[j + 1] + frame.supports[i, 5] * v[j + 1])
-        about_y += lever * (frame.supports[i, 2] * q[j] + frame.supports[i, 4] * v[j])
+    supports, ports, u = s.supports, s.ports, s.u
+    for i in range(supports.shape[0]):
+        j, lever = int(supports[i, 0]), supports[i, 1]
+        about_x -= lever * (supports[i, 3] * q[j + 1] + supports[i, 5] * v[j + 1])
+        about_y += lever * (supports[i, 2] * q[j] + supports[i, 4] * v[j])
     for i in range(ports.shape[0]):
         j, first = DOFS * ports[i, 0], ports[i, 1]
         for row in range(4):
@@ -101,12 +91,12 @@ def frame_outputs(frame, ports, q, v, u, y):
                 place = first + STIFFNESS + 5 * (row + (row > 1)) + column + (column > 1)
                 load -= u[0, place] * q[j + column] + u[0, place + 25] * v[j + column]
             if row == 0:
-                about_y -= frame.levers[i] * load
+                about_y -= s.levers[i] * load
             elif row == 1:
-                about_x += frame.levers[i] * load
+                about_x += s.levers[i] * load
             elif row == 2:
                 about_x -= load
             else:
                 about_y -= load
-    y[frame.y] = about_x
-    y[frame.y + 1] = about_y
+    s.y[frame.y] = about_x
+    s.y[frame.y + 1] = about_y

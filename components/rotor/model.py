@@ -13,17 +13,19 @@ viscous in the rotating frame: its force is -eta K_shaft (q' + Omega S q).
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from ..core.errors import BadInput
-from .elements import Disk, Section, element_mass, element_rotary_inertia, element_stiffness
+from ..core.kernels import kernel
+from .elements import element_mass, element_rotary_inertia, element_stiffness
 
 DOFS = 4  # of a node
 HALF = 2 * DOFS - 1  # half bandwidth: an element joins neighbouring nodes
 WIDTH = 2 * HALF + 1
+# degrees of freedom of an element's two nodes that bend in one plane, and their signs as tilt_x = -dy/dz has it
+PLANES = ((0, 3, 4, 7), (1, 2, 5, 6))
+SIGNS = ((1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, -1.0))
 
 
 class Matrices(NamedTuple):
@@ -36,87 +38,124 @@ class Matrices(NamedTuple):
     circulatory: np.ndarray  # H, times the speed in rad/s
 
 
-class Shaft(NamedTuple):
-    """Bands of a bare shaft: deflection's and tilting's inertia, stiffness, (N, 15) each."""
-
-    position: np.ndarray  # (n,) m, nodes
-    deflection: np.ndarray
-    rotary: np.ndarray
-    stiffness: np.ndarray
+def most_nodes(length: float, element: float, fixed: int) -> int:
+    """Number of nodes that `place_nodes` never exceeds with so many fixed positions."""
+    return int(length / element) + fixed + 3
 
 
-def node_positions(length: float, fixed: list[float], element: float) -> np.ndarray:
-    """Nodes at both ends and every fixed position, gaps between them cut into equal elements not longer than `element`, (n,) m.
+@kernel
+def place_nodes(length, places, element, nodes):
+    """Nodes at both ends and every place, gaps between them cut into equal elements not longer than `element`; their number.
 
-    Positions closer to one another than a millionth of the length share a node.
+    Positions closer to one another than a millionth of the length share a node.  places: (k + 2,) m, in any order, of which the
+    first two become the ends; it is lost.  nodes: (at least `most_nodes`,) m, written.
     """
-    places = np.unique([0.0, *fixed, length])
-    places = places[np.append(True, np.diff(places) > 1e-6 * length)]
-    places[-1] = length
-    counts = [max(1, math.ceil(gap / element - 1e-6)) for gap in np.diff(places)]
-    parts = [np.linspace(a, b, count, endpoint=False) for (a, b), count in zip(pairwise(places), counts, strict=True)]
-    return np.concatenate((*parts, places[-1:]))
+    places[0], places[1] = 0.0, length
+    for i in range(1, places.size):
+        place, j = places[i], i - 1
+        while j >= 0 and places[j] > place:
+            places[j + 1] = places[j]
+            j -= 1
+        places[j + 1] = place
+    kept, before = 1, places[0]
+    for i in range(1, places.size):
+        place = places[i]
+        if place - before > 1e-6 * length:
+            places[kept] = place
+            kept += 1
+        before = place
+    places[kept - 1] = length
+    count = 0
+    for i in range(kept - 1):
+        gap = places[i + 1] - places[i]
+        parts = max(1, math.ceil(gap / element - 1e-6))
+        for k in range(parts):
+            nodes[count] = k * (gap / parts) + places[i]
+            count += 1
+    nodes[count] = length
+    return count + 1
 
 
-def nearest_node(nodes: np.ndarray, position: float) -> int:
+@kernel
+def nearest_node(nodes, position):
     """Index of the node at a position."""
-    return int(np.abs(nodes - position).argmin())
+    nearest = 0
+    for i in range(nodes.size):
+        if abs(nodes[i] - position) < abs(nodes[nearest] - position):
+            nearest = i
+    return nearest
 
 
-def checked_positions(positions, length: float, where: str, what: str) -> list[float]:
-    """The positions as a list, or `BadInput` if one of them is beyond the shaft."""
-    for value in positions:
-        if not 0.0 <= value <= length * (1.0 + 1e-12):
-            raise BadInput(where, f"{what} at {value:g} m", f"a place on the shaft, 0 to {length:g} m")
-    return [float(value) for value in positions]
+@kernel
+def assemble_shaft(section, nodes, deflection, rotary, stiffness, matrix):
+    """Bands of a bare uniform shaft with these nodes, m: deflection's and tilting's inertia, stiffness.
+
+    deflection, rotary, stiffness: (N, 15), written.  matrix: (4, 4), work.
+    """
+    deflection[:] = 0.0
+    rotary[:] = 0.0
+    stiffness[:] = 0.0
+    for node in range(nodes.size - 1):
+        L = nodes[node + 1] - nodes[node]
+        element_mass(section, L, matrix)
+        add_element(deflection, node, matrix)
+        element_rotary_inertia(section, L, matrix)
+        add_element(rotary, node, matrix)
+        element_stiffness(section, L, matrix)
+        add_element(stiffness, node, matrix)
 
 
-def assemble_shaft(section: Section, nodes: np.ndarray) -> Shaft:
-    """Bands of a uniform shaft with these nodes, m."""
-    L = np.diff(nodes)
-    blocks = (element_mass(section, L), element_rotary_inertia(section, L), element_stiffness(section, L))
-    return Shaft(nodes, *(_banded(block, nodes.size) for block in blocks))
+@kernel
+def add_element(band, node, matrix):
+    """Add the matrix of an element behind a node, (4, 4) of one plane, to the band of both planes."""
+    for plane in range(2):
+        for a in range(4):
+            i = PLANES[plane][a]
+            for b in range(4):
+                band[DOFS * node + i, HALF + PLANES[plane][b] - i] += SIGNS[plane][a] * SIGNS[plane][b] * matrix[a, b]
 
 
-def _banded(plane: np.ndarray, nodes: int) -> np.ndarray:
-    """Band of both planes from the element matrices of one, (n - 1, 4, 4); signs as tilt_x = -dy/dz has it."""
-    band = np.zeros((DOFS * nodes, WIDTH))
-    first = DOFS * np.arange(nodes - 1)
-    for places, signs in (((0, 3, 4, 7), (1.0, 1.0, 1.0, 1.0)), ((1, 2, 5, 6), (1.0, -1.0, 1.0, -1.0))):
-        for a, i in enumerate(places):
-            for b, j in enumerate(places):
-                band[first + i, HALF + j - i] += signs[a] * signs[b] * plane[:, a, b]
-    return band
-
-
-def turned(band: np.ndarray) -> np.ndarray:
-    """A S: the columns of x and y, and of tilt_x and tilt_y, change places; (N, 15).
+@kernel
+def turn(band, factor, result):
+    """factor A S into (N, 15): the columns of x and y, and of tilt_x and tilt_y, change places.
 
     (A S q)_i = sum A_ij (S q)_j with S q = (y, -x, tilt_y, -tilt_x), so that column y gets A's column x, and x minus column y.
     """
-    result = np.zeros_like(band)
-    for k in range(-HALF, HALF + 1):
-        rows = np.arange(max(0, -k), band.shape[0] - max(0, k))
-        even = (rows + k) % 2 == 0  # a column of x or tilt_x; it goes to the next one, one of y or tilt_y to the one before
-        to, back = rows[even], rows[~even]
-        if k < HALF:
-            result[to, HALF + k + 1] += band[to, HALF + k]
-        if k > -HALF:
-            result[back, HALF + k - 1] -= band[back, HALF + k]
-    return result
+    n = band.shape[0]
+    result[:] = 0.0
+    for i in range(n):
+        for k in range(max(-HALF, -i), min(HALF, n - 1 - i) + 1):
+            if (i + k) % 2 == 0:  # a column of x or tilt_x; it goes to the next one, one of y or tilt_y to the one before
+                if k < HALF:
+                    result[i, HALF + k + 1] += factor * band[i, HALF + k]
+            elif k > -HALF:
+                result[i, HALF + k - 1] -= factor * band[i, HALF + k]
 
 
-def add_disk(band: np.ndarray, node: int, disk: Disk) -> None:
+@kernel
+def add_disk(band, node, mass, diametral_inertia):
     """Add a disk's inertia to the band of the mass matrix."""
-    rows = DOFS * node + np.arange(DOFS)
-    band[rows, HALF] += (disk.mass, disk.mass, disk.diametral_inertia, disk.diametral_inertia)
+    j = DOFS * node
+    band[j, HALF] += mass
+    band[j + 1, HALF] += mass
+    band[j + 2, HALF] += diametral_inertia
+    band[j + 3, HALF] += diametral_inertia
 
 
-def add_disk_gyroscopic(band: np.ndarray, node: int, polar_inertia: float) -> None:
+@kernel
+def add_disk_gyroscopic(band, node, polar_inertia):
     """Add a disk's I_p S to the band of the gyroscopic matrix."""
     j = DOFS * node + 2
     band[j, HALF + 1] += polar_inertia
     band[j + 1, HALF - 1] -= polar_inertia
+
+
+@kernel
+def add_band(factor, band, result):
+    """result += factor * band."""
+    for i in range(band.shape[0]):
+        for k in range(band.shape[1]):
+            result[i, k] += factor * band[i, k]
 
 
 def dense(band: np.ndarray) -> np.ndarray:

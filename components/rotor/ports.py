@@ -66,8 +66,8 @@ class Bearing(Effect):
 
 
 @kernel
-def follow_tangents(s, ports, u, tangents):
-    """The ports' tangents at time s within the macro step; True if they differ from the former content.
+def follow_tangents(since, ports, u, tangents):
+    """The ports' tangents at a time, s, within the macro step; True if they differ from the former content.
 
     ports: (k, 3) node, first input, first output.  u: (3, m).  tangents: (k, 2, 4, 4) result: stiffness and damping for the
     order x, y, tilt_x, tilt_y.
@@ -79,7 +79,7 @@ def follow_tangents(s, ports, u, tangents):
             for row in range(4):
                 for column in range(4):
                     j = first + 5 * (row + (row > 1)) + column + (column > 1)  # without the row and the column of z
-                    value = u[0, j] + s * (u[1, j] + s * u[2, j])
+                    value = u[0, j] + since * (u[1, j] + since * u[2, j])
                     if tangents[i, term, row, column] != value:
                         tangents[i, term, row, column] = value
                         changed = True
@@ -87,12 +87,12 @@ def follow_tangents(s, ports, u, tangents):
 
 
 @kernel
-def add_loads(s, ports, u, b):
-    """Add the ports' loads at zero motion at time s to b, (N,)."""
+def add_loads(since, ports, u, b):
+    """Add the ports' loads at zero motion at a time within the macro step to b, (N,)."""
     for i in range(ports.shape[0]):
         j, first = 4 * ports[i, 0], ports[i, 1]
         for row in range(4):
-            b[j + row] += u[0, first + row] + s * (u[1, first + row] + s * u[2, first + row])
+            b[j + row] += u[0, first + row] + since * (u[1, first + row] + since * u[2, first + row])
 
 
 @kernel

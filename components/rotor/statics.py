@@ -7,9 +7,10 @@ method, and approach the equilibrium of Hertzian contacts from the side of the l
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from ..core.banded import add_product, factor_general, solve_general
+from ..core.kernels import kernel
 from .model import DOFS, HALF
 from .ports import add_loads, add_tangents, follow_tangents
 
@@ -18,45 +19,72 @@ HELD = 1e-6  # of the load: what soft springs may carry of it in an equilibrium
 REFINEMENTS = 10
 
 
-def solve_static(stiffness: np.ndarray, load: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Displacements under a load, (N,), and whether the stiffness, an (N, 15) band, holds the structure against it."""
-    factors = stiffness.copy()
-    factors[:, HALF] *= 1.0 + SOFT
+@kernel
+def largest(vector):
+    """The largest magnitude of a vector's elements; NaN where one of them is."""
+    size = 0.0
+    for j in range(vector.size):
+        if abs(vector[j]) > size or math.isnan(vector[j]):
+            size = abs(vector[j])
+    return size
+
+
+@kernel
+def find_residual(stiffness, q, load, residual):
+    """residual = K q - load."""
+    for j in range(q.size):
+        residual[j] = -load[j]
+    add_product(stiffness, q, residual)
+
+
+@kernel
+def solve_static(stiffness, load, q, factors, first, residual):
+    """Displacements under a load into q, (N,), and whether the stiffness, an (N, 15) band, holds the structure against it.
+
+    factors: (N, 15), first, residual: (N,), work.
+    """
+    for i in range(stiffness.shape[0]):
+        for k in range(stiffness.shape[1]):
+            factors[i, k] = stiffness[i, k]
+        factors[i, HALF] *= 1.0 + SOFT
     factor_general(factors)
-    first = load.copy()
+    for j in range(q.size):
+        first[j] = load[j]
     solve_general(factors, first)
-    q, limit = first.copy(), np.abs(load).max()
+    for j in range(q.size):
+        q[j] = first[j]
+    limit = largest(load)
     for _ in range(REFINEMENTS):
-        residual = -load
-        add_product(stiffness, q, residual)
-        if not np.abs(residual).max() > 1e-13 * limit:
+        find_residual(stiffness, q, load, residual)
+        if not largest(residual) > 1e-13 * limit:
             break
         solve_general(factors, residual)
-        q -= residual
-    residual = -load
-    add_product(stiffness, q, residual)
-    held = bool(np.abs(residual).max() <= HELD * limit)
-    return (q if held else first), held
+        for j in range(q.size):
+            q[j] -= residual[j]
+    find_residual(stiffness, q, load, residual)
+    return largest(residual) <= HELD * limit
 
 
-def equilibrium(
-    stiffness: np.ndarray, load: np.ndarray, ports: np.ndarray, u: np.ndarray, fall: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements under a constant load and the ports' loads, and the forces that are left there, (N,) each.
+@kernel
+def equilibrium(band, factors, s, q, force, fall):
+    """Displacements q under a constant load and the ports' loads, and the forces that are left there, (N,) each.
 
-    A shaft that nothing holds is straight; where it has ports it is moved by `fall`, m, along the sum of `load`.
-    stiffness: (N, 15).  load: (N,).  ports: (k, 3) node, first input, first output.  u: (3, m) inputs.
+    A shaft that nothing holds is straight; where it has ports it is moved by `fall`, m, along the sum of the constant load.
+    band: (N, 15) stiffness, to which those of the ports are added.  factors: (N, 15), work.  force: the constant load at first.
     """
-    tangents = np.zeros((len(ports), 2, DOFS, DOFS))
-    follow_tangents(0.0, ports, u, tangents)
-    band, total = stiffness.copy(), load.copy()
-    add_tangents(ports, tangents, 1.0, 0.0, band)
-    add_loads(0.0, ports, u, total)
-    q, held = solve_static(band, total)
-    if not held:
-        q[:] = 0.0
-        weight = load.reshape(-1, DOFS)[:, :2].sum(axis=0)
-        if len(ports) and weight.any():
-            q.reshape(-1, DOFS)[:, :2] = fall / np.hypot(*weight) * weight
-    add_product(band, -q, total)
-    return q, total
+    N = q.size
+    fx, fy = 0.0, 0.0
+    for j in range(0, N, DOFS):
+        fx += force[j]
+        fy += force[j + 1]
+    follow_tangents(0.0, s.ports, s.u, s.tangents)
+    add_tangents(s.ports, s.tangents, 1.0, 0.0, band)
+    add_loads(0.0, s.ports, s.u, force)
+    if not solve_static(band, force, q, factors, s.room[0, :N], s.room[1, :N]):
+        falls = s.ports.shape[0] > 0 and (fx != 0.0 or fy != 0.0)
+        share = fall / math.hypot(fx, fy) if falls else 0.0
+        for j in range(0, N, DOFS):
+            q[j], q[j + 1], q[j + 2], q[j + 3] = share * fx, share * fy, 0.0, 0.0
+    for j in range(N):
+        s.room[0, j] = -q[j]
+    add_product(band, s.room[0, :N], force)

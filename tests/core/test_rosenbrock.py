@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from cosimo.components.core.kernels import DONE, NOT_FINITE, bind, kernel
 from cosimo.components.core.rosenbrock import rodas3
 
 pytestmark = pytest.mark.interpreted
+Memory = namedtuple("Memory", "u y x counts limits work")
 
 
 @kernel
-def stiff_derivatives(t, x, u, dx, p):
+def stiff_derivatives(t, x, u, dx, s, p, e):
     """Prothero and Robinson: x0' = -stiffness (x0 - cos u) - sin(u) u'; x1' = -x1² (Riccati); x0 and x2 exchange nothing."""
     dx[0] = -p[0] * (x[0] - math.cos(u[0])) - math.sin(u[0]) * p[1]
     dx[1] = -x[1] * x[1] + u[0] - u[0]
@@ -21,7 +23,7 @@ def stiff_derivatives(t, x, u, dx, p):
 
 
 @kernel
-def stiff_jacobian(t, x, u, band, p):
+def stiff_jacobian(t, x, u, band, s, p, e):
     """Derivatives of `stiff_derivatives` by x."""
     band[0, 2] = -p[0]
     band[1, 2] = -2.0 * x[1]
@@ -29,9 +31,10 @@ def stiff_jacobian(t, x, u, band, p):
 
 
 @kernel
-def stiff_outputs(t, x, u, y, p):
+def stiff_outputs(t, s, p, e):
     """The state."""
-    y[0] = x[0]
+    s.y[0] = s.x[0]
+    return DONE
 
 
 advance = bind(rodas3, __name__, derivatives=stiff_derivatives, jacobian=stiff_jacobian, outputs=stiff_outputs)
@@ -39,13 +42,13 @@ advance = bind(rodas3, __name__, derivatives=stiff_derivatives, jacobian=stiff_j
 
 def run(n, stiffness, h=1.0, rate=1.0, start=(1.0, 2.0, 0.0)):
     """State after n steps over h, x0 following cos(rate t), and the status."""
-    x, u, y = np.array(start), np.array([[0.0], [rate], [0.0]]), np.zeros(1)
-    counts = np.zeros(2, dtype=np.int64)
-    status = advance(0.0, h, n, x, u, y, np.zeros((10, 5)), counts, (stiffness, rate))
-    assert counts.tolist() == [n, 4 * n]
-    assert u[:, 0].tolist() == [h * rate, 0.0, 0.0]
-    np.testing.assert_array_equal(y[0], x[0])
-    return x, status
+    s = Memory(np.array([[0.0], [rate], [0.0]]), np.zeros(1), np.array(start), np.zeros(2, dtype=np.int64),
+               np.array([h / n, math.inf]), np.zeros((10, 5)))
+    status = advance(0.0, h, s, (stiffness, rate), None)
+    assert s.counts.tolist() == [n, 4 * n]
+    assert s.u[:, 0].tolist() == [h * rate, 0.0, 0.0]
+    np.testing.assert_array_equal(s.y[0], s.x[0])
+    return s.x, status
 
 
 @pytest.mark.parametrize("stiffness", [1.0, 5.0])

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.bearings.constriction import (
-    Ball,
     arithmetic_geometric_mean,
     ball_spreading,
     bridged_resistance,
@@ -92,7 +91,7 @@ def test_the_mean_logarithm_over_an_isothermal_disc():
 
 def contact(ratio=8.0):
     radii = 3.4e-3, 3.4e-3 * ratio
-    return thermal_contact(point_contact(*radii, STEEL), radii, 46.0, 23.0)
+    return thermal_contact(point_contact(*radii, STEEL), *radii, 46.0, 23.0)
 
 
 def test_a_contact_has_both_sides_in_series_and_grows_with_the_cube_root():
@@ -130,7 +129,7 @@ def test_a_gap_lies_between_nothing_and_all_in_parallel():
     assert 1.0 / (1.0 / bare + gap) < resistance < bare
 
 
-@pytest.mark.parametrize("ball", [None, Ball(4e-3, 46.0)])
+@pytest.mark.parametrize("ball", [None, np.array([4e-3, 46.0])])
 def test_two_ladders_are_one(ball):
     """From 0 to 5 and on to 20 um; the ladder's own step error is 0.1 %."""
     c = contact()

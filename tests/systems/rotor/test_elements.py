@@ -18,9 +18,21 @@ from cosimo.components.rotor.elements import (
     solid_disk,
 )
 from cosimo.components.rotor.modal import modes
-from cosimo.components.rotor.model import assemble_shaft, dense, node_positions, turned
+from cosimo.components.rotor.model import DOFS, WIDTH, assemble_shaft, dense, most_nodes, place_nodes, turn
 
 STEEL = (211e9, 81.2e9, 7810.0)
+
+
+def nodes_of(length: float, fixed: list[float], element: float) -> np.ndarray:
+    nodes = np.full(most_nodes(length, element, len(fixed)), np.nan)
+    return nodes[: place_nodes(length, np.array([0.0, 0.0, *fixed]), element, nodes)]
+
+
+def bands_of(section: Section, nodes: np.ndarray) -> np.ndarray:
+    """Deflection's and tilting's inertia and stiffness of a bare shaft, (3, N, 15)."""
+    bands = np.full((3, DOFS * nodes.size, WIDTH), np.nan)
+    assemble_shaft(section, nodes, *bands, np.zeros((4, 4)))
+    return bands
 
 
 def shapes(section: Section, L: float, z: float):
@@ -56,7 +68,8 @@ def test_element_matrices_are_the_integrals_of_their_shapes(slenderness):
         integrals[2] += weight * section.shear * np.outer(shear_angle, shear_angle)
     for function, expected in zip((element_mass, element_rotary_inertia, element_stiffness), integrals, strict=True):
         # rounding: the inverse of the end values has a condition of up to 1e6 for the shortest and the longest element
-        np.testing.assert_allclose(function(section, np.array([L]))[0], expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+        function(section, L, matrix := np.zeros((4, 4)))
+        np.testing.assert_allclose(matrix, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
 def test_cowpers_coefficient():
@@ -76,9 +89,8 @@ def test_a_disk_of_no_width_has_twice_the_polar_inertia():
 
 def test_rigid_motion_costs_nothing_and_has_the_whole_inertia():
     section = circular_section(0.05, 0.0, *STEEL)
-    nodes = node_positions(1.5, [0.4, 1.1], 0.2)
-    shaft = assemble_shaft(section, nodes)
-    stiffness, deflection, rotary = dense(shaft.stiffness), dense(shaft.deflection), dense(shaft.rotary)
+    nodes = nodes_of(1.5, [0.4, 1.1], 0.2)
+    deflection, rotary, stiffness = map(dense, bands_of(section, nodes))
     move_x, tilt_y, tilt_x = np.zeros((3, 4 * nodes.size))
     move_x[0::4] = 1.0
     tilt_y[0::4], tilt_y[3::4] = nodes, 1.0  # dx/dz = 1
@@ -93,12 +105,13 @@ def test_rigid_motion_costs_nothing_and_has_the_whole_inertia():
 
 
 def test_a_quarter_turn_commutes_with_the_shaft():
-    shaft = assemble_shaft(circular_section(0.05, 0.0, *STEEL), node_positions(1.0, [], 0.25))
+    bands = bands_of(circular_section(0.05, 0.0, *STEEL), nodes_of(1.0, [], 0.25))
     S = np.kron(np.eye(5), [[0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, -1.0, 0.0]])
-    for band in (shaft.stiffness, shaft.deflection, shaft.rotary):
+    for band in bands:
         A = dense(band)
         assert np.array_equal(A, A.T)
-        assert np.array_equal(dense(turned(band)), A @ S)
+        turn(band, 1.0, turned := np.full_like(band, np.nan))
+        assert np.array_equal(dense(turned), A @ S)
         assert np.array_equal(A @ S, S @ A)
 
 
@@ -190,7 +203,19 @@ def test_elastic_constants_that_no_isotropic_material_has_are_refused(young, she
 
 
 def test_nodes_stand_at_every_given_place():
-    nodes = node_positions(1.5, [0.5, 0.5 + 1e-9, 1.2], 0.25)
+    nodes = nodes_of(1.5, [0.5, 0.5 + 1e-9, 1.2], 0.25)
     assert nodes.size == 8  # 2, 3 and 2 elements
     assert {0.0, 0.5, 1.2, 1.5} <= set(np.round(nodes, 9))
     assert np.diff(nodes).max() <= 0.25 * (1.0 + 1e-6)
+
+
+def test_there_is_room_for_the_nodes_of_any_places():
+    rng = np.random.default_rng(2)
+    for _ in range(300):
+        length, fixed = rng.uniform(0.1, 3.0), int(rng.integers(0, 9))
+        element = length / rng.uniform(0.3, 40.0)
+        nodes = nodes_of(length, (length * rng.uniform(size=fixed)).tolist(), element)
+        assert nodes[0] == 0.0
+        assert nodes[-1] == length
+        assert (np.diff(nodes) > 0.0).all()
+        assert nodes.size <= most_nodes(length, element, fixed) - 1

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ......components.bearings.conductance import AngularContactConductance, side_of_ball
-from ......components.bearings.constriction import conductances_in_series
+from ......components.bearings.conductance import AngularContactConductance, rings_of, side_of_ball
+from ......components.bearings.constriction import conductances_in_series, noted_contact
 
 BORES = {"7008C": (40e-3, 68e-3), "7210B": (50e-3, 90e-3)}  # bore, outside diameter, m
 ANGLES = {"7008C": 15.0, "7210B": 40.0}  # degrees
@@ -47,11 +47,12 @@ def exponent(model: AngularContactConductance, axial: float, ratio: float = 0.0,
 
 def ball_conductances(model: AngularContactConductance) -> np.ndarray:
     """Conductance of each ball under the present loads, (Z,) W/K, without films."""
-    constants, effects = model.arguments
+    s = model.arguments[0]
+    inner_race, outer_race, rings = noted_contact(s.races[0]), noted_contact(s.races[1]), rings_of(s)
     each = []
     for load in model.ball_loads:
-        inner = side_of_ball(load, constants.inner, constants.inner_relief, constants, effects, 0.0)
-        outer = side_of_ball(load, constants.outer, constants.outer_relief, constants, effects, 0.0)
+        inner = side_of_ball(load, 0.0, inner_race, rings.inner_relief, *model.arguments)
+        outer = side_of_ball(load, 0.0, outer_race, rings.outer_relief, *model.arguments)
         each.append(conductances_in_series(inner, outer))
     return np.array(each)
 

@@ -1,0 +1,192 @@
+"""What follows from a beam rotor's parameters, and its state at the start."""
+
+from __future__ import annotations
+
+import math
+
+from ..core.banded import add_product, factor_general, solve_general
+from ..core.kernels import DONE, OWN, kernel
+from .elements import circular_section
+from .frame import add_frame_load, turn_frame
+from .integration import NODES, SPEED, STEP, WATCHED, add_imbalance
+from .model import (
+    DOFS,
+    HALF,
+    add_band,
+    add_disk,
+    add_disk_gyroscopic,
+    assemble_shaft,
+    nearest_node,
+    place_nodes,
+    turn,
+)
+from .spin import TURN, acceleration_at, speed_at
+from .statics import equilibrium
+
+# status
+HOLLOW, NO_MATERIAL, UNBALANCE_LOST, WATCHED_BEYOND, DISK_BEYOND, SUPPORT_BEYOND, BEARING_BEYOND = range(OWN + 1, OWN + 8)
+
+
+@kernel
+def rotor_initialize(t, s, p, e):
+    """Matrices, loads and places of the parameters; equilibrium at the start, but for the unbalance."""
+    status = section_status(s, p)
+    if status == DONE:
+        status = mesh_status(s, p, e)
+    if status != DONE:
+        return status
+    set_matrices(s, p, e)
+    set_loads(s, p, e)
+    N, x = DOFS * s.mesh[NODES], s.x
+    q, v, force, band, factors = x[:N], x[N : 2 * N], x[2 * N : 3 * N], s.now[0, :N], s.now[1, :N]
+    angle, speed = p.start_angle % TURN, speed_at(t, p.start_speed, e.run_up)
+    for j in range(N):
+        force[j] = s.load[j]
+    force[s.mesh[WATCHED]] += s.u[0, 0]
+    force[s.mesh[WATCHED] + 1] += s.u[0, 1]
+    if e.frame_rotation is not None:
+        add_frame_load(0.0, speed, s, e.frame_rotation, force)
+    copy_band(s.stiffness, band)
+    if s.circulatory is not None:
+        add_band(speed, s.circulatory[:N], band)
+    equilibrium(band, factors, s, q, force, p.start_fall)
+    if s.imbalance is not None:
+        add_imbalance(angle, speed, acceleration_at(t, p.start_speed, e.run_up), s.imbalance, force)
+    copy_band(s.mass, factors)
+    factor_general(factors)
+    solve_general(factors, force)  # the acceleration: a method with a spectral radius below 1 begins with it
+    v[:] = 0.0
+    x[3 * N] = angle
+    s.room[:] = 0.0
+    s.prepared[STEP] = s.prepared[SPEED] = math.nan
+    return DONE
+
+
+@kernel
+def section_status(s, p):
+    """Whether the shaft has a wall, of an isotropic material."""
+    if p.inner_diameter >= p.outer_diameter:
+        return HOLLOW
+    poisson = 0.5 * p.youngs_modulus / p.shear_modulus - 1.0
+    if not -1.0 < poisson <= 0.5 + 1e-9:  # 0.5 itself comes with its rounding
+        s.refused[0] = poisson
+        return NO_MATERIAL
+    return DONE
+
+
+@kernel
+def has_disk(disks, k):
+    """Whether a disk is one."""
+    return disks.mass[k] + disks.polar_inertia[k] + disks.diametral_inertia[k] != 0.0
+
+
+@kernel
+def add_place(position, count, s, p):
+    """Note a place of the shaft at which there is to be a node; False: it is beyond the shaft."""
+    s.refused[0] = position
+    s.places[count] = position
+    return 0.0 <= position <= p.length * (1.0 + 1e-12)
+
+
+@kernel
+def mesh_status(s, p, e):
+    """Nodes, and which of them disks, supports, ports and the watched place have; whether all these are on the shaft."""
+    if e.unbalance is not None:
+        for k in range(e.unbalance.moment.size):
+            if e.unbalance.moment[k] != 0.0 and not has_disk(e.disks, k):
+                s.refused[0] = k + 1.0
+                return UNBALANCE_LOST
+    count = 2  # behind the ends
+    if not add_place(p.watched_position, count, s, p):
+        return WATCHED_BEYOND
+    count += 1
+    if e.disks is not None:
+        for k in range(e.disks.mass.size):
+            if has_disk(e.disks, k):
+                if not add_place(e.disks.position[k], count, s, p):
+                    return DISK_BEYOND
+                count += 1
+    if e.linear_supports is not None:
+        for k in range(2):
+            if not add_place(e.linear_supports.position[k], count, s, p):
+                return SUPPORT_BEYOND
+            count += 1
+    if e.bearing_a is not None:
+        if not add_place(e.bearing_a.position, count, s, p):
+            return BEARING_BEYOND
+        count += 1
+    if e.bearing_b is not None:
+        if not add_place(e.bearing_b.position, count, s, p):
+            return BEARING_BEYOND
+        count += 1
+    s.mesh[NODES] = place_nodes(p.length, s.places[:count], p.element, s.nodes)
+    s.mesh[WATCHED] = DOFS * nearest_node(s.nodes[: s.mesh[NODES]], p.watched_position)
+    return DONE
+
+
+@kernel
+def set_matrices(s, p, e):
+    """Bands of shaft, disks and supports, and what holds the shaft where."""
+    nodes = s.nodes[: s.mesh[NODES]]
+    N = DOFS * nodes.size
+    mass, damping, stiffness, rotary = s.mass[:N], s.damping[:N], s.stiffness[:N], s.now[0, :N]
+    section = circular_section(p.outer_diameter, p.inner_diameter, p.youngs_modulus, p.shear_modulus, p.density)
+    assemble_shaft(section, nodes, mass, rotary, stiffness, s.matrix)
+    add_band(1.0, rotary, mass)
+    if s.gyroscopic is not None:
+        turn(rotary, 2.0, s.gyroscopic[:N])
+    damping[:] = 0.0
+    if e.internal_damping is not None:
+        add_band(e.internal_damping.time_constant, stiffness, damping)
+        turn(stiffness, e.internal_damping.time_constant, s.circulatory[:N])
+    if e.disks is not None:
+        disks = e.disks
+        for k in range(disks.mass.size):
+            if has_disk(disks, k):
+                node = nearest_node(nodes, disks.position[k])
+                add_disk(mass, node, disks.mass[k], disks.diametral_inertia[k])
+                if s.gyroscopic is not None:
+                    add_disk_gyroscopic(s.gyroscopic, node, disks.polar_inertia[k])
+                if e.unbalance is not None:
+                    s.imbalance[k, 0], s.imbalance[k, 1] = DOFS * node, e.unbalance.moment[k]
+                    s.imbalance[k, 2] = e.unbalance.phase[k]
+    if e.linear_supports is not None:
+        held = e.linear_supports
+        for k in range(2):
+            j = DOFS * nearest_node(nodes, held.position[k])
+            stiffness[j, HALF] += held.stiffness_x[k]
+            stiffness[j + 1, HALF] += held.stiffness_y[k]
+            damping[j, HALF] += held.damping_x[k]
+            damping[j + 1, HALF] += held.damping_y[k]
+            s.supports[k, 0], s.supports[k, 2], s.supports[k, 3] = j, held.stiffness_x[k], held.stiffness_y[k]
+            s.supports[k, 4], s.supports[k, 5] = held.damping_x[k], held.damping_y[k]
+    port = 0
+    if e.bearing_a is not None:
+        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (nearest_node(nodes, e.bearing_a.position), e.bearing_a.u,
+                                                                e.bearing_a.y)
+        port += 1
+    if e.bearing_b is not None:
+        s.ports[port, 0], s.ports[port, 1], s.ports[port, 2] = (nearest_node(nodes, e.bearing_b.position), e.bearing_b.u,
+                                                                e.bearing_b.y)
+
+
+@kernel
+def set_loads(s, p, e):
+    """Weight, and what a frame that turns loads the rotor with per speed and rate."""
+    nodes = s.nodes[: s.mesh[NODES]]
+    N = DOFS * nodes.size
+    if e.gravity is not None:
+        falling = s.room[0, :N]
+        for j in range(N):
+            falling[j] = -e.gravity.acceleration if j % DOFS == 1 else 0.0
+        add_product(s.mass[:N], falling, s.load[:N])
+    if e.frame_rotation is not None:
+        turn_frame(nodes, s.gyroscopic[:N], s, e.frame_rotation)
+
+
+@kernel
+def copy_band(band, result):
+    """The rows of `result` from those of a band that may be longer."""
+    for i in range(result.shape[0]):
+        for k in range(result.shape[1]):
+            result[i, k] = band[i, k]
