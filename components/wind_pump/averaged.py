@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from ..core.events import rk4_events
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
+from ..core.kernels import DONE, OUT_OF_RANGE, kernel
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.variables import output, parameter
 from .driven_shaft import (
     DISSIPATION_OUT,
@@ -62,28 +60,20 @@ class AveragedConverter(Transmission):
 
     def coefficients(self) -> tuple[float, float]:
         """(k1, k2) in kg m² of the mean torque k1 w1² - k2 w1 w."""
-        return mean_coefficients(self._declared_arguments()[0])
+        return mean_coefficients(self._parameters()[0])
 
-    def initial_state(self) -> np.ndarray:
-        """Speed of the driven shaft as given, and its mode."""
-        p = self.arguments[0]
-        driving, _ = mean_torques(p.start_speed, self.u[0], p)
-        return np.array([p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
+    def states(self) -> int:
+        """Speed of the driven shaft, mode."""
+        return 2
 
     def energy(self) -> float:
         """Energy of the driven shaft's rotation, J."""
-        return 0.5 * self.arguments[0].driven_inertia * float(self.x[0]) ** 2
+        return 0.5 * self.arguments[1].driven_inertia * float(self.x[0]) ** 2
 
     def left_range(self) -> str:
         """The turbine's speed and its limit."""
         limit = self.get("largest_turbine_speed")
         return f"turbine_speed = {self.get('turbine_speed'):g} rad/s, expected within -{limit:g} and {limit:g} rad/s"
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / |eigenvalue| at the largest turbine speed, s."""
-        p = self._declared_arguments()[0]
-        slope = self.coefficients()[1] * p.gear_ratio * p.largest_turbine_speed
-        return RK4_STABILITY_RADIUS * p.driven_inertia / (slope + p.driven_damping)
 
 
 SPEED, MODE = 0, 1
@@ -107,7 +97,22 @@ def mean_torques(speed, u, p):
 
 
 @kernel
-def averaged_derivatives(t, x, u, dx, p, e):
+def averaged_start(t, s, p, e):
+    """Speed of the driven shaft as given, and its mode."""
+    driving, _ = mean_torques(p.start_speed, s.u[0], p)
+    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, LOAD])
+    return DONE
+
+
+@kernel
+def averaged_stable(t, s, p, e):
+    """RK4's limit, radius / |eigenvalue| at the largest turbine speed, s."""
+    _, k2 = mean_coefficients(p)
+    return RK4_STABILITY_RADIUS * p.driven_inertia / (k2 * p.gear_ratio * p.largest_turbine_speed + p.driven_damping)
+
+
+@kernel
+def averaged_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (speed of the driven shaft, mode)."""
     driving, _ = mean_torques(x[SPEED], u, p)
     dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
@@ -115,14 +120,14 @@ def averaged_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def averaged_guards(t, x, u, g, p, e):
+def averaged_guards(t, x, u, g, s, p, e):
     """That of the driven shaft."""
     driving, _ = mean_torques(x[SPEED], u, p)
     g[0] = shaft_guard(x[MODE], x[SPEED], driving, u[LOAD])
 
 
 @kernel
-def averaged_switch(which, t, x, u, p, e):
+def averaged_switch(which, t, x, u, s, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     driving, _ = mean_torques(0.0, u, p)
@@ -130,27 +135,29 @@ def averaged_switch(which, t, x, u, p, e):
 
 
 @kernel
-def averaged_outputs(t, x, u, y, p, e):
+def averaged_outputs(t, s, p, e):
     """Torques, speed, ratio, power lost."""
+    x, u, y = s.x, s.u[0], s.y
     driving, on_turbine = mean_torques(x[SPEED], u, p)
     loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+    return DONE
 
 
-_advance = bind(rk4_events, __name__, derivatives=averaged_derivatives, guards=averaged_guards, switch=averaged_switch,
-                outputs=averaged_outputs)
+_events = event_kernels(__name__, start=averaged_start, stable=averaged_stable, derivatives=averaged_derivatives,
+                        guards=averaged_guards, switch=averaged_switch, outputs=averaged_outputs)
+_step = _events.step
 
 
 @kernel
-def averaged_advance(t, h, n, k, x, u, y, work, counts, p, e):
-    """`rk4_events`, refused for a turbine that is faster than the stable step allows for."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
-    if status == DONE and not abs(u[0, TURBINE_SPEED]) <= p.largest_turbine_speed:  # also where it is no number
+def averaged_step(t, h, s, p, e):
+    """A step with events, refused for a turbine that is faster than the stable step allows for."""
+    status = _step(t, h, s, p, e)
+    if status == DONE and not abs(s.u[0, TURBINE_SPEED]) <= p.largest_turbine_speed:  # also where it is no number
         return OUT_OF_RANGE
     return status
 
 
-AveragedConverter.advance = averaged_advance
-AveragedConverter.output_kernel = averaged_outputs
+AveragedConverter.kernels = _events._replace(step=averaged_step)

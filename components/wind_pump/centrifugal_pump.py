@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from ..core.component import Component, Effect
-from ..core.errors import BadInput
-from ..core.kernels import DONE, NOT_FINITE, hold_inputs, kernel
+from ..core.component import Effect
+from ..core.contract import Refusal
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
 from ..core.variables import input_, output, parameter
+
+BEYOND_EFFICIENCY = OWN + 1
 
 
 class SealFriction(Effect):
@@ -19,7 +20,7 @@ class SealFriction(Effect):
     torque = parameter(0.2, "N.m", "friction torque; a choice of ours", low=0.0)
 
 
-class CentrifugalPump(Component):
+class CentrifugalPump(DirectComponent):
     """Pump with head n² H0 - n d Q - c Q² at the relative speed n = w / w0, and a check valve.
 
         H = n² H0 - n d Q - c Q², or Q = 0 where the head H is higher;    efficiency = e (2 q - q²),  q = Q / (n Q0)
@@ -33,8 +34,6 @@ class CentrifugalPump(Component):
 
     title = "Centrifugal pump"
     system = "wind_pump"
-    start_inputs = ()
-    counters = ("steps",)
     default_step = 1e-2
     default_stop = 20.0
 
@@ -57,24 +56,12 @@ class CentrifugalPump(Component):
     flow = output("m3/s", "flow delivered", nominal=1e-2, feedthrough=("speed", "head"))
     hydraulic_power = output("W", "power given to the water", nominal=100.0, feedthrough=("speed", "head"))
 
-    def _initialize(self, t: float) -> int:
-        p: Any = self.parameters
-        largest = flow_at(1.0, p["shutoff_head"], p["linear_drop"], p["curve_drop"]) / p["best_flow"]
-        if largest >= 2.0:
-            raise BadInput(self.name, f"a curve that reaches {largest:.3g} times best_flow", "less than twice, where the "
-                           "efficiency vanishes", "Raise best_flow or curve_drop.")
-        self.arguments = self._declared_arguments()
-        self.x = np.zeros(0)
-        return DONE
+    refusals = {BEYOND_EFFICIENCY: Refusal("a curve that reaches {reach[0]} times best_flow",
+                                           "less than twice, where the efficiency vanishes", "Raise best_flow or curve_drop.")}
 
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE if math.isfinite(self.u[0].sum() + self.y.sum()) else NOT_FINITE
-
-    def _outputs(self, t: float) -> None:
-        pump_outputs(self.u[0], self.y, *self.arguments)
+    def shapes(self) -> dict[str, Any]:
+        """`reach`: largest flow at the rated speed over the best one."""
+        return {"reach": 1}
 
 
 SPEED, HEAD = CentrifugalPump.input_indices("speed", "head")
@@ -91,8 +78,16 @@ def flow_at(n, surplus, linear, curve):
 
 
 @kernel
-def pump_outputs(u, y, p, e):
+def pump_start(t, s, p, e):
+    """Whether the curve stays where the efficiency is known."""
+    s.reach[0] = flow_at(1.0, p.shutoff_head, p.linear_drop, p.curve_drop) / p.best_flow
+    return DONE if s.reach[0] < 2.0 else BEYOND_EFFICIENCY
+
+
+@kernel
+def pump_outputs(t, s, p, e):
     """Torque, flow and power."""
+    u, y = s.u[0], s.y
     n, head = max(u[SPEED], 0.0) / p.rated_speed, max(u[HEAD], 0.0)
     shutoff = n * n * p.shutoff_head
     flow, weight, share = flow_at(n, shutoff - head, p.linear_drop, p.curve_drop), p.density * p.gravity, 0.0
@@ -103,3 +98,18 @@ def pump_outputs(u, y, p, e):
     if e.seal_friction is not None:
         y[TORQUE_OUT] += e.seal_friction.torque
     y[FLOW_OUT], y[POWER_OUT] = flow, weight * own_head * flow
+    return DONE
+
+
+_direct = direct_kernels(__name__, pump_outputs, pump_start)
+_step = _direct.step
+
+
+@kernel
+def pump_step(t, h, s, p, e):
+    """The outputs, refused where they are no numbers."""
+    status = _step(t, h, s, p, e)
+    return status if math.isfinite(s.u[0].sum() + s.y.sum()) else NOT_FINITE
+
+
+CentrifugalPump.kernels = _direct._replace(step=pump_step)

@@ -19,9 +19,10 @@ import math
 import numpy as np
 
 from ..core.component import Effect
-from ..core.events import rk4_events
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel
+from ..core.kernels import DONE, OUT_OF_RANGE, kernel
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS, SUBSTEP
+from ..core.oscillator import fastest_rate
 from ..core.variables import input_, output, parameter
 from .driven_shaft import (
     LOAD,
@@ -136,23 +137,13 @@ class InertialConverter(Transmission):
     engaged = output("1", "the clutch that drives or, on a standing shaft, pushes: 1, -1, or 0 for none",
                      feedthrough=("turbine_speed", "load_torque"))
 
-    def initial_state(self) -> np.ndarray:
-        """The crank turns with the turbine, the lever's guided end is at rest, the shaft between them is relaxed."""
-        p = self.arguments[0]
-        rate = p.gear_ratio * self.u[0, TURBINE_SPEED]
-        mode = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
-        if p.start_speed > 0.0 and self.arguments[1].compliant_clutches is not None:
-            mode = TURNING
-        return np.array([0.0, p.start_angle, rate, 0.0, 0.0, p.start_speed, mode])
-
-    def internal_step(self) -> float:
-        """The shorter one of `substep` and, where the clutches slip, theirs, s."""
-        clutches = self._declared_arguments()[1].compliant_clutches
-        return super().internal_step() if clutches is None else min(super().internal_step(), clutches.substep)
+    def states(self) -> int:
+        """Twist, angle and speed of the crank, place and velocity of the slider, speed of the driven shaft, mode."""
+        return 7
 
     def energy(self) -> float:
         """Energy of motion and of the input shaft's twist, J."""
-        p = self.arguments[0]
+        p = self.arguments[1]
         twist, angle, rate, _, velocity, speed, _ = self.x
         mass_velocity = (1.0 + p.lever_ratio) * p.crank_radius * math.cos(angle) * rate - p.lever_ratio * velocity
         return 0.5 * float(p.shaft_stiffness * twist**2 + p.crank_inertia * rate**2 + p.lever_mass * mass_velocity**2
@@ -160,23 +151,10 @@ class InertialConverter(Transmission):
 
     def left_range(self) -> str:
         """The crank's speed and how fast it may turn for the internal step."""
-        limit = MOST_TURN / self._substep
+        substep = self.arguments[0].limits[SUBSTEP]
+        limit = MOST_TURN / substep
         return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the crank at {self.x[RATE]:.4g} rad/s, expected "
-                f"within -{limit:.4g} and {limit:.4g} rad/s for internal steps of {self._substep:g} s")
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
-        p, e = self._declared_arguments()
-        k, c = p.shaft_stiffness / p.crank_inertia, p.shaft_damping / p.crank_inertia
-        fastest = float(np.abs(np.roots([1.0, c, k])).max())
-        if e.compliant_clutches is not None:
-            slider = p.lever_mass * p.lever_ratio**2 + p.slider_mass
-            carried = p.lever_mass * (1.0 + p.lever_ratio) * p.crank_radius
-            lightest = slider - (p.lever_ratio * carried) ** 2 / (
-                p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
-            slip = e.compliant_clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
-            fastest += slip  # no less than the largest eigenvalue of both together
-        return RK4_STABILITY_RADIUS / fastest
+                f"within -{limit:.4g} and {limit:.4g} rad/s for internal steps of {substep:g} s")
 
 
 @kernel
@@ -214,7 +192,34 @@ def accelerations(x, u, p, clutches):
 
 
 @kernel
-def converter_derivatives(t, x, u, dx, p, e):
+def converter_start(t, s, p, e):
+    """The crank turns with the turbine, the lever's guided end is at rest, the shaft between them is relaxed."""
+    x = s.x
+    x[ANGLE], x[RATE], x[SPEED] = p.start_angle, p.gear_ratio * s.u[0, TURBINE_SPEED], p.start_speed
+    x[MODE] = STANDING if p.start_speed == 0.0 else FREE  # what does not last is left at the begin of the first substep
+    if e.compliant_clutches is not None:
+        if p.start_speed > 0.0:
+            x[MODE] = TURNING
+        s.limits[SUBSTEP] = min(p.substep, e.compliant_clutches.substep)
+    return DONE
+
+
+@kernel
+def converter_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| of the shaft on the crank alone and, where they slip, of the clutches, s."""
+    fastest = fastest_rate(p.crank_inertia, p.shaft_damping, p.shaft_stiffness)
+    if e.compliant_clutches is not None:
+        slider = p.lever_mass * p.lever_ratio**2 + p.slider_mass
+        carried = p.lever_mass * (1.0 + p.lever_ratio) * p.crank_radius
+        lightest = slider - (p.lever_ratio * carried) ** 2 / (
+            p.crank_inertia + carried * (1.0 + p.lever_ratio) * p.crank_radius)
+        slip = e.compliant_clutches.damping * (1.0 / (p.clutch_arm**2 * lightest) + 1.0 / p.driven_inertia)
+        fastest += slip  # no less than the largest eigenvalue of both together
+    return RK4_STABILITY_RADIUS / fastest
+
+
+@kernel
+def converter_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (theta, phi, phi', y, y', w, mode)."""
     dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[RATE]
     dx[ANGLE], dx[SLIDER], dx[MODE] = x[RATE], x[VELOCITY], 0.0
@@ -222,7 +227,7 @@ def converter_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def converter_guards(t, x, u, g, p, e):
+def converter_guards(t, x, u, g, s, p, e):
     """Free: distance from either clutch. Engaged: force and speed. Standing: what is left of the load."""
     _, _, _, force = accelerations(x, u, p, e.compliant_clutches)
     if e.compliant_clutches is not None or x[MODE] == STANDING:
@@ -234,7 +239,7 @@ def converter_guards(t, x, u, g, p, e):
 
 
 @kernel
-def converter_switch(which, t, x, u, p, e):
+def converter_switch(which, t, x, u, s, p, e):
     """The next mode; speeds that are equal in it are made so."""
     if e.compliant_clutches is not None:
         driving = p.clutch_arm * abs(clutch_force(x[VELOCITY], 0.0, p, e.compliant_clutches))
@@ -261,8 +266,9 @@ def converter_switch(which, t, x, u, p, e):
 
 
 @kernel
-def converter_outputs(t, x, u, y, p, e):
+def converter_outputs(t, s, p, e):
     """Torques, speeds and losses; joint forces and stresses where they are on."""
+    x, u, y = s.x, s.u[0], s.y
     torque = shaft_torque(x, u, p)
     crank, slider, _, force = accelerations(x, u, p, e.compliant_clutches)
     driving = p.clutch_arm * abs(force)
@@ -284,20 +290,21 @@ def converter_outputs(t, x, u, y, p, e):
         y[k + 5] = 6.0 * bending / (e.stresses.lever_width * e.stresses.lever_height**2)
         y[k + 6] = 4.0 * on_lever / (math.pi * e.stresses.pin_diameter**2)
         y[k + 7] = (p.crank_radius * math.sin(x[ANGLE]) - x[SLIDER]) / e.stresses.lever_arm
+    return DONE
 
 
-_advance = bind(rk4_events, __name__, derivatives=converter_derivatives, guards=converter_guards, switch=converter_switch,
-                outputs=converter_outputs)
+_events = event_kernels(__name__, start=converter_start, stable=converter_stable, derivatives=converter_derivatives,
+                        guards=converter_guards, switch=converter_switch, outputs=converter_outputs)
+_step = _events.step
 
 
 @kernel
-def converter_advance(t, h, n, k, x, u, y, work, counts, p, e):
-    """`rk4_events`, refused where its substeps do not resolve the crank's revolution."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
-    if status == DONE and abs(x[RATE]) * h > MOST_TURN * n:
+def converter_step(t, h, s, p, e):
+    """A step with events, refused where its substeps do not resolve the crank's revolution."""
+    status = _step(t, h, s, p, e)
+    if status == DONE and abs(s.x[RATE]) * h > MOST_TURN * max(1, math.ceil(h / s.limits[SUBSTEP] * (1.0 - 1e-9))):
         return OUT_OF_RANGE
     return status
 
 
-InertialConverter.advance = converter_advance
-InertialConverter.output_kernel = converter_outputs
+InertialConverter.kernels = _events._replace(step=converter_step)

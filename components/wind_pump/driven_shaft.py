@@ -3,7 +3,7 @@
 A pump's torque is resistive, like dry friction of one direction: while the shaft stands, the pump answers whatever the drive
 gives, up to the torque of the pressure on its piston; the pump's valves, or a backstop, keep the shaft from turning back. So
 there are two modes, kept in the state as a number: TURNING, which holds while the speed is positive, and STANDING, which holds
-while the drive is below the load. All transmissions share these kernels; they are bound with `rk4_events`.
+while the drive is below the load. All transmissions share these kernels; they are bound by `event_kernels`.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
-from ..core.events import EventComponent
 from ..core.kernels import kernel
+from ..core.modes import EventComponent
 from ..core.variables import input_, output, parameter
 
 STANDING, TURNING = 0.0, 1.0

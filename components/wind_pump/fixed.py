@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from ..core.events import rk4_events
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, kernel
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.oscillator import fastest_rate
 from ..core.variables import parameter
 from .driven_shaft import (
     DISSIPATION_OUT,
@@ -45,23 +44,14 @@ class FixedTransmission(Transmission):
     driven_damping = parameter(0.0, "N.m.s/rad", "viscous friction of the driven shaft", low=0.0)
     substep = parameter(2e-3, "s", "longest internal step", low=1e-9, high=1.0)
 
-
-    def initial_state(self) -> np.ndarray:
-        """Twist, speed, mode: the shaft relaxed, its speed as given."""
-        p = self.arguments[0]
-        driving = shaft_torque(0.0, p.start_speed, self.u[0], p)
-        return np.array([0.0, p.start_speed, shaft_mode(p.start_speed, driving, self.u[0, LOAD])])
+    def states(self) -> int:
+        """Twist, speed, mode."""
+        return 3
 
     def energy(self) -> float:
         """Energy of the driven shaft's rotation and of the twist, J."""
-        p = self.arguments[0]
+        p = self.arguments[1]
         return 0.5 * float(p.driven_inertia * self.x[SPEED] ** 2 + p.stiffness * self.x[TWIST] ** 2)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
-        p = self._declared_arguments()[0]
-        damping = (p.shaft_damping + p.driven_damping) / p.driven_inertia
-        return RK4_STABILITY_RADIUS / float(np.abs(np.roots([1.0, damping, p.stiffness / p.driven_inertia])).max())
 
 
 TWIST, SPEED, MODE = 0, 1, 2
@@ -74,7 +64,21 @@ def shaft_torque(twist, speed, u, p):
 
 
 @kernel
-def fixed_derivatives(t, x, u, dx, p, e):
+def fixed_start(t, s, p, e):
+    """The shaft relaxed, its speed as given."""
+    driving = shaft_torque(0.0, p.start_speed, s.u[0], p)
+    s.x[SPEED], s.x[MODE] = p.start_speed, shaft_mode(p.start_speed, driving, s.u[0, LOAD])
+    return DONE
+
+
+@kernel
+def fixed_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
+    return RK4_STABILITY_RADIUS / fastest_rate(p.driven_inertia, p.shaft_damping + p.driven_damping, p.stiffness)
+
+
+@kernel
+def fixed_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (twist, speed of the driven shaft, mode)."""
     driving = shaft_torque(x[TWIST], x[SPEED], u, p)
     dx[TWIST] = p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
@@ -83,29 +87,30 @@ def fixed_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def fixed_guards(t, x, u, g, p, e):
+def fixed_guards(t, x, u, g, s, p, e):
     """That of the driven shaft."""
     g[0] = shaft_guard(x[MODE], x[SPEED], shaft_torque(x[TWIST], x[SPEED], u, p), u[LOAD])
 
 
 @kernel
-def fixed_switch(which, t, x, u, p, e):
+def fixed_switch(which, t, x, u, s, p, e):
     """The driven shaft stops or starts."""
     x[SPEED] = 0.0
     x[MODE] = switched_shaft(x[MODE], shaft_torque(x[TWIST], 0.0, u, p), u[LOAD])
 
 
 @kernel
-def fixed_outputs(t, x, u, y, p, e):
+def fixed_outputs(t, s, p, e):
     """Torques, speed, ratio, power lost."""
+    x, u, y = s.x, s.u[0], s.y
     driving, rate = shaft_torque(x[TWIST], x[SPEED], u, p), p.gear_ratio * u[TURBINE_SPEED] - x[SPEED]
     on_turbine = p.gear_ratio * driving
     loss = mesh_loss(on_turbine, u[TURBINE_SPEED], e.mesh_friction)
     y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = on_turbine + loss, x[SPEED], driving
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = p.shaft_damping * rate**2 + p.driven_damping * x[SPEED] ** 2 + loss * u[TURBINE_SPEED]
+    return DONE
 
 
-FixedTransmission.advance = bind(rk4_events, __name__, derivatives=fixed_derivatives, guards=fixed_guards, switch=fixed_switch,
-                                 outputs=fixed_outputs)
-FixedTransmission.output_kernel = fixed_outputs
+FixedTransmission.kernels = event_kernels(__name__, start=fixed_start, stable=fixed_stable, derivatives=fixed_derivatives,
+                                          guards=fixed_guards, switch=fixed_switch, outputs=fixed_outputs)

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import numpy as np
 
 from ..core.component import Effect
-from ..core.errors import BadInput
-from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.modes import EventComponent, event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.variables import input_, output, parameter
 
 ATMOSPHERE = 101325.0  # Pa
 GRAVITY = 9.81  # m/s²
 EMPTY, PARTLY, FULL = -1.0, 0.0, 1.0
+ABOVE_OVERFLOW = OWN + 1
 
 
 class Friction(Effect):
@@ -82,32 +80,12 @@ class WaterPipe(EventComponent):
     outflow = output("m3/s", "flow at the end of the pipe", nominal=1e-3, feedthrough=("flow",))
     delivered = output("m3", "volume that has left the pipe since the start")
 
-    def initial_state(self) -> np.ndarray:
+    refusals = {ABOVE_OVERFLOW: Refusal("tank.start_level = {tank.start_level} m", "at most the height, {tank.height} m",
+                                        "Lower it.")}
+
+    def states(self) -> int:
         """Delivered volume; air volume and flow of the column; level, mode, supplied and overflowed volume."""
-        _, e = self.arguments
-        x = [0.0]
-        if e.air_vessel is not None:
-            x += [e.air_vessel.gas_volume, 0.0]
-        if e.tank is not None:
-            x += [e.tank.start_level, FULL if e.tank.start_level == e.tank.height else PARTLY, 0.0, 0.0]
-        return np.array(x)
-
-    def _initialize(self, t: float) -> int:
-        values: Any = self.parameters
-        if "tank" in self.on and values["tank.start_level"] > values["tank.height"]:
-            raise BadInput(self.name, f"tank.start_level = {values['tank.start_level']:g} m",
-                           f"at most the height, {values['tank.height']:g} m", "Lower it.")
-        return super()._initialize(t)
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / w of the column on the air of the start, s; infinite without an air vessel."""
-        p, e = self._declared_arguments()
-        if e.air_vessel is None:
-            return math.inf
-        pressure = ATMOSPHERE + p.density * GRAVITY * (p.static_head + (e.tank.start_level if e.tank is not None else 0.0))
-        area = 0.25 * math.pi * e.air_vessel.pipe_diameter**2
-        square = e.air_vessel.exponent * pressure * area / (p.density * e.air_vessel.pipe_length * e.air_vessel.gas_volume)
-        return RK4_STABILITY_RADIUS / math.sqrt(square)
+        return 1 + (2 if "air_vessel" in self.on else 0) + (TANKED if "tank" in self.on else 0)
 
 
 FLOW = WaterPipe.input_indices("flow")[0]
@@ -148,7 +126,34 @@ def pump_head(x, u, p, e):
 
 
 @kernel
-def pipe_derivatives(t, x, u, dx, p, e):
+def pipe_start(t, s, p, e):
+    """Vessel and column at rest, the tank at its level."""
+    if e.air_vessel is not None:
+        s.x[GAS] = e.air_vessel.gas_volume
+    if e.tank is not None:
+        if e.tank.start_level > e.tank.height:
+            return ABOVE_OVERFLOW
+        k = s.x.size - TANKED
+        s.x[k], s.x[k + 1] = e.tank.start_level, FULL if e.tank.start_level == e.tank.height else PARTLY
+    return DONE
+
+
+@kernel
+def pipe_stable(t, s, p, e):
+    """RK4's limit, radius / w of the column on the air of the start, s; infinite without an air vessel."""
+    if e.air_vessel is None:
+        return math.inf
+    start = p.static_head
+    if e.tank is not None:
+        start += e.tank.start_level
+    pressure = ATMOSPHERE + p.density * GRAVITY * start
+    area = 0.25 * math.pi * e.air_vessel.pipe_diameter**2
+    square = e.air_vessel.exponent * pressure * area / (p.density * e.air_vessel.pipe_length * e.air_vessel.gas_volume)
+    return RK4_STABILITY_RADIUS / math.sqrt(square)
+
+
+@kernel
+def pipe_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (delivered[, air volume, flow of the column][, level, mode, supplied, overflowed])."""
     leaving = outflow(x, u, e.air_vessel)
     dx[DELIVERED] = leaving
@@ -171,7 +176,7 @@ def pipe_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def pipe_guards(t, x, u, g, p, e):
+def pipe_guards(t, x, u, g, s, p, e):
     """Room and water in the tank, or what keeps it full or empty."""
     g[0] = 1.0
     if e.tank is not None:
@@ -184,7 +189,7 @@ def pipe_guards(t, x, u, g, p, e):
 
 
 @kernel
-def pipe_switch(which, t, x, u, p, e):
+def pipe_switch(which, t, x, u, s, p, e):
     """The tank becomes full or empty, or ceases to be."""
     if e.tank is not None:
         k = x.size - TANKED
@@ -197,15 +202,16 @@ def pipe_switch(which, t, x, u, p, e):
 
 
 @kernel
-def pipe_outputs(t, x, u, y, p, e):
+def pipe_outputs(t, s, p, e):
     """Head, flow and volumes."""
+    x, u, y = s.x, s.u[0], s.y
     y[HEAD_OUT] = pump_head(x, u, p, e)
     y[OUTFLOW_OUT], y[DELIVERED_OUT] = outflow(x, u, e.air_vessel), x[DELIVERED]
     if e.tank is not None:
         k = x.size - TANKED
         y[e.tank.y], y[e.tank.y + 1], y[e.tank.y + 2] = x[k], x[k + 2], x[k + 3]
+    return DONE
 
 
-WaterPipe.advance = bind(rk4_events, __name__, derivatives=pipe_derivatives, guards=pipe_guards, switch=pipe_switch,
-                         outputs=pipe_outputs)
-WaterPipe.output_kernel = pipe_outputs
+WaterPipe.kernels = event_kernels(__name__, start=pipe_start, stable=pipe_stable, derivatives=pipe_derivatives,
+                                  guards=pipe_guards, switch=pipe_switch, outputs=pipe_outputs)

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import numpy as np
 
 from ..core.component import Effect, Preset
-from ..core.errors import BadInput
-from ..core.integrators import OdeComponent, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.ode import OdeComponent, ode_kernels
 from ..core.variables import choice, input_, output, parameter
 
 ACTIONS = ("single", "double")
 DOUBLE = 1
 TURN = 2.0 * math.pi
+ROD_WITHOUT_USE, ROD_TOO_THICK = OWN + 1, OWN + 2
 
 
 class Leakage(Effect):
@@ -80,18 +78,15 @@ class PistonPump(OdeComponent):
                               "size chosen for an example: 0.424 l per stroke, 13.2 N m in the mean at 20 m", "computed"),
     }
 
-    def initial_state(self) -> np.ndarray:
-        """The crank's angle."""
-        return np.array([self.parameters["start_angle"]])
+    refusals = {
+        ROD_WITHOUT_USE: Refusal("rod_diameter = {rod_diameter} m with action 'single'", "a double-acting pump",
+                                 "In a single-acting one the rod changes nothing."),
+        ROD_TOO_THICK: Refusal("rod_diameter = {rod_diameter} m", "less than the piston's {diameter} m"),
+    }
 
-    def _initialize(self, t: float) -> int:
-        p: Any = self.parameters
-        if p["rod_diameter"] > 0.0 and p["action"] == "single":
-            raise BadInput(self.name, f"rod_diameter = {p['rod_diameter']:g} m with action 'single'", "a double-acting pump",
-                           "In a single-acting one the rod changes nothing.")
-        if p["rod_diameter"] >= p["diameter"]:
-            raise BadInput(self.name, f"rod_diameter = {p['rod_diameter']:g} m", f"less than the piston's {p['diameter']:g} m")
-        return super()._initialize(t)
+    def states(self) -> int:
+        """The crank's angle."""
+        return 1
 
 
 SPEED, HEAD = PistonPump.input_indices("speed", "head")
@@ -118,14 +113,32 @@ def piston_rate(angle, averaged):
 
 
 @kernel
-def pump_derivatives(t, x, u, dx, p, e):
+def pump_start(t, s, p, e):
+    """The crank's angle."""
+    if p.rod_diameter > 0.0 and p.action != DOUBLE:
+        return ROD_WITHOUT_USE
+    if p.rod_diameter >= p.diameter:
+        return ROD_TOO_THICK
+    s.x[0] = p.start_angle
+    return DONE
+
+
+@kernel
+def pump_stable(t, s, p, e):
+    """Any step: the speed is given."""
+    return math.inf
+
+
+@kernel
+def pump_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (angle)."""
     dx[0] = max(u[SPEED], 0.0)
 
 
 @kernel
-def pump_outputs(t, x, u, y, p, e):
+def pump_outputs(t, s, p, e):
     """Torque, flow, angle and power."""
+    x, u, y = s.x, s.u[0], s.y
     moved, weight = volume_rate(x[0], p, e.averaged), p.density * p.gravity
     torque = weight * u[HEAD] * moved
     if e.seal_friction is not None:
@@ -136,7 +149,8 @@ def pump_outputs(t, x, u, y, p, e):
     y[TORQUE_OUT], y[FLOW_OUT], y[POWER_OUT] = torque, flow, weight * u[HEAD] * flow
     wrapped = x[0] % TURN
     y[ANGLE_OUT] = wrapped if wrapped < TURN else 0.0  # rounding of a small negative angle
+    return DONE
 
 
-PistonPump.advance = bind(rk4, __name__, derivatives=pump_derivatives, outputs=pump_outputs)
-PistonPump.output_kernel = pump_outputs
+PistonPump.kernels = ode_kernels(__name__, start=pump_start, stable=pump_stable, derivatives=pump_derivatives,
+                                 outputs=pump_outputs)

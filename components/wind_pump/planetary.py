@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from ..core.component import Effect
+from ..core.contract import Refusal
 from ..core.errors import BadInput
-from ..core.events import rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import DONE, OUT_OF_RANGE, bind, kernel, kernel_tuple
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, kernel, kernel_tuple
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.spectrum import spectral_radius
 from ..core.variables import choice, output, parameter
 from .driven_shaft import (
     DISSIPATION_OUT,
@@ -31,6 +31,7 @@ from .driven_shaft import (
 )
 
 SHAFTS = ("sun", "ring", "carrier")
+STATIC_BELOW_KINETIC = OWN + 1
 
 
 class DryBrake(Effect):
@@ -90,35 +91,19 @@ class PlanetaryTransmission(Transmission):
     third_speed = output("rad/s", "speed of the third shaft")
     third_torque = output("N.m", "torque of the brake against the third shaft", nominal=10.0, feedthrough=("turbine_speed",))
 
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """The parameters with the gear's coefficients in the place of its arrangement."""
-        p, e = self._declared_arguments()
-        coefficients = [1.0, p.teeth_ratio, -(1.0 + p.teeth_ratio)]
-        into, out = coefficients[p.turbine_on], coefficients[p.pump_on]
-        third = coefficients[3 - p.turbine_on - p.pump_on]
-        values = {f: getattr(p, f) for f in Gear._fields if f in p._fields}
-        return Gear(torque_ratio=abs(out / into), third_ratio=-third / into, **values), e
+    refusals = {STATIC_BELOW_KINETIC: Refusal("dry_brake.static = {dry_brake.static} N.m",
+                                              "at least the kinetic torque, {dry_brake.kinetic} N.m", "Raise it.")}
 
-    def initial_state(self) -> np.ndarray:
-        """Twist, speeds of driven and third shaft, mode of the driven one and, with `dry_brake`, direction of its slipping.
+    def states(self) -> int:
+        """Twist, speeds of driven and third shaft, mode of the driven one and, with `dry_brake`, direction of its slipping."""
+        return 5 if "dry_brake" in self.on else 4
 
-        The shaft is relaxed and turns with the turbine, from which the third shaft's speed follows.
-        """
-        p, e = self.arguments
-        start = self.parameters["start_speed"]
-        third = (self.u[0, TURBINE_SPEED] - p.torque_ratio * start) / p.third_ratio
-        mode = shaft_mode(start, 0.0, self.u[0, LOAD])
-        return np.array([0.0, start, third, mode] + ([] if e.dry_brake is None else [stick_mode(third, 0.0, e.dry_brake.static)]))
-
-    def _initialize(self, t: float) -> int:
-        values: Any = self.parameters
-        if values["turbine_on"] == values["pump_on"]:
-            raise BadInput(self.name, f"turbine and pump on the {values['pump_on']}", "two different shafts of the gear set",
-                           "Change turbine_on or pump_on.")
-        if "dry_brake" in self.on and values["dry_brake.static"] < values["dry_brake.kinetic"]:
-            raise BadInput(self.name, f"dry_brake.static = {values['dry_brake.static']:g} N.m",
-                           f"at least the kinetic torque, {values['dry_brake.kinetic']:g} N.m", "Raise it.")
-        return super()._initialize(t)
+    def shapes(self) -> dict[str, Any]:
+        """`ratios`: those of `Gear`.  `matrix`: of the linear equations, and workspace."""
+        if self.parameters["turbine_on"] == self.parameters["pump_on"]:
+            raise BadInput(self.name, f"turbine and pump on the {self.parameters['turbine_on']}",
+                           "two different shafts of the gear set", "Change turbine_on or pump_on.")
+        return super().shapes() | {"ratios": 2, "matrix": (2, 3, 3)}
 
     def energy(self) -> float:
         """Energy of both shafts' rotation and of the twist, J."""
@@ -131,30 +116,15 @@ class PlanetaryTransmission(Transmission):
         return (f"turbine_speed = {self.get('turbine_speed'):g} rad/s turns the third shaft at {self.x[THIRD]:g} rad/s, "
                 f"expected within -{limit:g} and {limit:g} rad/s (centrifugal_brake.largest_speed)")
 
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
-        p, e = self.kernel_arguments()
-        b3, brake = p.third_damping, e.centrifugal_brake
-        b3 += 2.0 * brake.coefficient * brake.largest_speed if brake is not None else 0.0
-        ratios = np.array([p.torque_ratio, p.third_ratio])
-        inertias = np.array([p.driven_inertia, p.third_inertia])
-        speeds = -(p.shaft_damping * np.outer(ratios, ratios) + np.diag([p.driven_damping, b3])) / inertias[:, None]
-        A = np.block([[np.zeros((1, 1)), -ratios[None, :]], [(p.stiffness * ratios / inertias)[:, None], speeds]])
-        return RK4_STABILITY_RADIUS / float(np.abs(np.linalg.eigvals(A)).max())
-
 
 @kernel_tuple
 class Gear(NamedTuple):
-    """Parameters for the kernels; w_turbine = torque_ratio * w + third_ratio * w_3, torques accordingly."""
+    """w_turbine = torque_ratio * w + third_ratio * w_3, torques accordingly; and the shaft between turbine and gear set."""
 
     torque_ratio: float
     third_ratio: float
     stiffness: float
     shaft_damping: float
-    driven_inertia: float
-    driven_damping: float
-    third_inertia: float
-    third_damping: float
 
 
 THIRD_OUT, BRAKE_OUT = PlanetaryTransmission.output_indices("third_speed", "third_torque")
@@ -162,87 +132,136 @@ TWIST, SPEED, THIRD, MODE, SLIP = 0, 1, 2, 3, 4
 
 
 @kernel
-def twist_rate(x, u, p):
+def coefficient(shaft, k):
+    """Of a shaft of the gear set, sun, ring or carrier, in Willis's relation."""
+    return 1.0 if shaft == 0 else k if shaft == 1 else -(1.0 + k)
+
+
+@kernel
+def gear_of(s, p):
+    """The gear set as it is arranged."""
+    return Gear(s.ratios[0], s.ratios[1], p.stiffness, p.shaft_damping)
+
+
+@kernel
+def twist_rate(x, u, gear):
     """Speed of the turbine over that of its shaft of the gear set, rad/s."""
-    return u[TURBINE_SPEED] - p.torque_ratio * x[SPEED] - p.third_ratio * x[THIRD]
+    return u[TURBINE_SPEED] - gear.torque_ratio * x[SPEED] - gear.third_ratio * x[THIRD]
 
 
 @kernel
-def shaft_torque(x, u, p):
+def shaft_torque(x, u, gear):
     """Torque of the compliant shaft on the gear set, N.m."""
-    return p.stiffness * x[TWIST] + p.shaft_damping * twist_rate(x, u, p)
+    return gear.stiffness * x[TWIST] + gear.shaft_damping * twist_rate(x, u, gear)
 
 
 @kernel
-def third_drive(x, u, p, centrifugal):
+def third_drive(x, u, gear, damping, centrifugal):
     """Torque on the third shaft, a dry brake apart, N.m."""
-    torque = p.third_ratio * shaft_torque(x, u, p) - p.third_damping * x[THIRD]
+    torque = gear.third_ratio * shaft_torque(x, u, gear) - damping * x[THIRD]
     if centrifugal is not None:
         torque -= centrifugal.coefficient * x[THIRD] * abs(x[THIRD])
     return torque
 
 
 @kernel
-def gear_derivatives(t, x, u, dx, p, e):
+def gear_start(t, s, p, e):
+    """The shaft is relaxed and turns with the turbine, from which the third shaft's speed follows."""
+    if e.dry_brake is not None and e.dry_brake.static < e.dry_brake.kinetic:
+        return STATIC_BELOW_KINETIC
+    into, out = coefficient(p.turbine_on, p.teeth_ratio), coefficient(p.pump_on, p.teeth_ratio)
+    s.ratios[0], s.ratios[1] = abs(out / into), -coefficient(3 - p.turbine_on - p.pump_on, p.teeth_ratio) / into
+    third = (s.u[0, TURBINE_SPEED] - s.ratios[0] * p.start_speed) / s.ratios[1]
+    s.x[SPEED], s.x[THIRD], s.x[MODE] = p.start_speed, third, shaft_mode(p.start_speed, 0.0, s.u[0, LOAD])
+    if e.dry_brake is not None:
+        s.x[SLIP] = stick_mode(third, 0.0, e.dry_brake.static)
+    return DONE
+
+
+@kernel
+def gear_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| with the turbine's speed given, s."""
+    b3 = p.third_damping
+    if e.centrifugal_brake is not None:
+        b3 += 2.0 * e.centrifugal_brake.coefficient * e.centrifugal_brake.largest_speed
+    A = s.matrix[0]
+    A[0, 0] = 0.0
+    for i in range(2):
+        inertia, damping = (p.driven_inertia, p.driven_damping) if i == 0 else (p.third_inertia, b3)
+        A[0, i + 1] = -s.ratios[i]
+        A[i + 1, 0] = p.stiffness * s.ratios[i] / inertia
+        for j in range(2):
+            A[i + 1, j + 1] = -(p.shaft_damping * s.ratios[i] * s.ratios[j] + (damping if i == j else 0.0)) / inertia
+    return RK4_STABILITY_RADIUS / spectral_radius(A, s.matrix[1])
+
+
+@kernel
+def gear_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (twist, speed of driven and of third shaft, mode[, direction of slipping])."""
-    third = third_drive(x, u, p, e.centrifugal_brake)
+    gear = gear_of(s, p)
+    third = third_drive(x, u, gear, p.third_damping, e.centrifugal_brake)
     if e.dry_brake is not None:
         third -= stick_friction(x[SLIP], third, e.dry_brake.kinetic)
         dx[SLIP] = 0.0
-    driving = p.torque_ratio * shaft_torque(x, u, p)
-    dx[TWIST] = twist_rate(x, u, p)
+    driving = gear.torque_ratio * shaft_torque(x, u, gear)
+    dx[TWIST] = twist_rate(x, u, gear)
     dx[SPEED] = shaft_acceleration(x[MODE], x[SPEED], driving, u[LOAD], p.driven_inertia, p.driven_damping)
     dx[THIRD] = third / p.third_inertia
     dx[MODE] = 0.0
 
 
 @kernel
-def gear_guards(t, x, u, g, p, e):
+def gear_guards(t, x, u, g, s, p, e):
     """Those of the driven shaft and of the dry brake."""
-    g[0] = shaft_guard(x[MODE], x[SPEED], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
+    gear = gear_of(s, p)
+    g[0] = shaft_guard(x[MODE], x[SPEED], gear.torque_ratio * shaft_torque(x, u, gear), u[LOAD])
     g[1] = 1.0
     if e.dry_brake is not None:
-        g[1] = stick_guard(x[SLIP], x[THIRD], third_drive(x, u, p, e.centrifugal_brake), e.dry_brake.static)
+        g[1] = stick_guard(x[SLIP], x[THIRD], third_drive(x, u, gear, p.third_damping, e.centrifugal_brake), e.dry_brake.static)
 
 
 @kernel
-def gear_switch(which, t, x, u, p, e):
+def gear_switch(which, t, x, u, s, p, e):
     """The driven shaft stops or starts, or the third one does."""
+    gear = gear_of(s, p)
     if which == 0:
         x[SPEED] = 0.0
-        x[MODE] = switched_shaft(x[MODE], p.torque_ratio * shaft_torque(x, u, p), u[LOAD])
+        x[MODE] = switched_shaft(x[MODE], gear.torque_ratio * shaft_torque(x, u, gear), u[LOAD])
     elif e.dry_brake is not None:
         x[THIRD] = 0.0
-        x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, p, e.centrifugal_brake), e.dry_brake.static)
+        x[SLIP] = stick_switch(x[SLIP], third_drive(x, u, gear, p.third_damping, e.centrifugal_brake), e.dry_brake.static)
 
 
 @kernel
-def gear_outputs(t, x, u, y, p, e):
+def gear_outputs(t, s, p, e):
     """Torques, speeds, ratio, power lost."""
-    torque, rate = shaft_torque(x, u, p), twist_rate(x, u, p)
+    x, u, y, gear = s.x, s.u[0], s.y, gear_of(s, p)
+    torque, rate = shaft_torque(x, u, gear), twist_rate(x, u, gear)
     loss = mesh_loss(torque, u[TURBINE_SPEED], e.mesh_friction)
-    drive = third_drive(x, u, p, e.centrifugal_brake)
-    brake = p.third_ratio * torque - drive
+    drive = third_drive(x, u, gear, p.third_damping, e.centrifugal_brake)
+    brake = gear.third_ratio * torque - drive
     if e.dry_brake is not None:
         brake += stick_friction(x[SLIP], drive, e.dry_brake.kinetic)
-    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = torque + loss, x[SPEED], p.torque_ratio * torque
+    y[TURBINE_OUT], y[SPEED_OUT], y[DRIVING_OUT] = torque + loss, x[SPEED], gear.torque_ratio * torque
     y[RATIO_OUT] = speed_ratio(x[SPEED], u[TURBINE_SPEED])
     y[DISSIPATION_OUT] = (p.shaft_damping * rate * rate + p.driven_damping * x[SPEED] ** 2 + brake * x[THIRD]
                           + loss * u[TURBINE_SPEED])
     y[THIRD_OUT], y[BRAKE_OUT] = x[THIRD], brake
+    return DONE
 
 
-_advance = bind(rk4_events, __name__, derivatives=gear_derivatives, guards=gear_guards, switch=gear_switch, outputs=gear_outputs)
+_events = event_kernels(__name__, start=gear_start, stable=gear_stable, derivatives=gear_derivatives, guards=gear_guards,
+                        switch=gear_switch, outputs=gear_outputs)
+_step = _events.step
 
 
 @kernel
-def gear_advance(t, h, n, k, x, u, y, work, counts, p, e):
-    """`rk4_events`, refused for a third shaft that is faster than the stable step allows for."""
-    status = _advance(t, h, n, k, x, u, y, work, counts, p, e)
-    if e.centrifugal_brake is not None and status == DONE and abs(x[THIRD]) > e.centrifugal_brake.largest_speed:
+def gear_step(t, h, s, p, e):
+    """A step with events, refused for a third shaft that is faster than the stable step allows for."""
+    status = _step(t, h, s, p, e)
+    if e.centrifugal_brake is not None and status == DONE and abs(s.x[THIRD]) > e.centrifugal_brake.largest_speed:
         return OUT_OF_RANGE
     return status
 
 
-PlanetaryTransmission.advance = gear_advance
-PlanetaryTransmission.output_kernel = gear_outputs
+PlanetaryTransmission.kernels = _events._replace(step=gear_step)

@@ -5,21 +5,23 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from ..core.component import Effect, Preset
+from ..core.contract import Refusal
 from ..core.errors import BadInput
-from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, OWN, kernel
+from ..core.modes import EventComponent, event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.variables import choice, input_, output, parameter
-from .curves import CURVES, torque_coefficient
+from .curves import CURVES, FARM, torque_coefficient
 
 STRONGEST_WIND = 60.0  # m/s, for the stable step
 CALM = 1e-9  # m/s, below which there is no wind: its ratio would only be large numbers
 LARGEST_RATIO = 20.0  # up to which the curves are meant; where the wind dies under a turning rotor, there is no bound
 DEGREE = math.pi / 180.0
+BETZ = 16.0 / 27.0  # largest power coefficient
+STEEPNESS = 400  # pieces of the curve whose slopes are compared, up to the largest ratio
+ABOVE_BETZ, STATIC_BELOW_KINETIC = OWN + 1, OWN + 2
 
 
 class Pitch(Effect):
@@ -94,40 +96,27 @@ class WindTurbine(EventComponent):
             "recalled"),
     }
 
-    def initial_state(self) -> np.ndarray:
-        """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
-        p, e = self.arguments
-        if e.bearing_friction is None:
-            return np.array([p.start_speed, p.start_angle])
-        return np.array([p.start_speed, p.start_angle,
-                         stick_mode(p.start_speed, drive(p.start_speed, self.u[0], *self.arguments), e.bearing_friction.static)])
+    refusals = {
+        ABOVE_BETZ: Refusal("standstill_coefficient * runaway_ratio / 4 = {largest[0]}, the largest power coefficient",
+                            "at most 16/27, Betz's limit", "Reduce one of them."),
+        STATIC_BELOW_KINETIC: Refusal("bearing_friction.static = {bearing_friction.static} N.m",
+                                      "at least the kinetic friction, {bearing_friction.kinetic} N.m", "Raise it."),
+    }
 
-    def _initialize(self, t: float) -> int:
-        values: Any = self.parameters
-        if "pitch" in self.on and values["curve"] == "farm":
+    def states(self) -> int:
+        """Speed and angle and, with `bearing_friction`, the direction of its sliding."""
+        return 3 if "bearing_friction" in self.on else 2
+
+    def shapes(self) -> dict[str, Any]:
+        """`largest`: power coefficient of the farm windmill at its best."""
+        if "pitch" in self.on and self.parameters["curve"] == "farm":
             raise BadInput(self.name, "effect 'pitch' with curve 'farm'", "a curve that knows pitch: heier, simple or variant",
                            "Choose another curve, or leave the effect off.")
-        line = 0.25 * values["standstill_coefficient"] * values["runaway_ratio"]
-        if values["curve"] == "farm" and line > 16.0 / 27.0:
-            raise BadInput(self.name, f"standstill_coefficient * runaway_ratio / 4 = {line:.4g}, the largest power coefficient",
-                           "at most 16/27, Betz's limit", "Reduce one of them.")
-        if "bearing_friction" in self.on and values["bearing_friction.static"] < values["bearing_friction.kinetic"]:
-            raise BadInput(self.name, f"bearing_friction.static = {values['bearing_friction.static']:g} N.m",
-                           f"at least the kinetic friction, {values['bearing_friction.kinetic']:g} N.m", "Raise it.")
-        return super()._initialize(t)
+        return super().shapes() | {"largest": 1}
 
     def energy(self) -> float:
         """Energy of rotation, J."""
-        return 0.5 * self.arguments[0].inertia * float(self.x[0]) ** 2
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
-        p = self._declared_arguments()[0]
-        ratios = np.linspace(0.0, 20.0, 401)
-        values = [torque_coefficient(p.curve, r, 0.0, p.standstill_coefficient, p.runaway_ratio) for r in ratios]
-        slope = float(np.abs(np.diff(values)).max() / (ratios[1] - ratios[0]))
-        steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
-        return RK4_STABILITY_RADIUS * p.inertia / (p.damping + steepest)
+        return 0.5 * self.arguments[1].inertia * float(self.x[0]) ** 2
 
 
 WIND, TORQUE = WindTurbine.input_indices("wind", "torque")
@@ -159,7 +148,34 @@ def drive(speed, u, p, e):
 
 
 @kernel
-def turbine_derivatives(t, x, u, dx, p, e):
+def turbine_start(t, s, p, e):
+    """Speed and angle at the start and, with `bearing_friction`, the direction of its sliding."""
+    s.largest[0] = 0.25 * p.standstill_coefficient * p.runaway_ratio
+    if p.curve == FARM and s.largest[0] > BETZ:
+        return ABOVE_BETZ
+    s.x[0], s.x[1] = p.start_speed, p.start_angle
+    if e.bearing_friction is not None:
+        if e.bearing_friction.static < e.bearing_friction.kinetic:
+            return STATIC_BELOW_KINETIC
+        s.x[2] = stick_mode(p.start_speed, drive(p.start_speed, s.u[0], p, e), e.bearing_friction.static)
+    return DONE
+
+
+@kernel
+def turbine_stable(t, s, p, e):
+    """RK4's limit, radius / |eigenvalue| at the steepest place of the curve, in a wind of 60 m/s, s."""
+    slope, width = 0.0, LARGEST_RATIO / STEEPNESS
+    before = torque_coefficient(p.curve, 0.0, 0.0, p.standstill_coefficient, p.runaway_ratio)
+    for k in range(1, STEEPNESS + 1):
+        now = torque_coefficient(p.curve, k * width, 0.0, p.standstill_coefficient, p.runaway_ratio)
+        slope = max(slope, abs(now - before) / width)
+        before = now
+    steepest = 0.5 * p.density * math.pi * p.radius**4 * STRONGEST_WIND * slope
+    return RK4_STABILITY_RADIUS * p.inertia / (p.damping + steepest)
+
+
+@kernel
+def turbine_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (speed, angle[, direction of sliding])."""
     torque = drive(x[0], u, p, e)
     if e.bearing_friction is not None:
@@ -170,7 +186,7 @@ def turbine_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def turbine_guards(t, x, u, g, p, e):
+def turbine_guards(t, x, u, g, s, p, e):
     """That of the dry friction, where there is one."""
     g[0] = 1.0
     if e.bearing_friction is not None:
@@ -178,7 +194,7 @@ def turbine_guards(t, x, u, g, p, e):
 
 
 @kernel
-def turbine_switch(which, t, x, u, p, e):
+def turbine_switch(which, t, x, u, s, p, e):
     """The rotor comes to rest, turns over, or breaks loose."""
     if e.bearing_friction is not None:
         x[0] = 0.0
@@ -186,16 +202,17 @@ def turbine_switch(which, t, x, u, p, e):
 
 
 @kernel
-def turbine_outputs(t, x, u, y, p, e):
+def turbine_outputs(t, s, p, e):
     """Motion, torque, coefficients."""
+    x, u, y = s.x, s.u[0], s.y
     torque, wind = wind_torque(x[0], u, p, e.pitch, e.furling), u[WIND]
     y[SPEED_OUT], y[ANGLE_OUT], y[TORQUE_OUT], y[POWER_OUT] = x[0], x[1], torque, torque * x[0]
     y[COEFFICIENT_OUT], y[RATIO_OUT] = 0.0, 0.0
     if wind > CALM and abs(x[0]) * p.radius <= LARGEST_RATIO * wind:
         y[COEFFICIENT_OUT] = torque * x[0] / (0.5 * p.density * math.pi * p.radius**2 * wind**3)
         y[RATIO_OUT] = x[0] * p.radius / wind
+    return DONE
 
 
-WindTurbine.advance = bind(rk4_events, __name__, derivatives=turbine_derivatives, guards=turbine_guards, switch=turbine_switch,
-                           outputs=turbine_outputs)
-WindTurbine.output_kernel = turbine_outputs
+WindTurbine.kernels = event_kernels(__name__, start=turbine_start, stable=turbine_stable, derivatives=turbine_derivatives,
+                                    guards=turbine_guards, switch=turbine_switch, outputs=turbine_outputs)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
-import numpy as np
-
-from ..core.component import Component, Effect
-from ..core.errors import BadInput
-from ..core.kernels import DONE, kernel
+from ..core.component import Effect
+from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import integer, output, parameter
 from .noise import normal_number
 
 DAY = 86400.0  # s
 FOREVER = 1e12  # s
+GUSTS_OVERLAP, BACK_BEFORE_START, STILL_AIR = OWN + 1, OWN + 2, OWN + 3
 
 
 class Ramp(Effect):
@@ -64,7 +64,7 @@ class Gusts(Effect):
     period = parameter(FOREVER, "s", "time from gust to gust; the start is a single one", low=1e-3)
 
 
-class Wind(Component):
+class Wind(KernelComponent):
     """Wind speed over time: ((mean, or ramp) * daily) * (1 + turbulence) + gusts, and never below 0.
 
     Only turbulence has a state. Source of its spectrum: H. L. Dryden's, in the form of MIL-F-8785C,
@@ -87,34 +87,36 @@ class Wind(Component):
 
     speed = output("m/s", "wind speed", nominal=5.0)
 
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        _, e = self.arguments
-        if e.gusts is not None and e.gusts.period < 2.0 * e.gusts.rise + e.gusts.stay:
-            raise BadInput(self.name, f"gusts.period = {e.gusts.period:g} s",
-                           f"at least {2.0 * e.gusts.rise + e.gusts.stay:g} s, the "
-                           "duration of a gust", "Lengthen the period, or shorten rise or stay.")
-        if e.ramp is not None and e.ramp.return_time < e.ramp.start_time:
-            raise BadInput(self.name, f"ramp.return_time = {e.ramp.return_time:g} s", f"at least the ramp's start, "
-                           f"{e.ramp.start_time:g} s", "Move one of them.")
-        if e.turbulence is not None and self.arguments[0].mean_speed == 0.0:
-            raise BadInput(self.name, "effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
-                           "Raise mean_speed, or leave the effect off.")
-        self.x = np.zeros(0)
-        if e.turbulence is not None:
-            sample = math.floor(t / e.turbulence.interval)
-            first = normal_number(e.turbulence.seed, sample)
-            self.x = np.array([sample, first, after(first, sample + 1.0, self.arguments[0], e.turbulence)])
-        return DONE
+    refusals = {
+        GUSTS_OVERLAP: Refusal("gusts.period = {gusts.period} s", "at least {gust[0]} s, the duration of a gust",
+                               "Lengthen the period, or shorten rise or stay."),
+        BACK_BEFORE_START: Refusal("ramp.return_time = {ramp.return_time} s", "at least the ramp's start, {ramp.start_time} s",
+                                   "Move one of them."),
+        STILL_AIR: Refusal("effect 'turbulence' with mean_speed = 0 m/s", "a mean speed that carries it along",
+                           "Raise mean_speed, or leave the effect off."),
+    }
 
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        advance(t + h, self.x, *self.arguments)
-        self._outputs(t + h)
-        return DONE
+    def shapes(self) -> dict[str, Any]:
+        """`x`: sample, turbulence at it and at the next.  `gust`: duration of a gust, s."""
+        return {"x": 3 if "turbulence" in self.on else 0, "gust": 1}
 
-    def _outputs(self, t: float) -> None:
-        wind_speed(t, self.x, self.y, *self.arguments)
+
+@kernel
+def wind_initialize(t, s, p, e):
+    """Turbulence at the samples around the start."""
+    if e.gusts is not None:
+        s.gust[0] = 2.0 * e.gusts.rise + e.gusts.stay
+        if e.gusts.period < s.gust[0]:
+            return GUSTS_OVERLAP
+    if e.ramp is not None and e.ramp.return_time < e.ramp.start_time:
+        return BACK_BEFORE_START
+    if e.turbulence is not None:
+        if p.mean_speed == 0.0:
+            return STILL_AIR
+        s.x[0] = math.floor(t / e.turbulence.interval)
+        s.x[1] = normal_number(e.turbulence.seed, s.x[0])
+        s.x[2] = after(s.x[1], s.x[0] + 1.0, p, e.turbulence)
+    return DONE
 
 
 @kernel
@@ -147,8 +149,9 @@ def gust_share(s, rise, stay):
 
 
 @kernel
-def wind_speed(t, x, y, p, e):
-    """Wind speed at time t into y, (1,), m/s."""
+def wind_outputs(t, s, p, e):
+    """Wind speed at time t, m/s."""
+    x = s.x
     speed = p.mean_speed
     if e.ramp is not None:
         change = e.ramp.end_speed - speed
@@ -161,8 +164,20 @@ def wind_speed(t, x, y, p, e):
         share = t / e.turbulence.interval - x[0]
         speed *= 1.0 + e.turbulence.intensity * (x[1] + share * (x[2] - x[1]))
     if e.gusts is not None:
-        s = t - e.gusts.start_time
-        if s > 0.0:
-            s %= e.gusts.period
-        speed += e.gusts.amplitude * gust_share(s, e.gusts.rise, e.gusts.stay)
-    y[0] = max(speed, 0.0)
+        since = t - e.gusts.start_time
+        if since > 0.0:
+            since %= e.gusts.period
+        speed += e.gusts.amplitude * gust_share(since, e.gusts.rise, e.gusts.stay)
+    s.y[0] = max(speed, 0.0)
+    return DONE
+
+
+@kernel
+def wind_step(t, h, s, p, e):
+    """The turbulence moves on."""
+    s.counts[0] += 1
+    advance(t + h, s.x, p, e)
+    return wind_outputs(t + h, s, p, e)
+
+
+Wind.kernels = Kernels(wind_initialize, wind_step, wind_outputs)
