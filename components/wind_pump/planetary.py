@@ -107,7 +107,7 @@ class PlanetaryTransmission(Transmission):
 
     def energy(self) -> float:
         """Energy of both shafts' rotation and of the twist, J."""
-        p, (twist, speed, third) = self.arguments[0], self.x[:3]
+        p, (twist, speed, third) = self.arguments[1], self.x[:3]
         return 0.5 * float(p.stiffness * twist**2 + p.driven_inertia * speed**2 + p.third_inertia * third**2)
 
     def left_range(self) -> str:

@@ -61,13 +61,13 @@ def test_power_in_is_power_out_and_lost_and_stored(cls, effects, parameters, mod
         if "dry_brake" in effects:
             x[4] = math.copysign(1.0, x[2])
         dx = np.zeros(x.size)
-        transmission.x = x
+        transmission.x[:] = x
         DERIVATIVES[cls](0.0, x, transmission.u[0], dx, *transmission.arguments)
         transmission.refresh()
         y = {n: transmission[n] for n in transmission.outputs}
         energies = []
         for step in (1e-3, -1e-3):  # the energy is quadratic: central differences are exact
-            transmission.x = x + step * dx
+            transmission.x[:] = x + step * dx
             energies.append(transmission.energy())
         rate = (energies[0] - energies[1]) / 2e-3
         powers = (y["turbine_torque"] * transmission["turbine_speed"], transmission["load_torque"] * y["speed"], y["dissipation"])
