@@ -28,11 +28,11 @@ HORIZONTAL_HEIGHT = -0.00387  # m, above the origin
 VERTICAL_RADIUS = 0.225  # m
 NO_DIRECTION, NO_FURTHER_DIRECTION = OWN + 5, OWN + 6  # statuses
 REFUSALS = {
-    NO_DIRECTION: Refusal("thruster {found[0]} with the direction (0, 0, 0)", "a direction",
-                          "Set thruster_direction_x[{found[0]}], _y[{found[0]}], _z[{found[0]}]."),
+    NO_DIRECTION: Refusal("thruster {refused[0]} with the direction (0, 0, 0)", "a direction",
+                          "Set thruster_direction_x[{refused[0]}], _y[{refused[0]}], _z[{refused[0]}]."),
     NO_FURTHER_DIRECTION: Refusal(
-        "thruster {found[0]} with the direction (0, 0, 0)", "a direction",
-        "Set further_thrusters.thruster_direction_x[{found[1]}], _y[{found[1]}], _z[{found[1]}]."),
+        "thruster {refused[0]} with the direction (0, 0, 0)", "a direction",
+        "Set further_thrusters.thruster_direction_x[{refused[1]}], _y[{refused[1]}], _z[{refused[1]}]."),
 }
 EIGHT = "BlueROV2 Heavy, eight thrusters"  # name of the preset of hull and controller
 
@@ -102,17 +102,17 @@ def add_thrusters(matrix, first, places):
 
 
 @kernel
-def arrange(matrix, found, p, further):
+def arrange(matrix, refused, p, further):
     """Matrix of all thrusters, those of the effect `further_thrusters` or None behind the others; returns a status.
 
-    found: (2,) numbers of a refusal.
+    refused: (2,) numbers of a refusal.
     """
-    found[0] = add_thrusters(matrix, 0, p)
-    if found[0] > 0.0:
+    refused[0] = add_thrusters(matrix, 0, p)
+    if refused[0] > 0.0:
         return NO_DIRECTION
     if further is not None:
-        found[1] = add_thrusters(matrix, p.thruster_x.size, further)
-        if found[1] > 0.0:
-            found[0] = p.thruster_x.size + found[1]
+        refused[1] = add_thrusters(matrix, p.thruster_x.size, further)
+        if refused[1] > 0.0:
+            refused[0] = p.thruster_x.size + refused[1]
             return NO_FURTHER_DIRECTION
     return DONE

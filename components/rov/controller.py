@@ -162,7 +162,7 @@ class RovController(SampledComponent):
     }
 
     refusals = REFUSALS | curve_refusals("inverse_curve") | {
-        TIME_FALLS: Refusal("manoeuvre: time[{found[0]}] = {found[1]} s, then {found[2]} s",
+        TIME_FALLS: Refusal("manoeuvre: time[{refused[0]}] = {refused[1]} s, then {refused[2]} s",
                             "times that do not decrease, and zeros behind the last row"),
     }
 
@@ -174,11 +174,11 @@ class RovController(SampledComponent):
         """What follows from the arrangement and the table of poses.
 
         `matrix`: (6, n) wrench per thrust.  `table`: (n, 6) thrusts per wrench, of the thrusters whose bits are in `choice`,
-        (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace.  `found`: (4,) numbers of a refusal.
+        (1,).  `rows`: (1,) in use of the manoeuvre.  `allocation`: workspace.  `refused`: (4,) numbers of a refusal.
         """
         n = THRUSTERS + (2 if "further_thrusters" in self.on else 0)
         return super().shapes() | {
-            "matrix": (6, n), "table": (n, 6), "choice": np.zeros(1, dtype=np.int64), "allocation": (6, n + 6), "found": 4,
+            "matrix": (6, n), "table": (n, 6), "choice": np.zeros(1, dtype=np.int64), "allocation": (6, n + 6), "refused": 4,
             "rows": np.zeros(1, dtype=np.int64) if "manoeuvre" in self.on else None}
 
 
@@ -191,7 +191,7 @@ NORTH, QUATERNION, SURGE, ROLL_RATE, AVAILABLE = RovController.input_indices(
 def control_start(t, s, p, e):
     """Curve, table of poses and arrangement are checked; all states are zero before the first sample."""
     if e.inverse_curve is not None:
-        status = check_curve(e.inverse_curve.command, e.inverse_curve.thrust, s.found)
+        status = check_curve(e.inverse_curve.command, e.inverse_curve.thrust, s.refused)
         if status != DONE:
             return status
     if e.manoeuvre is not None:
@@ -201,10 +201,10 @@ def control_start(t, s, p, e):
         if not (is_zero_behind(m.time, rows) and is_zero_behind(m.north, rows) and is_zero_behind(m.east, rows)
                 and is_zero_behind(m.depth, rows) and is_zero_behind(m.roll, rows) and is_zero_behind(m.pitch, rows)
                 and is_zero_behind(m.yaw, rows)):
-            s.found[0], s.found[1], s.found[2] = rows, m.time[rows - 1], m.time[rows]
+            s.refused[0], s.refused[1], s.refused[2] = rows, m.time[rows - 1], m.time[rows]
             return TIME_FALLS
     s.choice[0] = -1  # no table yet
-    return arrange(s.matrix, s.found, p, e.further_thrusters)
+    return arrange(s.matrix, s.refused, p, e.further_thrusters)
 
 
 @kernel

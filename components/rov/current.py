@@ -82,11 +82,11 @@ class WaterCurrent(DirectComponent):
 
         `sea`: (5, n) amplitude in m, frequency at a fixed place and seen by one who drifts with the current in rad/s, wave number
         in 1/m, phase in rad.  `taken`: (1,) of components that the current lets through.  `chance`: (2, n) of the seed.
-        `found`: (2,) numbers of a refusal.
+        `refused`: (2,) numbers of a refusal.
         """
-        sea: dict[str, Any] = {"sea": None, "taken": None, "chance": None, "found": None}
+        sea: dict[str, Any] = {"sea": None, "taken": None, "chance": None, "refused": None}
         if "waves" in self.on:
-            sea |= {"sea": (ROWS, 1), "taken": np.zeros(1, dtype=np.int64), "found": 2}
+            sea |= {"sea": (ROWS, 1), "taken": np.zeros(1, dtype=np.int64), "refused": 2}
         if "spectrum" in self.on:
             n = self.get("spectrum.components")
             sea |= {"sea": (ROWS, n), "chance": chances(n, self.get("spectrum.seed"))}
@@ -98,7 +98,7 @@ def water_start(t, s, p, e):
     """The components of the waves on the mean current."""
     if e.waves is not None:
         along = p.speed * math.cos(p.direction - e.waves.direction)
-        return start_waves(along, s.sea, s.taken, s.found, s.chance, e.waves, e.spectrum)
+        return start_waves(along, s.sea, s.taken, s.refused, s.chance, e.waves, e.spectrum)
     return DONE
 
 

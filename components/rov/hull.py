@@ -186,7 +186,7 @@ class RovHull(OdeComponent):
     gradient on the displaced volume, which the source leaves out, is the effect `pressure_gradient`.
     Source of the equations: Fossen, Handbook of Marine Craft Hydrodynamics and Motion Control, Wiley 2011, chapters 6 to 8.
     Source of the thrusters' places: Kabanov, Kramar, Ermakov, Drones 5 (2021) 113; see `arrangement`. Mass and drag of their
-    vehicle were not found, and the numbers of a BlueROV2 of Wu (2018) stand in for them: the default vehicle is like theirs
+    vehicle were not refused, and the numbers of a BlueROV2 of Wu (2018) stand in for them: the default vehicle is like theirs
     in its thrusters, not a model of it.
     The quaternion has norm 1 at the end of every macro step. Within 0.1 degrees of the vertical roll keeps its last value and
     yaw takes the rest, with `attitude_valid` 0.
@@ -292,7 +292,7 @@ class RovHull(OdeComponent):
     }
 
     refusals = REFUSALS | {
-        NO_BODY: Refusal("moments of inertia that leave {found[0]} kg.m2 about the centre of gravity", "positive ones",
+        NO_BODY: Refusal("moments of inertia that leave {refused[0]} kg.m2 about the centre of gravity", "positive ones",
                          "The inertia is about the origin: that about the centre of gravity plus mass times the square of the "
                          "distance."),
     }
@@ -306,11 +306,11 @@ class RovHull(OdeComponent):
 
         `rigid`: (6, 6) mass matrix of the rigid body.  `added`: (6,) masses.  `inverse`: (6, 6) of both.  `thrusters`: (6, n)
         wrench per thrust, those of `further_thrusters` last.  `righting`: (3,) N m.  `matrix`: of the linear equations, and
-        workspace.  `found`: (4,) numbers of a refusal.
+        workspace.  `refused`: (4,) numbers of a refusal.
         """
         n = 8 if "further_thrusters" in self.on else 6
         return super().shapes() | {"rigid": (6, 6), "added": 6, "inverse": (6, 6), "thrusters": (6, n), "righting": 3,
-                                   "matrix": (2, 12, 12), "found": 4}
+                                   "matrix": (2, 12, 12), "refused": 4}
 
     def masses(self) -> tuple[np.ndarray, np.ndarray]:
         """Rigid body's and added mass matrix about the origin, (6, 6) each, of the present parameters."""
@@ -337,10 +337,10 @@ class RovHull(OdeComponent):
 def hull_start(t, s, p, e):
     """Masses, arrangement and righting moment; then the pose and the velocities given."""
     x = s.x
-    s.found[0] = least_moment(p)
-    if not s.found[0] > 0.0:
+    s.refused[0] = least_moment(p)
+    if not s.refused[0] > 0.0:
         return NO_BODY
-    status = arrange(s.thrusters, s.found, p, e.further_thrusters)
+    status = arrange(s.thrusters, s.refused, p, e.further_thrusters)
     if status != DONE:
         return status
     rigid_mass(p, s.rigid)

@@ -33,9 +33,9 @@ T200_THRUST = _filled([force * GRAVITY for force in T200_FORCES])  # N
 def curve_refusals(effect: str) -> dict[int, Refusal]:
     """What `check_curve` refuses of the effect of a component that has the table in this effect."""
     return {
-        COMMANDS_FALL: Refusal(f"{effect}: command[{{found[0]}}] = {{found[1]}}, command[{{found[2]}}] = {{found[3]}}",
+        COMMANDS_FALL: Refusal(f"{effect}: command[{{refused[0]}}] = {{refused[1]}}, command[{{refused[2]}}] = {{refused[3]}}",
                                "values that do not decrease", "Repeat the last row where the table ends."),
-        THRUSTS_FALL: Refusal(f"{effect}: thrust[{{found[0]}}] = {{found[1]}}, thrust[{{found[2]}}] = {{found[3]}}",
+        THRUSTS_FALL: Refusal(f"{effect}: thrust[{{refused[0]}}] = {{refused[1]}}, thrust[{{refused[2]}}] = {{refused[3]}}",
                               "values that do not decrease", "Repeat the last row where the table ends."),
         ONE_SIDED: Refusal(f"{effect}: thrust from {{{effect}.thrust[1]}} to {{{effect}.thrust[{ROWS}]}} N",
                            "a table from reverse to forward thrust"),
@@ -43,14 +43,14 @@ def curve_refusals(effect: str) -> dict[int, Refusal]:
 
 
 @kernel
-def check_curve(commands, thrusts, found):
+def check_curve(commands, thrusts, refused):
     """Status of a table: commands or thrusts that decrease are refused, and thrust of one sign, which no command would stop.
 
-    found: (4,) numbers of the refusal.
+    refused: (4,) numbers of the refusal.
     """
-    if falls(commands, found):
+    if falls(commands, refused):
         return COMMANDS_FALL
-    if falls(thrusts, found):
+    if falls(thrusts, refused):
         return THRUSTS_FALL
     if not (thrusts[0] < 0.0 and thrusts[thrusts.size - 1] > 0.0):
         return ONE_SIDED
@@ -58,11 +58,11 @@ def check_curve(commands, thrusts, found):
 
 
 @kernel
-def falls(values, found):
-    """Whether values decrease; number and value of the first one that does so, and of the next, are then put into `found`."""
+def falls(values, refused):
+    """Whether values decrease; number and value of the first one that does so, and of the next, are then put into `refused`."""
     for i in range(values.size - 1):
         if values[i + 1] < values[i]:
-            found[0], found[1], found[2], found[3] = i + 1, values[i], i + 2, values[i + 1]
+            refused[0], refused[1], refused[2], refused[3] = i + 1, values[i], i + 2, values[i + 1]
             return True
     return False
 

@@ -162,7 +162,7 @@ class Thruster(OdeComponent):
     }
 
     refusals = curve_refusals("static_curve") | {
-        SOURCE_OF_POWER: Refusal("propeller: more thrust power than shaft power near the advance ratio {found[0]}",
+        SOURCE_OF_POWER: Refusal("propeller: more thrust power than shaft power near the advance ratio {refused[0]}",
                                  "(2 pi K_QJ - K_T0)² at most 8 pi K_Q0 |K_TJ|",
                                  "Raise torque_bollard, or lower thrust_bollard."),
     }
@@ -174,8 +174,8 @@ class Thruster(OdeComponent):
         return sum(effect in self.on for effect in ("lag", "propeller", "inductance"))
 
     def shapes(self) -> dict[str, Any]:
-        """`found`: (4,) numbers of a refusal.  `matrix`: of the lag of third order, and workspace."""
-        return super().shapes() | {"found": 4, "matrix": (2, 3, 3) if "motor_lag" in self.on else None}
+        """`refused`: (4,) numbers of a refusal.  `matrix`: of the lag of third order, and workspace."""
+        return super().shapes() | {"refused": 4, "matrix": (2, 3, 3) if "motor_lag" in self.on else None}
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also the internal step of a thruster that integrates nothing."""
@@ -261,8 +261,8 @@ def motor_current(x, u, propeller, inductance):
 
 
 @kernel
-def gives_power(propeller, found):
-    """Whether there is an advance ratio, then in `found`, at which the thrust has more power than the shaft.
+def gives_power(propeller, refused):
+    """Whether there is an advance ratio, then in `refused`, at which the thrust has more power than the shaft.
 
     Power of the shaft less that of the thrust, over rho D⁵ |n|³, is a + b J + c J² in the advance ratio J.
     """
@@ -270,7 +270,7 @@ def gives_power(propeller, found):
     b = TURN * propeller.torque_advance - propeller.thrust_bollard
     c = -propeller.thrust_advance
     if b * b > 4.0 * a * c:
-        found[0] = 0.5 * abs(b) / c if c > 0.0 else math.inf
+        refused[0] = 0.5 * abs(b) / c if c > 0.0 else math.inf
         return True
     return False
 
@@ -280,7 +280,7 @@ def thruster_start(t, s, p, e):
     """Steady state at the present command; a curve that falls and a propeller that is a source of power are refused."""
     x, u = s.x, s.u[0]
     if e.static_curve is not None:
-        status = check_curve(e.static_curve.command, e.static_curve.thrust, s.found)
+        status = check_curve(e.static_curve.command, e.static_curve.thrust, s.refused)
         if status != DONE:
             return status
     if e.lag is not None:
@@ -288,7 +288,7 @@ def thruster_start(t, s, p, e):
     if e.motor_lag is not None:
         x[0] = static_thrust(u[COMMAND], p, e.static_curve, e.polynomial_curve) / e.motor_lag.b0
     if e.propeller is not None:
-        if gives_power(e.propeller, s.found):
+        if gives_power(e.propeller, s.refused):
             return SOURCE_OF_POWER
         command = limited(u[COMMAND])
         x[0] = steady_speed(command, u[e.propeller.u], e.propeller)

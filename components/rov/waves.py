@@ -38,11 +38,11 @@ AMPLITUDE, FREQUENCY, INTRINSIC, NUMBER, PHASE = range(5)
 ROWS = 5
 WAVES_BLOCKED, BROKEN, SEA_BLOCKED = OWN + 1, OWN + 2, OWN + 3
 REFUSALS = {
-    WAVES_BLOCKED: Refusal("waves: a period of {waves.period} s against a current of {found[0]} m/s",
+    WAVES_BLOCKED: Refusal("waves: a period of {waves.period} s against a current of {refused[0]} m/s",
                            "waves that travel faster than the current", "The current blocks these waves: lengthen the period."),
-    BROKEN: Refusal("waves: a height of {waves.height} m at a period of {waves.period} s", "at most {found[1]} m",
+    BROKEN: Refusal("waves: a height of {waves.height} m at a period of {waves.period} s", "at most {refused[1]} m",
                     "Higher waves break at this period and depth: lower the height."),
-    SEA_BLOCKED: Refusal("spectrum: a sea of which a current of {found[0]} m/s blocks {found[1]} %",
+    SEA_BLOCKED: Refusal("spectrum: a sea of which a current of {refused[0]} m/s blocks {refused[1]} %",
                          f"at most {100.0 * BLOCKED:g} % of its energy", "Lengthen the period, or slow the current down."),
 }
 PLACE = ("waves.position_north", "waves.position_east", "waves.depth")
@@ -154,18 +154,18 @@ def band_energy(low, high, waves, spectrum):
 
 
 @kernel
-def start_waves(current, sea, count, found, chance, waves, spectrum):
+def start_waves(current, sea, count, refused, chance, waves, spectrum):
     """The components of a sea, or one regular wave where there is no spectrum, on a current along them in m/s.
 
     Components of a spectrum that the current blocks are left out. Returns a status: refused are waves that would have broken,
     and a sea of which the current blocks more than `BLOCKED` of the energy.
     """
     number = wave_number(TURN / waves.period, waves.water_depth, current)
-    found[0] = -current
+    refused[0] = -current
     if math.isnan(number):
         return WAVES_BLOCKED
-    found[1] = STEEPEST * TURN / number * math.tanh(number * waves.water_depth)
-    if waves.height > found[1]:
+    refused[1] = STEEPEST * TURN / number * math.tanh(number * waves.water_depth)
+    if waves.height > refused[1]:
         return BROKEN
     if spectrum is None:
         sea[AMPLITUDE, 0], sea[FREQUENCY, 0], sea[PHASE, 0] = 0.5 * waves.height, TURN / waves.period, waves.phase
@@ -187,8 +187,8 @@ def start_waves(current, sea, count, found, chance, waves, spectrum):
         sea[INTRINSIC, taken], sea[PHASE, taken] = frequency - number * current, TURN * chance[1, i] + waves.phase
         taken += 1
     count[0] = taken
-    found[1] = 100.0 * blocked / whole if whole > 0.0 else 0.0
-    return SEA_BLOCKED if found[1] > 100.0 * BLOCKED else DONE
+    refused[1] = 100.0 * blocked / whole if whole > 0.0 else 0.0
+    return SEA_BLOCKED if refused[1] > 100.0 * BLOCKED else DONE
 
 
 @kernel
