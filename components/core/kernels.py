@@ -48,6 +48,13 @@ def kernel(function, *files: str):
     return dispatcher
 
 
+def inlined(function):
+    """A kernel whose machine code stands in that of each kernel that calls it: handing over `s`, `p` and `e` would cost more."""
+    if COMPILED:
+        function.targetoptions["forceinline"] = True
+    return function
+
+
 def bind(template, module: str, **names):
     """A kernel made from `template` with some of its global names replaced, cached under `module`'s name.
 

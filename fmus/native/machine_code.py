@@ -58,8 +58,8 @@ class _Compiler:
     def __init__(self, counted: bool):
         from numba import njit
 
-        options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        self.compiled = njit(**options) if counted else njit(**{"_nrt": False, **options})
+        options = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True} | ({} if counted else {"_nrt": False})
+        self._compiled = {inline: njit(**options, forceinline=inline) for inline in (False, True)}
         self.kernels: dict[int, tuple[Any, Any]] = {}
 
     def clone(self, kernel: Any) -> Any:
@@ -71,7 +71,7 @@ class _Compiler:
         cells = function.__closure__ and tuple(types.CellType(self._kernel(c.cell_contents)) for c in function.__closure__)
         new = types.FunctionType(function.__code__, dict(function.__globals__), function.__name__, function.__defaults__, cells)
         new.__qualname__, new.__module__ = function.__qualname__, function.__module__
-        copy = self.compiled(new)
+        copy = self._compiled[getattr(kernel, "targetoptions", {}).get("forceinline", False)](new)
         self.kernels[id(function)] = (copy, function)  # before its callees: it may call itself
         for name in set(_names(function.__code__)):
             if is_kernel(new.__globals__.get(name), package):
