@@ -152,10 +152,12 @@ def smoothed_planar(sx, sy, level, damping):
 
 
 @kernel
-def planar_lugre_rate(sx, sy, zx, zy, stiffness, kinetic, static, stribeck, fastest):
-    """Rate of the bristles' deflection in the plane, s - stiffness |s| z / level(|s|), kept to `fastest` as `lugre_rate` is."""
-    slip = math.hypot(sx, sy)
-    relaxation = stiffness * slip / lugre_level(slip, kinetic, static, stribeck)
+def planar_lugre_rate(sx, sy, zx, zy, stiffness, level, fastest):
+    """Rate of the bristles' deflection in the plane, s - stiffness |s| z / level, kept to `fastest` as `lugre_rate` is.
+
+    level: `lugre_level` of |s|.
+    """
+    relaxation = stiffness * math.hypot(sx, sy) / level
     rx, ry = sx - relaxation * zx, sy - relaxation * zy
     if relaxation > fastest:
         rx *= fastest / relaxation

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .events import ROWS, rk4_events
 from .friction import lugre_force, lugre_rate, stick_friction, stick_guard, stick_switch
-from .kernels import bind, kernel, kernel_tuple
+from .kernels import DONE, bind, kernel, kernel_tuple
+from .modes import ROWS, rk4_events
+from .ode import SUBSTEP
 
 PULL, SPRING = 0.1, 2.0  # m/s, N/m
 SAMPLE = 1e-3  # s
@@ -33,6 +34,19 @@ class Pulled(NamedTuple):
     substep: float
 
 
+@kernel_tuple
+class Motion(NamedTuple):
+    """What a step of the mass changes, in the form that the template of a step knows."""
+
+    u: np.ndarray  # (3, 0)
+    y: np.ndarray  # (2,) way and velocity
+    x: np.ndarray  # (3,) way, velocity, deflection of the bristles or mode
+    counts: np.ndarray
+    limits: np.ndarray
+    work: np.ndarray
+    guards: np.ndarray
+
+
 LUGRE = Pulled(1.0, 1.5, 1e-3, 1e5, math.sqrt(1e5), 0.4, 2e-5)
 IDEAL = Pulled(1.0, 1.5, 1.0, 0.0, 0.0, 0.0, 1e-3)  # rigid contact, a jump of friction, nothing viscous
 
@@ -44,7 +58,7 @@ def spring_force(t, x):
 
 
 @kernel
-def pulled_derivatives(t, x, u, dx, p):
+def pulled_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (way, velocity, deflection of the bristles or mode)."""
     pull = spring_force(t, x)
     dx[0] = x[1]
@@ -56,34 +70,36 @@ def pulled_derivatives(t, x, u, dx, p):
 
 
 @kernel
-def pulled_guards(t, x, u, g, p):
+def pulled_guards(t, x, u, g, s, p, e):
     """What keeps the mode of the rigid contact; bristles have none."""
     g[0] = 1.0 if p.stiffness > 0.0 else stick_guard(x[2], x[1], spring_force(t, x), p.static)
 
 
 @kernel
-def pulled_switch(which, t, x, u, p):
+def pulled_switch(which, t, x, u, s, p, e):
     """The mass comes to rest or breaks loose."""
     x[1] = 0.0
     x[2] = stick_switch(x[2], spring_force(t, x), p.static)
 
 
 @kernel
-def pulled_outputs(t, x, u, y, p):
+def pulled_outputs(t, s, p, e):
     """Way and velocity."""
-    y[0], y[1] = x[0], x[1]
+    s.y[0], s.y[1] = s.x[0], s.x[1]
+    return DONE
 
 
-advance = bind(rk4_events, __name__, derivatives=pulled_derivatives, guards=pulled_guards, switch=pulled_switch,
-               outputs=pulled_outputs)  # fmt: skip
+pulled_step = bind(rk4_events, __name__, derivatives=pulled_derivatives, guards=pulled_guards, switch=pulled_switch,
+                   outputs=pulled_outputs)  # fmt: skip
 
 
 def pulled(p: Pulled, end: float) -> np.ndarray:
     """Time, way and velocity at the samples of a mass that starts at rest, (n, 3)."""
-    x, u, y, work, counts = np.zeros(3), np.zeros((3, 0)), np.zeros(2), np.zeros((ROWS, 3)), np.zeros(3, dtype=np.int64)
-    n = max(1, round(SAMPLE / p.substep))
+    s = Motion(u=np.zeros((3, 0)), y=np.zeros(2), x=np.zeros(3), counts=np.zeros(3, dtype=np.int64), limits=np.zeros(2),
+               work=np.zeros((ROWS, 3)), guards=np.zeros(1))  # fmt: skip
+    s.limits[SUBSTEP] = p.substep
     rows = [(0.0, 0.0, 0.0)]
     for k in range(round(end / SAMPLE)):
-        advance(k * SAMPLE, SAMPLE, n, 1, x, u, y, work, counts, p)
-        rows.append(((k + 1) * SAMPLE, *y))
+        pulled_step(k * SAMPLE, SAMPLE, s, p, None)
+        rows.append(((k + 1) * SAMPLE, *s.y))
     return np.array(rows)

@@ -19,7 +19,7 @@ def load_share(wheels: FrictionWheels, force: float, torque: float = 0.0) -> flo
     Plain wheels bear a circle of tractions each: together an ellipse of 2 mu N and 2 mu N r. With free rollers they bear a force
     in their directions only: a rhombus of 2 mu N cos a and 2 mu N r sin a for skewed ones, a rectangle for orthogonal ones.
     """
-    p = wheels._declared_arguments()[0]
+    p = wheels._parameters()[0]
     along, around = abs(force) / friction_level(p), abs(torque) / (p.sleeve_radius * friction_level(p))
     if p.layout == SKEWED:
         return 0.5 * math.hypot(along, around)
@@ -37,7 +37,7 @@ def loaded_feed(wheels: FrictionWheels, rate: float, force: float) -> tuple[floa
     With f = force / (2 mu N): feed rate R w (cos a - sin a f / sqrt(1 - f²)), power 2 mu N R w sin a / sqrt(1 - f²). The wheels'
     slip around the sleeve, which cancels, turns their friction along it into a viscous one. At f = cos a the sleeve stands.
     """
-    p = wheels._declared_arguments()[0]
+    p = wheels._parameters()[0]
     if p.layout != SKEWED:
         raise BadInput(wheels.name, f"layout {LAYOUTS[p.layout]!r}", f"the layout {LAYOUTS[SKEWED]!r} for the speed under load")
     most = 2.0 * friction_level(p)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..core.component import Effect
-from ..core.kernels import bind, kernel, kernel_tuple
-from ..core.sampled import SampledComponent, integrated, rows_in_use, sampled
+from ..core.contract import Refusal
+from ..core.courses import is_zero_behind, rows_in_use
+from ..core.kernels import DONE, OWN, kernel
+from ..core.sampling import SampledComponent, integrated, sampled_kernels
 from ..core.variables import choice, input_, output, parameter
-from .kinematics import ANGLE, layout_choice, refuse_idle_angle, refuse_singular, sleeve_rates, wheel_rates
+from .kinematics import ANGLE, IDLE, LOST, idle_angle, layout_choice, lost_motion, sleeve_rates, wheel_rates
 
 ROWS = 8
+TIME_FALLS = OWN + 4  # status, behind those of kinematics.py
 WHEELS = 1
 # the state: number of the next sample, then pairs: voltages, integrals, errors, wanted way, integrals of the way, last encoders
 VOLTAGES, INTEGRALS, ERRORS, WANTED, MOTION, LAST, STATES = 1, 3, 5, 7, 9, 11, 13
@@ -100,35 +103,38 @@ class ServoController(SampledComponent):
     wanted_feed = output("m", "set point of the feed at the last sample", nominal=0.01)
     wanted_rotation = output("rad", "set point of the rotation at the last sample")
 
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """What the kernels get; wheels that cannot give both degrees of freedom, and times that go back, are refused."""
-        p, e = self._declared_arguments()
-        refuse_singular(self.name, p.layout, p.angle)
-        refuse_idle_angle(self.name, p.layout, p.angle)
-        return p, e if e.reference is None else e._replace(reference=self._course(e.reference))
+    refusals = IDLE | LOST | {
+        TIME_FALLS: Refusal("reference: time[{fall[0]}] = {fall[1]} s, then {fall[2]} s",
+                            "times that do not decrease, and zeros behind the last row"),
+    }
 
-    def _course(self, reference: Any) -> Course:
-        """The rows of the reference, the last one repeated to the end; an earlier time that is not 0 is refused."""
-        rows = rows_in_use(f"{self.name}: reference", reference.time, reference.feed, reference.rotation)
-        return Course(reference.time[rows], reference.feed[rows], reference.rotation[rows])
+    def states(self) -> int:
+        """See the top of the file."""
+        return STATES
 
-    def initial_state(self, t: float) -> np.ndarray:
-        """All zero, but for what the encoders have counted."""
-        x = np.zeros(STATES)
-        p, e = self.arguments
-        if e.quantisation is not None:  # as if the wheels had turned at their rates before
-            for i in range(2):
-                x[LAST + i] = counted(self.u[0, i] - p.period * self.u[0, 2 + i], e.quantisation.wheel_step)
-        return x
+    def shapes(self) -> dict[str, Any]:
+        """`rows`: (1,) in use of the reference.  `fall`: (3,) where its time falls: number of the row before, both times."""
+        reference = "reference" in self.on
+        return super().shapes() | {"rows": np.zeros(1, dtype=np.int64) if reference else None, "fall": 3 if reference else None}
 
 
-@kernel_tuple
-class Course(NamedTuple):
-    """Rows of the reference for the kernels, (8,) each."""
-
-    time: np.ndarray
-    feed: np.ndarray
-    rotation: np.ndarray
+@kernel
+def control_start(t, s, p, e):
+    """All states are zero, but for what the encoders have counted."""
+    status = lost_motion(p.layout, p.angle)
+    if status == DONE:
+        status = idle_angle(p.layout, p.angle)
+    if e.reference is not None:
+        time, rows = e.reference.time, rows_in_use(e.reference.time)
+        s.rows[0] = rows
+        if status == DONE and not (is_zero_behind(time, rows) and is_zero_behind(e.reference.feed, rows)
+                                   and is_zero_behind(e.reference.rotation, rows)):
+            s.fall[0], s.fall[1], s.fall[2] = rows, time[rows - 1], time[rows]
+            status = TIME_FALLS
+    if e.quantisation is not None:  # as if the wheels had turned at their rates before
+        for i in range(2):
+            s.x[LAST + i] = counted(s.u[0, i] - p.period * s.u[0, 2 + i], e.quantisation.wheel_step)
+    return status
 
 
 @kernel
@@ -138,14 +144,14 @@ def counted(value, step):
 
 
 @kernel
-def wanted(t, p, course):
-    """(feed, rotation, their rates) of the set point at time t."""
+def wanted(t, rows, p, course):
+    """(feed, rotation, their rates) of the set point at time t; rows: (1,) in use of the course, or None."""
     feed, rotation, feed_rate, rotation_rate = p.set_feed, p.set_rotation, 0.0, 0.0
     if course is not None:
-        i = 0
-        while i < ROWS and course.time[i] <= t:
+        n, i = rows[0], 0
+        while i < n and course.time[i] <= t:
             i += 1
-        before, after = max(i - 1, 0), min(i, ROWS - 1)
+        before, after = max(i - 1, 0), min(i, n - 1)
         feed += course.feed[before]
         rotation += course.rotation[before]
         length = course.time[after] - course.time[before]
@@ -168,8 +174,9 @@ def wheel_sample(i, wanted_rate, rate, x, p):
 
 
 @kernel
-def control_sample(t, u, x, work, p, e):
-    """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in x."""
+def control_sample(t, u, s, p, e):
+    """One sample at time t with the inputs u: voltages, integrals, errors, set point and counts in the state."""
+    x = s.x
     first_angle, second_angle, first_rate, second_rate, feed, rotation = u[0], u[1], u[2], u[3], u[4], u[5]
     if e.quantisation is not None:
         first_angle, second_angle = counted(first_angle, e.quantisation.wheel_step), counted(second_angle,
@@ -179,7 +186,7 @@ def control_sample(t, u, x, work, p, e):
         feed, rotation = counted(feed, e.quantisation.feed_step), counted(rotation, e.quantisation.rotation_step)
     if p.feedback == WHEELS:
         feed, rotation = sleeve_rates(first_angle, second_angle, p.layout, p.angle, p.wheel_radius, p.sleeve_radius)
-    x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, p, e.reference)
+    x[WANTED], x[WANTED + 1], feed_rate, rotation_rate = wanted(t, s.rows, p, e.reference)
     x[ERRORS], x[ERRORS + 1] = x[WANTED] - feed, x[WANTED + 1] - rotation
     feed_rate += p.feed_gain * x[ERRORS] + x[MOTION]
     rotation_rate += p.rotation_gain * x[ERRORS + 1] + x[MOTION + 1]
@@ -193,13 +200,13 @@ def control_sample(t, u, x, work, p, e):
 
 
 @kernel
-def control_outputs(x, y):
+def control_outputs(t, s, p, e):
     """Voltages, errors and set point of the last sample."""
+    x, y = s.x, s.y
     y[0], y[1] = x[VOLTAGES], x[VOLTAGES + 1]
     y[2], y[3] = x[ERRORS], x[ERRORS + 1]
     y[4], y[5] = x[WANTED], x[WANTED + 1]
+    return DONE
 
 
-ServoController.sample_kernel = control_sample
-ServoController.output_kernel = control_outputs
-ServoController.advance = bind(sampled, __name__, sample=control_sample, outputs=control_outputs)
+ServoController.kernels = sampled_kernels(__name__, start=control_start, sample=control_sample, outputs=control_outputs)

@@ -15,14 +15,21 @@ from __future__ import annotations
 
 import math
 
-from ..core.errors import BadInput
-from ..core.kernels import kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import Variable, choice
 
 LAYOUTS = ("skewed", "skewed_free_rollers", "orthogonal")
 SKEWED, FREE_ROLLERS, ORTHOGONAL = range(3)
 ANGLE = math.pi / 6.0  # rad, of skewed wheels by default
 WORST = 1e3  # condition of the map of rates, above which one degree of freedom counts as lost
+IDLE_ANGLE, LOST_ROTATION, LOST_FEED = OWN + 1, OWN + 2, OWN + 3  # statuses
+IDLE = {IDLE_ANGLE: Refusal("angle = {angle} rad in the layout '{layout}'", "a layout of skewed wheels, or no angle",
+                            "Orthogonal wheels stand along the axis and across it.")}
+LOST = {status: Refusal("angle = {angle} rad in the layout '{layout}'",
+                        f"wheels that give feed and rotation, a condition number of at most {WORST:g}",
+                        f"The {lost} is lost; take an angle well between 0 and {math.pi / 2:.4g} rad.")
+        for status, lost in ((LOST_ROTATION, "rotation"), (LOST_FEED, "feed"))}  # fmt: skip
 
 
 def layout_choice() -> Variable:
@@ -65,7 +72,8 @@ def wheel_rates(feed_rate, rotation_rate, layout, angle, wheel_radius, sleeve_ra
     return along + around, along - around
 
 
-def condition(layout: int, angle: float) -> float:
+@kernel
+def condition(layout, angle):
     """Condition number of the map from the wheels' to the sleeve's surface rates: 1 / angle towards 0; 1 if orthogonal."""
     if layout == ORTHOGONAL:
         return 1.0
@@ -74,18 +82,15 @@ def condition(layout: int, angle: float) -> float:
     return math.inf if small == 0.0 else large / small
 
 
-def refuse_singular(where: str, layout: int, angle: float) -> None:
-    """`BadInput` if the wheels cannot give both degrees of freedom, for who has to command them."""
+@kernel
+def idle_angle(layout, angle):
+    """The status of an angle: refused where it is given to orthogonal wheels, which have none."""
+    return IDLE_ANGLE if layout == ORTHOGONAL and angle != ANGLE else DONE
+
+
+@kernel
+def lost_motion(layout, angle):
+    """The status of wheels for who has to command them: refused where they cannot give both degrees of freedom."""
     if condition(layout, angle) > WORST:
-        lost = "rotation" if abs(math.sin(angle)) < abs(math.cos(angle)) else "feed"
-        raise BadInput(where, f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}",
-                       f"wheels that give feed and rotation, a condition number of at most {WORST:g}",
-                       f"The {lost} is lost; take an angle well between 0 and {math.pi / 2:.4g} rad.")
-
-
-def refuse_idle_angle(where: str, layout: int, angle: float) -> None:
-    """`BadInput` for an angle that is given to orthogonal wheels, which have none."""
-    if layout == ORTHOGONAL and angle != ANGLE:
-        actual = f"angle = {angle:g} rad in the layout {LAYOUTS[layout]!r}"
-        raise BadInput(where, actual, "a layout of skewed wheels, or no angle",
-                       "Orthogonal wheels stand along the axis and across it.")
+        return LOST_ROTATION if abs(math.sin(angle)) < abs(math.cos(angle)) else LOST_FEED
+    return DONE

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
-import numpy as np
-
-from ..core.events import EventComponent, rk4_events
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
-from ..core.integrators import RK4_STABILITY_RADIUS, rk4
-from ..core.kernels import bind, kernel
+from ..core.kernels import DONE, kernel
+from ..core.modes import EventComponent, event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output
 from ..drives import servo_motor
 from ..drives.servo_motor import MotorParameters, shaft_inertia
@@ -25,13 +24,15 @@ from .sleeve import (
     sleeve_derivatives,
     sleeve_energy,
     sleeve_guards,
-    sleeve_state,
+    sleeve_start,
+    sleeve_states,
     sleeve_switch,
     stiffest,
     stuck_outputs,
+    surface_mass,
     wheel_loads,
 )
-from .wheels import FrictionWheels, SleeveDeclarations, refuse_idle
+from .wheels import FrictionWheels, SleeveDeclarations, declared_status
 
 RATES, CURRENTS = 2, 4  # behind the motors' place in the state: two angles, two rates, two currents; at last two modes
 
@@ -62,7 +63,6 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
     title = "Friction-wheel drive, whole"
     system = "friction_drive"
     start_inputs = ("first_voltage", "second_voltage")  # whether a shaft sticks follows from what drives it
-    guards_count = GUARDS + 2
 
     first_voltage = input_(0.0, "V", "voltage of the first motor", nominal=10.0)
     second_voltage = input_(0.0, "V", "voltage of the second motor", nominal=10.0)
@@ -94,56 +94,28 @@ class FrictionDrive(SleeveDeclarations, MotorDeclarations, EventComponent):
     contact_power = output("W", "power that the contacts take up: lost, but for what deflections store")
     mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
 
-    def _initialize(self, t: float) -> int:
-        refuse_idle(self)
-        return super()._initialize(t)
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """Those of both contacts, the seal and both shafts, where any of them can hold."""
+        return GUARDS + 2 if {"shaft_friction", "exact_slip", "trocar_friction"} & {*self.on} else 0
 
-    def initial_state(self) -> np.ndarray:
-        """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, currents as given, shafts that stand where they can."""
-        p, e = self.arguments
-        sleeve = sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), e.lugre_slip,
-                              e.exact_slip, e.trocar_friction)
-        at, u = sleeve.size, self.u[0]
-        currents = [] if e.inductance is None else [e.inductance.start_current] * 2
-        state = np.array([*sleeve, *np.zeros(4), *currents, *([] if e.shaft_friction is None else [0.0, 0.0])])
-        if e.shaft_friction is not None:
-            *drives, first, second = shafts(self.t, state, u, p, e)
-            for k, static in enumerate((first, second)):
-                state[at + shaft_modes(e.inductance) + k] = stick_mode(0.0, drives[k], static)
-        return state
+    def states(self) -> int:
+        """Those of the sleeve, angles, rates[, currents][, modes of the shafts]."""
+        return sleeve_states(self.on) + 4 + 2 * ("inductance" in self.on) + 2 * ("shaft_friction" in self.on)
+
+    def shapes(self) -> dict[str, Any]:
+        """`rims`: stiffness and damping of sleeve and wheels' rims.  `matrix`: of the linear equations, and workspace."""
+        n = 8 + 2 * ("inductance" in self.on)
+        return super().shapes() | {"rims": (2, 4, 4), "matrix": (2, n, n)}
 
     def energy(self) -> float:
         """Energy of sleeve, contacts, seal, rotors and wheels, and of the windings, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
         twice = shaft_inertia(p) * (self.x[at + RATES : at + RATES + 2] ** 2).sum()
         if e.inductance is not None:
             twice += e.inductance.inductance * (self.x[at + CURRENTS : at + CURRENTS + 2] ** 2).sum()
         return float(sleeve_energy(self.t, self.x, p, e) + 0.5 * twice)
-
-    def stable_step(self) -> float:
-        """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
-        p, e = self._declared_arguments()
-        masses, K, D = stiffest(p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.trocar_friction)
-        radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
-        masses = np.array([*masses, *[shaft_inertia(p) / radius**2] * 2])[:, None]
-        D = D + np.diag([0.0, 0.0, *[p.gear_ratio**2 * p.damping / radius**2] * 2])
-        wheels = np.eye(4)[:, 2:]
-        if e.inductance is None:
-            D = D + force**2 / p.resistance * wheels @ wheels.T
-        A = np.block([[np.zeros((4, 4)), np.eye(4)], [-K / masses, -D / masses]])
-        if e.inductance is not None:
-            L = e.inductance.inductance
-            A = np.block([[A, np.vstack([np.zeros((4, 2)), force * wheels / masses])],
-                          [np.zeros((2, 4)), -force / L * wheels.T, -p.resistance / L * np.eye(2)]])
-        fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
-
-    def _step(self, t: float, h: float) -> int:
-        if {"shaft_friction", "exact_slip", "trocar_friction"} & {*self.on}:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return drive_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
 
 VOLTAGES, FORCE, TORQUE = FrictionDrive.input_indices("first_voltage", "external_force", "external_torque")
@@ -188,8 +160,7 @@ def shaft_levels(k, at, x, voltage, p, inductance, shaft):
 def shafts(t, x, u, p, e):
     """(drive, drive, static, static): torques that both shafts bear while they stand, and what they can, N.m."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
-    _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e.smoothed_slip, e.lugre_slip,
-                                          e.exact_slip, e.preload_loss)
+    _, _, _, _, qx, qy, rx, ry = contacts(t, x, x[at + RATES], x[at + RATES + 1], p, e)
     load_1, load_2 = wheel_loads(qx, qy, rx, ry, p)
     return (shaft_drive(0, at, x, u[VOLTAGES], load_1, p, e.inductance),
             shaft_drive(1, at, x, u[VOLTAGES + 1], load_2, p, e.inductance),
@@ -198,10 +169,48 @@ def shafts(t, x, u, p, e):
 
 
 @kernel
-def drive_derivatives(t, x, u, dx, p, e):
+def drive_start(t, s, p, e):
+    """Sleeve as in `FrictionWheels`, wheels at rest at angle zero, currents as given, shafts that stand where they can."""
+    x, at = s.x, motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
+    sleeve_start(x, p)
+    if e.inductance is not None:
+        x[at + CURRENTS] = x[at + CURRENTS + 1] = e.inductance.start_current
+    if e.shaft_friction is not None:
+        drive_1, drive_2, static_1, static_2 = shafts(t, x, s.u[0], p, e)
+        mode = at + shaft_modes(e.inductance)
+        x[mode], x[mode + 1] = stick_mode(0.0, drive_1, static_1), stick_mode(0.0, drive_2, static_2)
+    return declared_status(p, e)
+
+
+@kernel
+def drive_stable(t, s, p, e):
+    """RK4's limit for motors, wheels and sleeve on contacts that hold, s."""
+    K, D, A = s.rims[0], s.rims[1], s.matrix[0]
+    stiffest(K, D, p, e)
+    radius, force = p.wheel_radius, p.gear_ratio * p.constant / p.wheel_radius
+    rim = shaft_inertia(p) / (radius * radius)
+    for k in range(2, 4):
+        D[k, k] += p.gear_ratio * p.gear_ratio * p.damping / (radius * radius)
+        if e.inductance is None:
+            D[k, k] += force * force / p.resistance
+    A[:] = 0.0
+    for i in range(4):
+        mass = p.mass if i == 0 else surface_mass(p) if i == 1 else rim
+        A[i, 4 + i] = 1.0
+        for j in range(4):
+            A[4 + i, j], A[4 + i, 4 + j] = -K[i, j] / mass, -D[i, j] / mass
+    if e.inductance is not None:
+        for k in range(2):
+            A[6 + k, 8 + k], A[8 + k, 6 + k] = force / rim, -force / e.inductance.inductance
+            A[8 + k, 8 + k] = -p.resistance / e.inductance.inductance
+    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+
+
+@kernel
+def drive_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (sleeve, angles, rates[, currents][, modes])."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
-    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], u[FORCE], u[TORQUE], dx, p, e)
+    load_1, load_2 = sleeve_derivatives(t, x, x[at + RATES], x[at + RATES + 1], (u[FORCE], u[TORQUE]), dx, p, e)
     for k in range(2):
         voltage, rate = u[VOLTAGES + k], x[at + RATES + k]
         torque = shaft_drive(k, at, x, voltage, load_1 if k == 0 else load_2, p, e.inductance)
@@ -216,7 +225,7 @@ def drive_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def drive_guards(t, x, u, g, p, e):
+def drive_guards(t, x, u, g, s, p, e):
     """What keeps the modes of both contacts, the seal and both shafts."""
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     sleeve_guards(x, x[at + RATES], x[at + RATES + 1], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
@@ -229,7 +238,7 @@ def drive_guards(t, x, u, g, p, e):
 
 
 @kernel
-def drive_switch(which, t, x, u, p, e):
+def drive_switch(which, t, x, u, s, p, e):
     """A contact, the seal or a shaft breaks loose, or comes to rest."""
     if which < 3:
         sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
@@ -242,23 +251,22 @@ def drive_switch(which, t, x, u, p, e):
 
 
 @kernel
-def drive_outputs(t, x, u, y, p, e):
+def drive_outputs(t, s, p, e):
     """Motors, sleeve, contacts, energy, and what stands."""
+    x, u, y = s.x, s.u[0], s.y
     at = motor_place(e.lugre_slip, e.exact_slip, e.trocar_friction)
     y[0], y[1], y[2], y[3] = x[at], x[at + 1], x[at + RATES], x[at + RATES + 1]
     y[4], y[5] = current(0, at, x, u[VOLTAGES], p, e.inductance), current(1, at, x, u[VOLTAGES + 1], p, e.inductance)
     y[6] = u[VOLTAGES] * y[4] + u[VOLTAGES + 1] * y[5]
     y[SLEEVE], y[SLEEVE + 1], y[SLEEVE + 2], y[SLEEVE + 3] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
-    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, e.smoothed_slip, e.lugre_slip, e.exact_slip,
-                                             e.preload_loss)
+    y[LOADS], y[LOADS + 1] = contact_outputs(t, x, y[2], y[3], y, SLIPS, p, e)
     y[ENERGY] = sleeve_energy(t, x, p, e)
     stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
     if e.shaft_friction is not None:
         mode = at + shaft_modes(e.inductance)
         y[e.shaft_friction.y], y[e.shaft_friction.y + 1] = 1.0 if x[mode] == 0.0 else 0.0, 1.0 if x[mode + 1] == 0.0 else 0.0
+    return DONE
 
 
-FrictionDrive.advance = bind(rk4_events, __name__, derivatives=drive_derivatives, guards=drive_guards, switch=drive_switch,
-                             outputs=drive_outputs)
-FrictionDrive.output_kernel = drive_outputs
-drive_smooth = bind(rk4, __name__, derivatives=drive_derivatives, outputs=drive_outputs)
+FrictionDrive.kernels = event_kernels(__name__, start=drive_start, derivatives=drive_derivatives, outputs=drive_outputs,
+                                      stable=drive_stable, guards=drive_guards, switch=drive_switch)

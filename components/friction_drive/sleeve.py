@@ -10,12 +10,12 @@ All tractions are laws at full preload times the share of it that is left: a con
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from collections.abc import Collection
 
 from ..core.component import Effect
 from ..core.friction import (
     SLIDES,
+    lugre_level,
     planar_lugre_rate,
     planar_stick_deflection,
     planar_stick_guard,
@@ -124,44 +124,45 @@ def friction_level(p):
 
 
 @kernel
-def deflection_rate(k, x, sx, sy, p, lugre, exact):
+def deflection_rate(k, x, sx, sy, p, e):
     """Rate of the deflection of contact k; zero for laws without one."""
-    if lugre is not None:
-        level, z = friction_level(p), DEFLECTIONS + 2 * k
-        return planar_lugre_rate(sx, sy, x[z], x[z + 1], lugre.stiffness, level, lugre.static_ratio * level,
-                                 lugre.stribeck_rate, 1.0 / p.substep)
-    if exact is not None:
+    if e.lugre_slip is not None:
+        lugre, kinetic, z = e.lugre_slip, friction_level(p), DEFLECTIONS + 2 * k
+        level = lugre_level(math.hypot(sx, sy), kinetic, lugre.static_ratio * kinetic, lugre.stribeck_rate)
+        return planar_lugre_rate(sx, sy, x[z], x[z + 1], lugre.stiffness, level, 1.0 / p.substep)
+    if e.exact_slip is not None:
         z = DEFLECTIONS + 2 * k
         return planar_stick_rate(x[MODES + k], sx, sy, x[z], x[z + 1], 1.0 / p.substep)
     return 0.0, 0.0
 
 
 @kernel
-def traction(k, t, x, sx, sy, p, smoothed, lugre, exact, loss):
+def traction(k, t, x, sx, sy, p, e):
     """Force of wheel k on the sleeve, N."""
-    share = preload_share(k, t, loss)
-    if smoothed is not None:
+    share = preload_share(k, t, e.preload_loss)
+    if e.smoothed_slip is not None:
         fx, fy = smoothed_planar(sx, sy, friction_level(p), p.creep)
         return -share * fx, -share * fy
-    rx, ry = deflection_rate(k, x, sx, sy, p, lugre, exact)
-    if lugre is not None:
-        z = DEFLECTIONS + 2 * k
+    rx, ry = deflection_rate(k, x, sx, sy, p, e)
+    if e.lugre_slip is not None:
+        lugre, z = e.lugre_slip, DEFLECTIONS + 2 * k
         return (-share * (lugre.stiffness * x[z] + lugre.damping * rx + lugre.viscous * sx),
                 -share * (lugre.stiffness * x[z + 1] + lugre.damping * ry + lugre.viscous * sy))
-    if exact is not None:
-        z, stiffness = DEFLECTIONS + 2 * k, share * friction_level(p) / exact.deflection
+    if e.exact_slip is not None:
+        exact, z = e.exact_slip, DEFLECTIONS + 2 * k
+        stiffness = share * friction_level(p) / exact.deflection
         zx, zy = planar_stick_deflection(x[MODES + k], x[z], x[z + 1], exact.deflection)
         return -stiffness * (zx + exact.damping_time * rx), -stiffness * (zy + exact.damping_time * ry)
     return -share * p.creep * sx, -share * p.creep * sy
 
 
 @kernel
-def contacts(t, x, first, second, p, smoothed, lugre, exact, loss):
+def contacts(t, x, first, second, p, e):
     """Slips and tractions of both contacts, along and around: (slip 1, slip 2, traction 1, traction 2), eight numbers."""
     ax, ay = slip(0, x, first, p)
     bx, by = slip(1, x, second, p)
-    qx, qy = traction(0, t, x, ax, ay, p, smoothed, lugre, exact, loss)
-    rx, ry = traction(1, t, x, bx, by, p, smoothed, lugre, exact, loss)
+    qx, qy = traction(0, t, x, ax, ay, p, e)
+    rx, ry = traction(1, t, x, bx, by, p, e)
     return ax, ay, bx, by, qx, qy, rx, ry
 
 
@@ -190,14 +191,18 @@ def seal_rate(x, p, lugre, exact, trocar):
 
 
 @kernel
-def sleeve_derivatives(t, x, first, second, force, torque, dx, p, e):
-    """dx/dt of the sleeve's part of the state for the wheels' rates; returns the loads of the wheels, N.m."""
+def sleeve_derivatives(t, x, first, second, external, dx, p, e):
+    """dx/dt of the sleeve's part of the state for the wheels' rates; returns the loads of the wheels, N.m.
+
+    external: (force, torque) on the sleeve, N and N.m.
+    """
     dx[FEED], dx[ROTATION] = x[FEED_RATE], x[ROTATION_RATE]
-    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.preload_loss)
+    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e)
+    force, torque = external
     along, around = qx + rx + force, qy + ry + torque / p.sleeve_radius
     if e.lugre_slip is not None or e.exact_slip is not None:
-        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, e.lugre_slip, e.exact_slip)
-        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, e.lugre_slip, e.exact_slip)
+        dx[DEFLECTIONS], dx[DEFLECTIONS + 1] = deflection_rate(0, x, ax, ay, p, e)
+        dx[DEFLECTIONS + 2], dx[DEFLECTIONS + 3] = deflection_rate(1, x, bx, by, p, e)
     if e.exact_slip is not None:
         dx[MODES] = dx[MODES + 1] = 0.0
     if e.trocar_friction is not None:
@@ -262,13 +267,13 @@ def sleeve_energy(t, x, p, e):
 
 
 @kernel
-def contact_outputs(t, x, first, second, y, at, p, smoothed, lugre, exact, loss):
+def contact_outputs(t, x, first, second, y, at, p, e):
     """Slips and tractions of both contacts, margin and power of the contacts into y[at:]; returns the loads of the wheels."""
-    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, smoothed, lugre, exact, loss)
+    ax, ay, bx, by, qx, qy, rx, ry = contacts(t, x, first, second, p, e)
     y[at], y[at + 1], y[at + 2], y[at + 3] = ax, ay, bx, by
     y[at + 4], y[at + 5], y[at + 6], y[at + 7] = qx, qy, rx, ry
-    y[at + 8] = min(free_share(math.hypot(qx, qy), preload_share(0, t, loss) * friction_level(p)),
-                    free_share(math.hypot(rx, ry), preload_share(1, t, loss) * friction_level(p)))
+    y[at + 8] = min(free_share(math.hypot(qx, qy), preload_share(0, t, e.preload_loss) * friction_level(p)),
+                    free_share(math.hypot(rx, ry), preload_share(1, t, e.preload_loss) * friction_level(p)))
     y[at + 9] = -(qx * ax + qy * ay + rx * bx + ry * by)
     return wheel_loads(qx, qy, rx, ry, p)
 
@@ -288,32 +293,61 @@ def free_share(force, level):
     return 1.0 - force / level if level > 0.0 else 0.0
 
 
-def sleeve_state(start: tuple[float, float, float, float], lugre, exact, trocar) -> np.ndarray:
-    """State at the start: feed, rotation and their rates, contacts relaxed and at rest."""
-    size = seal_place(lugre, exact) + (3 if trocar is not None else 0)
-    return np.array([*start, *np.zeros(size - len(start))])
+def sleeve_states(on: Collection[str]) -> int:
+    """Number of the sleeve's states where these effects are on."""
+    contact = 6 if "exact_slip" in on else 4 if "lugre_slip" in on else 0
+    return DEFLECTIONS + contact + (3 if "trocar_friction" in on else 0)
 
 
-def stiffest(p, smoothed, lugre, exact, trocar) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(masses, stiffness, damping) of sleeve and wheels' rims at rest, in surface coordinates: along, around, first, second.
+@kernel
+def sleeve_start(x, p):
+    """The sleeve's part of the state at the start: contacts and seal, which are zero, are relaxed and at rest."""
+    x[FEED], x[ROTATION] = p.start_feed, p.start_rotation
+    x[FEED_RATE], x[ROTATION_RATE] = p.start_feed_rate, p.start_rotation_rate
 
-    Shapes (2,), (4, 4), (4, 4); the wheels' masses are theirs to know. For the largest eigenvalue.
+
+@kernel
+def surface_mass(p):
+    """Mass that the sleeve's turning has at its surface, kg."""
+    return p.inertia / (p.sleeve_radius * p.sleeve_radius)
+
+
+@kernel
+def rims(matrix, contact, seal, p):
+    """Stiffness or damping of sleeve and wheels' rims at rest into matrix (4, 4): along, around, first, second.
+
+    contact, seal: stiffness or damping of each contact, and of the seal. In surface coordinates.
     """
     c1, s1, c2, s2 = directions(p.layout, p.angle)
-    stiffness, damping = 0.0, p.creep
-    if lugre is not None:
-        stiffness, damping = lugre.stiffness, lugre.damping + lugre.viscous
-    if exact is not None:
-        stiffness = friction_level(p) / exact.deflection
-        damping = stiffness * exact.damping_time
-    shape = np.zeros((4, 4))
-    for k, (c, s) in enumerate(((c1, s1), (c2, s2))):
-        slips = np.zeros((2, 4))
-        slips[:, :2] = np.eye(2) if p.layout == SKEWED else np.outer((c, s), (c, s))
-        slips[:, 2 + k] = -c, -s
-        shape += slips.T @ slips
-    K, D = stiffness * shape, damping * shape
-    if trocar is not None:
-        held = trocar.level / trocar.deflection * np.diag([1.0, 1.0, 0.0, 0.0])
-        K, D = K + held, D + trocar.damping_time * held
-    return np.array([p.mass, p.inertia / p.sleeve_radius**2]), K, D
+    matrix[:] = 0.0
+    for k in range(2):
+        c, s = (c1, s1) if k == 0 else (c2, s2)
+        if p.layout == SKEWED:
+            matrix[0, 0] += contact
+            matrix[1, 1] += contact
+        else:
+            matrix[0, 0] += contact * c * c
+            matrix[0, 1] += contact * c * s
+            matrix[1, 1] += contact * s * s
+        matrix[0, 2 + k], matrix[1, 2 + k], matrix[2 + k, 2 + k] = -contact * c, -contact * s, contact
+    for i in range(4):
+        for j in range(i):
+            matrix[i, j] = matrix[j, i]
+    matrix[0, 0] += seal
+    matrix[1, 1] += seal
+
+
+@kernel
+def stiffest(K, D, p, e):
+    """Stiffness and damping of sleeve and wheels' rims at rest into K and D, (4, 4), see `rims`. For the largest eigenvalue."""
+    stiffness, damping, seal, seal_damping = 0.0, p.creep, 0.0, 0.0
+    if e.lugre_slip is not None:
+        stiffness, damping = e.lugre_slip.stiffness, e.lugre_slip.damping + e.lugre_slip.viscous
+    if e.exact_slip is not None:
+        stiffness = friction_level(p) / e.exact_slip.deflection
+        damping = stiffness * e.exact_slip.damping_time
+    if e.trocar_friction is not None:
+        seal = e.trocar_friction.level / e.trocar_friction.deflection
+        seal_damping = e.trocar_friction.damping_time * seal
+    rims(K, stiffness, seal, p)
+    rims(D, damping, seal_damping, p)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from ..core.errors import BadInput
-from ..core.events import EventComponent, rk4_events
-from ..core.integrators import RK4_STABILITY_RADIUS, rk4
-from ..core.kernels import bind, kernel
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
+from ..core.modes import EventComponent, event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
-from .kinematics import ANGLE, layout_choice, refuse_idle_angle
+from .kinematics import ANGLE, IDLE, idle_angle, layout_choice
 from .sleeve import (
     FEED,
     FEED_RATE,
@@ -29,12 +28,16 @@ from .sleeve import (
     sleeve_derivatives,
     sleeve_energy,
     sleeve_guards,
-    sleeve_state,
+    sleeve_start,
+    sleeve_states,
     sleeve_switch,
     stiffest,
     stuck_outputs,
+    surface_mass,
 )
 
+CREEP = 600.0  # N.s/m, by default
+CREEP_WITH_LUGRE, CREEP_WITH_EXACT = OWN + 4, OWN + 5  # statuses, behind those of kinematics.py
 FIRST, SECOND, BOTH = ("first_rate",), ("second_rate",), ("first_rate", "second_rate")
 
 
@@ -56,12 +59,19 @@ class SleeveDeclarations:
     inertia = parameter(1.875e-6, "kg.m2", "moment of inertia about the sleeve's axis", low=1e-15, nominal=1e-6)
     normal_force = parameter(15.0, "N", "normal force of each wheel, its preload", low=1e-9, nominal=10.0)
     friction = parameter(0.4, "1", "coefficient of kinetic friction of wheel and sleeve", low=1e-9)
-    creep = parameter(600.0, "N.s/m", "traction per slip of a contact that creeps, at full preload", low=0.0, nominal=100.0)
+    creep = parameter(CREEP, "N.s/m", "traction per slip of a contact that creeps, at full preload", low=0.0, nominal=100.0)
     start_feed = parameter(0.0, "m", "feed at the start")
     start_rotation = parameter(0.0, "rad", "rotation at the start")
     start_feed_rate = parameter(0.0, "m/s", "rate of feed at the start")
     start_rotation_rate = parameter(0.0, "rad/s", "rate of rotation at the start")
     substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
+
+    refusals = IDLE | {
+        status: Refusal(f"creep = {{creep}} N.s/m with {effect!r}",
+                        "contacts that creep: 'smoothed_slip' or none of the effects of slip",
+                        f"The stiffness of contacts with {effect!r} is a parameter of that effect.")
+        for status, effect in ((CREEP_WITH_LUGRE, "lugre_slip"), (CREEP_WITH_EXACT, "exact_slip"))
+    }
 
 
 class FrictionWheels(SleeveDeclarations, EventComponent):
@@ -81,7 +91,6 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
     title = "Friction wheels and sleeve"
     system = "friction_drive"
     start_inputs = ()
-    guards_count = GUARDS
 
     first_rate = input_(0.0, "rad/s", "rate of the first wheel", nominal=10.0)
     second_rate = input_(0.0, "rad/s", "rate of the second wheel", nominal=10.0)
@@ -107,46 +116,23 @@ class FrictionWheels(SleeveDeclarations, EventComponent):
     contact_power = output("W", "power that the contacts take up: lost, but for what deflections store", feedthrough=BOTH)
     mechanical_energy = output("J", "kinetic energy, height above feed zero, deflection of contacts and seal")
 
-    def _initialize(self, t: float) -> int:
-        refuse_idle(self)
-        return super()._initialize(t)
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """Those of both contacts and the seal, where any of them can hold."""
+        return GUARDS if {"exact_slip", "trocar_friction"} & {*self.on} else 0
 
-    def initial_state(self) -> np.ndarray:
-        """Motion of the parameters, contacts relaxed."""
-        p, e = self.arguments
-        return sleeve_state((p.start_feed, p.start_rotation, p.start_feed_rate, p.start_rotation_rate), e.lugre_slip,
-                            e.exact_slip, e.trocar_friction)
+    def states(self) -> int:
+        """Those of the sleeve."""
+        return sleeve_states(self.on)
+
+    def shapes(self) -> dict[str, Any]:
+        """`rims`: stiffness and damping of sleeve and wheels' rims.  `matrix`: of the linear equations, and workspace."""
+        return super().shapes() | {"rims": (2, 4, 4), "matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        return float(sleeve_energy(self.t, self.x, *self.arguments))
-
-    def stable_step(self) -> float:
-        """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
-        p, e = self._declared_arguments()
-        masses, K, D = stiffest(p, e.smoothed_slip, e.lugre_slip, e.exact_slip, e.trocar_friction)
-        A = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:2, :2] / masses[:, None], -D[:2, :2] / masses[:, None]]])
-        fastest = float(np.abs(np.linalg.eigvals(A)).max())
-        return RK4_STABILITY_RADIUS / fastest if fastest > 0.0 else math.inf
-
-    def _step(self, t: float, h: float) -> int:
-        if "exact_slip" in self.on or "trocar_friction" in self.on:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return wheels_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
-
-
-def refuse_idle(component: Any) -> None:
-    """`BadInput` for a given `creep` with a law of friction that has none, and an angle of wheels without; also of the drive."""
-    p = component._declared_arguments()[0]
-    refuse_idle_angle(component.name, p.layout, p.angle)
-    given = component.get("creep")
-    if given != type(component).variables["creep"].start:
-        for effect in ("lugre_slip", "exact_slip"):
-            if effect in component.on:
-                raise BadInput(component.name, f"creep = {given:g} N.s/m with {effect!r}",
-                               "contacts that creep: 'smoothed_slip' or none of the effects of slip",
-                               f"The stiffness of contacts with {effect!r} is a parameter of that effect.")
+        _, p, e = self.arguments
+        return float(sleeve_energy(self.t, self.x, p, e))
 
 
 RATE_1, RATE_2, FORCE, TORQUE = FrictionWheels.input_indices("first_rate", "second_rate", "external_force", "external_torque")
@@ -154,34 +140,64 @@ SLIPS, ENERGY = FrictionWheels.output_indices("first_slip_axial", "mechanical_en
 
 
 @kernel
-def wheels_derivatives(t, x, u, dx, p, e):
-    """dx/dt of the sleeve, see sleeve.py."""
-    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], u[FORCE], u[TORQUE], dx, p, e)
+def declared_status(p, e):
+    """The status of parameters that have no part: an angle of wheels without, and `creep` with a friction that has none."""
+    if e.lugre_slip is not None and p.creep != CREEP:
+        return CREEP_WITH_LUGRE
+    if e.exact_slip is not None and p.creep != CREEP:
+        return CREEP_WITH_EXACT
+    return idle_angle(p.layout, p.angle)
 
 
 @kernel
-def wheels_guards(t, x, u, g, p, e):
+def wheels_start(t, s, p, e):
+    """Motion of the parameters, contacts relaxed."""
+    sleeve_start(s.x, p)
+    return declared_status(p, e)
+
+
+@kernel
+def wheels_stable(t, s, p, e):
+    """RK4's limit for the sleeve on contacts that hold, the wheels' motion given, s."""
+    K, D, A = s.rims[0], s.rims[1], s.matrix[0]
+    stiffest(K, D, p, e)
+    A[:] = 0.0
+    for i in range(2):
+        mass = p.mass if i == 0 else surface_mass(p)
+        A[i, 2 + i] = 1.0
+        for j in range(2):
+            A[2 + i, j], A[2 + i, 2 + j] = -K[i, j] / mass, -D[i, j] / mass
+    return step_within(RK4_STABILITY_RADIUS, spectral_radius(A, s.matrix[1]))
+
+
+@kernel
+def wheels_derivatives(t, x, u, dx, s, p, e):
+    """dx/dt of the sleeve, see sleeve.py."""
+    sleeve_derivatives(t, x, u[RATE_1], u[RATE_2], (u[FORCE], u[TORQUE]), dx, p, e)
+
+
+@kernel
+def wheels_guards(t, x, u, g, s, p, e):
     """What keeps the modes of both contacts and the seal."""
     sleeve_guards(x, u[RATE_1], u[RATE_2], g, p, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 @kernel
-def wheels_switch(which, t, x, u, p, e):
+def wheels_switch(which, t, x, u, s, p, e):
     """A contact or the seal breaks loose, or comes to rest."""
     sleeve_switch(which, x, e.lugre_slip, e.exact_slip, e.trocar_friction)
 
 
 @kernel
-def wheels_outputs(t, x, u, y, p, e):
+def wheels_outputs(t, s, p, e):
     """Loads of the wheels, motion of the sleeve, contacts, energy."""
-    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, e.smoothed_slip, e.lugre_slip, e.exact_slip,
-                                 e.preload_loss)
+    x, u, y = s.x, s.u[0], s.y
+    y[0], y[1] = contact_outputs(t, x, u[RATE_1], u[RATE_2], y, SLIPS, p, e)
     y[2], y[3], y[4], y[5] = x[FEED], x[FEED_RATE], x[ROTATION], x[ROTATION_RATE]
     y[ENERGY] = sleeve_energy(t, x, p, e)
     stuck_outputs(x, y, e.lugre_slip, e.exact_slip, e.trocar_friction)
+    return DONE
 
 
-FrictionWheels.advance = bind(rk4_events, __name__, derivatives=wheels_derivatives, guards=wheels_guards, switch=wheels_switch,
-                              outputs=wheels_outputs)
-FrictionWheels.output_kernel = wheels_outputs
-wheels_smooth = bind(rk4, __name__, derivatives=wheels_derivatives, outputs=wheels_outputs)
+FrictionWheels.kernels = event_kernels(__name__, start=wheels_start, derivatives=wheels_derivatives, outputs=wheels_outputs,
+                                       stable=wheels_stable, guards=wheels_guards, switch=wheels_switch)

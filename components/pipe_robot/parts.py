@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Effect
-from ..core.events import EventComponent
-from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import kernel
+from ..core.modes import EventComponent
+from ..core.oscillator import fastest_rate
 from ..core.variables import input_, output, parameter
 
 FASTEST_PHASE = 1.0  # rad in a substep, above which an excitation is not followed
@@ -83,24 +81,14 @@ def spring_energy(stretch, p, cubic):
     return energy
 
 
-def fastest_eigenvalue(body: float, inner: float, spring: tuple[float, float], contact: tuple[float, float]) -> float:
-    """Largest |eigenvalue| of body and inner mass, 1/s; spring and contact to the pipe: (stiffness, damping); free and stuck."""
-    (k, c), (k_pipe, c_pipe) = spring, contact
-    pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    to_pipe = np.array([[1.0, 0.0], [0.0, 0.0]])
-    masses = np.c_[[body, inner]]
-    A = np.block([[np.zeros((2, 2)), np.eye(2)],
-                  [-(k * pair + k_pipe * to_pipe) / masses, -(c * pair + c_pipe * to_pipe) / masses]])  # fmt: skip
-    stuck = np.array([[0.0, 1.0], [-k / inner, -c / inner]])
-    return max(float(np.abs(np.linalg.eigvals(A)).max()), float(np.abs(np.linalg.eigvals(stuck)).max()))
+@kernel
+def free_rate(body, inner, stiffness, damping):
+    """Largest |eigenvalue| of body and inner mass with nothing but a spring between, 1/s; of a body that stands it is less."""
+    return fastest_rate(body * inner / (body + inner), damping, stiffness)
 
 
-def limit_of(eigenvalue: float) -> float:
-    """RK4's limit for an eigenvalue, s."""
-    return RK4_STABILITY_RADIUS / eigenvalue if eigenvalue > 0.0 else math.inf
-
-
-def hanging_stretch(weight: float, stiffness: float, cubic: float) -> float:
+@kernel
+def hanging_stretch(weight, stiffness, cubic):
     """Stretch at which spring and weight down the pipe are in balance, m; not a number where a softening spring gives way."""
     stretch = -weight / stiffness
     for _ in range(60):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from ..core.errors import BadInput
-from ..core.kernels import DONE, kernel
-from ..core.stateless import StatelessComponent
+from typing import Any
+
+from ..core.contract import Refusal
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import output, parameter
 
 FOREVER = 1e12  # s
+BACK_TOO_EARLY = OWN + 1  # status
 
 
-class ExciterProgram(StatelessComponent):
+class ExciterProgram(DirectComponent):
     """Frequency, amplitude and voltage that change along a straight line from start to end, and may go back the same way.
 
     Which of them is connected is the scene's choice: a force takes frequency and amplitude, a motor its voltage. It is slow
@@ -20,7 +23,6 @@ class ExciterProgram(StatelessComponent):
 
     title = "Program of frequency, amplitude and voltage over time"
     system = "pipe_robot"
-    start_inputs = ()
     default_stop = 60.0
 
     start_frequency = parameter(30.0, "rad/s", "angular frequency before the change", low=0.0)
@@ -37,23 +39,35 @@ class ExciterProgram(StatelessComponent):
     amplitude = output("N", "amplitude of the force", nominal=10.0)
     voltage = output("V", "voltage asked of the motor's amplifier", nominal=10.0)
 
-    def _initialize(self, t: float) -> int:
-        end = self.get("start_time") + self.get("duration")
-        if self.get("return_time") < end:
-            raise BadInput(self.name, f"return_time = {self.get('return_time'):g} s", f"at least {end:g} s, when the change ends",
-                           "Begin the way back later, or shorten duration.")
-        self.arguments = self._declared_arguments()
-        return DONE
+    refusals = {BACK_TOO_EARLY: Refusal("return_time = {return_time} s", "at least {end[0]} s, when the change ends",
+                                        "Begin the way back later, or shorten duration.")}
 
-    def _outputs(self, t: float) -> None:
-        p = self.arguments[0]
-        share = share_of_change(t, p.start_time, p.duration, p.return_time)
-        self.y[0] = p.start_frequency + share * (p.end_frequency - p.start_frequency)
-        self.y[1] = p.start_amplitude + share * (p.end_amplitude - p.start_amplitude)
-        self.y[2] = p.start_voltage + share * (p.end_voltage - p.start_voltage)
+    def shapes(self) -> dict[str, Any]:
+        """`end`: (1,) time at which the change ends, s."""
+        return {"end": 1}
+
+
+@kernel
+def program_start(t, s, p, e):
+    """The way back may not begin before the change has ended."""
+    s.end[0] = p.start_time + p.duration
+    return BACK_TOO_EARLY if p.return_time < s.end[0] else DONE
 
 
 @kernel
 def share_of_change(t, start, duration, back):
     """0 before the change, 1 after it, and 0 again after the way back."""
     return min(max((t - start) / duration, 0.0), 1.0) - min(max((t - back) / duration, 0.0), 1.0)
+
+
+@kernel
+def program_outputs(t, s, p, e):
+    """Frequency, amplitude and voltage at a time."""
+    share, y = share_of_change(t, p.start_time, p.duration, p.return_time), s.y
+    y[0] = p.start_frequency + share * (p.end_frequency - p.start_frequency)
+    y[1] = p.start_amplitude + share * (p.end_amplitude - p.start_amplitude)
+    y[2] = p.start_voltage + share * (p.end_voltage - p.start_voltage)
+    return DONE
+
+
+ExciterProgram.kernels = direct_kernels(__name__, program_outputs, program_start)

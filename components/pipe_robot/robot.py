@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from typing import Any
 
 from ..core.component import Preset
-from ..core.errors import BadInput, StepFailed
-from ..core.events import rk4_events
+from ..core.contract import Refusal
+from ..core.errors import StepFailed
 from ..core.friction import directed_mode
-from ..core.integrators import rk4
-from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.oscillator import fastest_rate
+from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import output, parameter
 from .contact import (
     LOCKED,
     Bristles,
     LuGreFriction,
     SmoothedFriction,
-    bristle_levels,
     bristle_rate,
     contact_guard,
     contact_switch,
@@ -26,7 +27,7 @@ from .contact import (
     friction_on_body,
 )
 from .exciters import HarmonicExciter, PrescribedMotion, Unbalance
-from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, ShakenRobot, Tow, fastest_eigenvalue, hanging_stretch, limit_of
+from .parts import FASTEST_PHASE, CubicSpring, PipeSlope, ShakenRobot, Tow, free_rate, hanging_stretch
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -41,12 +42,15 @@ from .robot_equations import (
     exciter_power,
     inner_accelerations,
     levels,
+    levels_at,
     robot_energy,
     stretch_of,
     unbalance_of,
     weight_power,
 )
 
+FORWARD, BACKWARD = 2.0, 8.0  # N, levels of friction by default
+FORWARD_GIVEN, BACKWARD_GIVEN, STATIC_RATIO, HEAVY_UNBALANCE, NO_INERTIA, LOCKED_BRISTLES, GIVES_WAY = range(OWN + 1, OWN + 8)
 FORCES = ("harmonic_force.amplitude", "tow.force", "route.slope", "route.friction_factor")
 
 
@@ -87,8 +91,8 @@ class PipeRobot(ShakenRobot):
     tow = Tow
     route = Route
 
-    forward_friction = parameter(2.0, "N", "kinetic friction against motion forwards", low=0.0)
-    backward_friction = parameter(8.0, "N", "kinetic friction against motion backwards", low=0.0)
+    forward_friction = parameter(FORWARD, "N", "kinetic friction against motion forwards", low=0.0)
+    backward_friction = parameter(BACKWARD, "N", "kinetic friction against motion backwards", low=0.0)
     static_ratio = parameter(1.0, "1", "static over kinetic friction, without smoothed_friction", low=1.0)
 
     friction_force = output("N", "friction on the body, positive forwards", nominal=10.0, feedthrough=FORCES)
@@ -109,90 +113,43 @@ class PipeRobot(ShakenRobot):
             "numbers of ours: friction 3.2 times as strong backwards", "computed", ("harmonic_force", "bristles")),
     }  # fmt: skip
 
-    def _initialize(self, t: float) -> int:
-        if "bristles" in self.on:
-            for name in ("forward_friction", "backward_friction"):
-                if self.get(name) != type(self).variables[name].start:
-                    raise BadInput(self.name, f"{name} = {self.get(name):g} N with the effect 'bristles'", "one of the two",
-                                   "The bristles give the levels of friction.")
-        if "smoothed_friction" in self.on and self.get("static_ratio") != 1.0:
-            raise BadInput(self.name, f"static_ratio = {self.get('static_ratio'):g} with the effect 'smoothed_friction'", "1",
-                           "Smoothed friction knows no rest; take lugre_friction, or the exact one.")
-        self._check_unbalance()
-        self._check_bristles()
-        return super()._initialize(t)
+    refusals = {
+        FORWARD_GIVEN: Refusal("forward_friction = {forward_friction} N with the effect 'bristles'", "one of the two",
+                               "The bristles give the levels of friction."),
+        BACKWARD_GIVEN: Refusal("backward_friction = {backward_friction} N with the effect 'bristles'", "one of the two",
+                                "The bristles give the levels of friction."),
+        STATIC_RATIO: Refusal("static_ratio = {static_ratio} with the effect 'smoothed_friction'", "1",
+                              "Smoothed friction knows no rest; take lugre_friction, or the exact one."),
+        HEAVY_UNBALANCE: Refusal("unbalance.mass = {unbalance.mass} kg", "at most the inner mass, {inner_mass} kg",
+                                 "The unbalance belongs to it."),
+        NO_INERTIA: Refusal("an unbalance that is all of the inner mass, without inertia of the rotor",
+                            "a mass or an inertia besides", "In front and behind nothing would resist its turning."),
+        LOCKED_BRISTLES: Refusal("bristles with friction * tan(angle) = {lean[0]}, locked backwards",
+                                 "less than 1 with smoothed_friction or lugre_friction, also at route.largest_factor",
+                                 "Leave both effects off: exact friction holds a locked robot."),
+        GIVES_WAY: Refusal("a softening spring that does not hold the inner mass on the slope", "a stiffer one"),
+    }
 
-    def _check_unbalance(self) -> None:
-        if "unbalance" in self.on and self.get("unbalance.mass") > self.get("inner_mass"):
-            raise BadInput(self.name, f"unbalance.mass = {self.get('unbalance.mass'):g} kg",
-                           f"at most the inner mass, {self.get('inner_mass'):g} kg", "The unbalance belongs to it.")
-        if "unbalance" in self.on and self.get("unbalance.mass") == self.get("inner_mass") and not self.get("unbalance.inertia"):
-            raise BadInput(self.name, "an unbalance that is all of the inner mass, without inertia of the rotor",
-                           "a mass or an inertia besides", "In front and behind nothing would resist its turning.")
+    @property
+    def guards_count(self) -> int:  # type: ignore[override]
+        """One where friction sticks exactly."""
+        return 0 if {"smoothed_friction", "lugre_friction"} & {*self.on} else 1
 
-    def _check_bristles(self) -> None:
-        if "bristles" not in self.on or not {"smoothed_friction", "lugre_friction"} & {*self.on}:
-            return
-        factor = self.get("route.largest_factor") if "route" in self.on else 1.0
-        lean = factor * self.get("bristles.friction") * math.tan(self.get("bristles.angle"))
-        if 1.0 - lean <= LOCKED:
-            raise BadInput(self.name, f"bristles with friction * tan(angle) = {lean:.4g}, locked backwards",
-                           "less than 1 with smoothed_friction or lugre_friction, also at route.largest_factor",
-                           "Leave both effects off: exact friction holds a locked robot.")
+    def states(self) -> int:
+        """Position, velocity, inner position, inner velocity, mode or deflection of LuGre's bristles[, phase[, its rate]]."""
+        return 5 + ("harmonic_force" in self.on) + 2 * ("unbalance" in self.on)
 
-    def initial_state(self) -> np.ndarray:
-        """x: position, velocity, inner position, inner velocity, mode or deflection of LuGre's bristles[, phase[, its rate]]."""
-        p, e = self.arguments
-        sag = hanging_stretch(p.inner_mass * downhill(self.u[0], e.route), p.stiffness,
-                              e.cubic_spring.stiffness if e.cubic_spring else 0.0)
-        if math.isnan(sag):
-            raise BadInput(self.name, "a softening spring that does not hold the inner mass on the slope", "a stiffer one")
-        x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
-        if e.harmonic_force is not None:
-            x.append(0.0)
-        if e.unbalance is not None:
-            x += [e.unbalance.start_angle, e.unbalance.start_rate]
-        state = np.array(x)
-        if e.smoothed_friction is None and e.lugre_friction is None:
-            drive, _ = drive_of(self.t, state, self.u[0], p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow,
-                                e.route)
-            forward, backward = levels(self.u[0], p, e.bristles, e.route)
-            state[CONTACT] = directed_mode(p.start_velocity, drive, p.static_ratio * forward, p.static_ratio * backward)
-        return state
+    def shapes(self) -> dict[str, Any]:
+        """`lean`: (1,) friction * tan(angle) of the bristles, at the largest factor of friction.
+
+        `matrix`: of the linear equations of both masses and friction without standstill, and workspace.
+        """
+        return super().shapes() | {"lean": 1, "matrix": (2, 4, 4)}
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         return float(robot_energy(self.t, self.x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction))
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
-        p, e = self._declared_arguments()
-        k, inner = p.stiffness, p.inner_mass
-        if e.cubic_spring is not None:
-            k += 3.0 * max(e.cubic_spring.stiffness, 0.0) * e.cubic_spring.largest_stretch**2
-        if e.unbalance is not None:
-            q, inertia = unbalance_of(e.unbalance)
-            inner -= q * q / inertia
-        factor = e.route.largest_factor if e.route is not None else 1.0
-        pair = bristle_levels(e.bristles, factor) if e.bristles is not None else (
-            p.forward_friction * factor, p.backward_friction * factor)
-        contact = (0.0, 0.0)
-        if e.smoothed_friction is not None:
-            contact = (0.0, max(pair) / e.smoothed_friction.width)
-        if e.lugre_friction is not None:
-            contact = (e.lugre_friction.stiffness, e.lugre_friction.damping)
-        if e.prescribed_motion is not None:
-            k_pipe, c_pipe = contact
-            mass = p.body_mass + p.inner_mass
-            return limit_of(float(np.abs(np.roots([mass, c_pipe, k_pipe])).max()))
-        return limit_of(fastest_eigenvalue(p.body_mass, inner, (k, p.damping), contact)) if inner > 0.0 else math.inf
-
-    def _step(self, t: float, h: float) -> int:
-        if not {"smoothed_friction", "lugre_friction"} & {*self.on}:
-            return super()._step(t, h)
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return robot_smooth(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
@@ -200,6 +157,96 @@ class PipeRobot(ShakenRobot):
                              " spring or the factor of friction left its range, or the state is not finite",
                              "Reduce substep; check frequency, route.friction_factor and cubic_spring.largest_stretch")
         super()._check(status)
+
+
+@kernel
+def robot_refused(s, p, e):
+    """The status of parameters that do not go together."""
+    if e.bristles is not None:
+        if p.forward_friction != FORWARD:
+            return FORWARD_GIVEN
+        if p.backward_friction != BACKWARD:
+            return BACKWARD_GIVEN
+    if e.smoothed_friction is not None and p.static_ratio != 1.0:
+        return STATIC_RATIO
+    if e.unbalance is not None:
+        if e.unbalance.mass > p.inner_mass:
+            return HEAVY_UNBALANCE
+        if e.unbalance.mass == p.inner_mass and e.unbalance.inertia == 0.0:
+            return NO_INERTIA
+    if e.bristles is not None:
+        s.lean[0] = largest_factor(e.route) * e.bristles.friction * math.tan(e.bristles.angle)
+        if s.guards is None and 1.0 - s.lean[0] <= LOCKED:
+            return LOCKED_BRISTLES
+    return DONE
+
+
+@kernel
+def largest_factor(route):
+    """Factor of friction up to which a run goes on."""
+    return route.largest_factor if route is not None else 1.0
+
+
+@kernel
+def robot_start(t, s, p, e):
+    """Both masses as the parameters say, the inner one from where it hangs; the body sticks if it can."""
+    x, u = s.x, s.u[0]
+    status = robot_refused(s, p, e)
+    if status != DONE:
+        return status
+    sag = hanging_stretch(p.inner_mass * downhill(u, e.route), p.stiffness,
+                          e.cubic_spring.stiffness if e.cubic_spring is not None else 0.0)
+    if math.isnan(sag):
+        return GIVES_WAY
+    x[POSITION], x[VELOCITY] = p.start_position, p.start_velocity
+    x[INNER], x[INNER_VELOCITY] = p.start_position + sag + p.start_stretch, p.start_velocity
+    if e.unbalance is not None:
+        x[PHASE], x[PHASE_RATE] = e.unbalance.start_angle, e.unbalance.start_rate
+    if s.guards is not None:
+        drive, _ = drive_of(t, x, u, p, e)
+        forward, backward = levels(u, p, e.bristles, e.route)
+        x[CONTACT] = directed_mode(p.start_velocity, drive, p.static_ratio * forward, p.static_ratio * backward)
+    return DONE
+
+
+@kernel
+def robot_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| at the largest stretch and factor of friction, body free and stuck, s."""
+    k, inner, k_pipe, c_pipe = p.stiffness, p.inner_mass, 0.0, 0.0
+    if e.cubic_spring is not None:
+        k += 3.0 * max(e.cubic_spring.stiffness, 0.0) * e.cubic_spring.largest_stretch**2
+    if e.unbalance is not None:
+        q, inertia = unbalance_of(e.unbalance)
+        inner -= q * q / inertia
+        if not inner > 0.0:
+            return math.inf
+    if e.smoothed_friction is not None:
+        forward, backward = levels_at(largest_factor(e.route), p, e.bristles)
+        c_pipe = max(forward, backward) / e.smoothed_friction.width
+    if e.lugre_friction is not None:
+        k_pipe, c_pipe = e.lugre_friction.stiffness, e.lugre_friction.damping
+    if e.prescribed_motion is not None:
+        fastest = fastest_rate(p.body_mass + p.inner_mass, c_pipe, k_pipe)
+    elif s.guards is not None:
+        fastest = free_rate(p.body_mass, inner, k, p.damping)
+    else:
+        fastest = held_rate(s.matrix, p.body_mass, inner, (k, p.damping), (k_pipe, c_pipe))
+    return step_within(RK4_STABILITY_RADIUS, fastest)
+
+
+@kernel
+def held_rate(matrix, body, inner, spring, contact):
+    """Largest |eigenvalue| of body and inner mass, 1/s, with the body free, and with it stuck.
+
+    matrix: (2, 4, 4) workspace.  spring, contact to the pipe: (stiffness, damping).
+    """
+    (k, c), (k_pipe, c_pipe) = spring, contact
+    A = matrix[0]
+    A[:] = 0.0
+    A[0, 2], A[1, 3] = 1.0, 1.0
+    A[2, 0], A[2, 1], A[2, 2], A[2, 3] = -(k + k_pipe) / body, k / body, -(c + c_pipe) / body, c / body
+    A[3, 0], A[3, 1], A[3, 2], A[3, 3] = k / inner, -k / inner, c / inner, -c / inner
+    return max(spectral_radius(A, matrix[1]), fastest_rate(inner, c, k))
 
 
 @kernel
@@ -226,9 +273,9 @@ def in_range(t, x, u, p, e):
 
 
 @kernel
-def robot_derivatives(t, x, u, dx, p, e):
+def robot_derivatives(t, x, u, dx, s, p, e):
     """dx/dt; not a number outside the range of the model. A prescribed motion needs no state of the inner mass."""
-    drive, mass = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    drive, mass = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)
     friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, e.smoothed_friction, e.lugre_friction)
     dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / mass
@@ -249,26 +296,27 @@ def robot_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def robot_guards(t, x, u, g, p, e):
+def robot_guards(t, x, u, g, s, p, e):
     """What keeps the body sliding, or at rest."""
-    drive, _ = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    drive, _ = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)
     g[0] = contact_guard(x[VELOCITY], x[CONTACT], drive, forward, backward, p.static_ratio)
 
 
 @kernel
-def robot_switch(which, t, x, u, p, e):
+def robot_switch(which, t, x, u, s, p, e):
     """The body stops, turns back, or breaks loose."""
     x[VELOCITY] = 0.0
-    drive, _ = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    drive, _ = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)
     x[CONTACT] = contact_switch(x[CONTACT], drive, forward, backward, p.static_ratio)
 
 
 @kernel
-def robot_outputs(t, x, u, y, p, e):
+def robot_outputs(t, s, p, e):
     """Motion, friction, powers, energy, and what the effects add."""
-    drive, mass = drive_of(t, x, u, p, e.harmonic_force, e.prescribed_motion, e.cubic_spring, e.tow, e.route)
+    x, u, y = s.x, s.u[0], s.y
+    drive, mass = drive_of(t, x, u, p, e)
     forward, backward = levels(u, p, e.bristles, e.route)
     friction = friction_on_body(x[VELOCITY], x[CONTACT], drive, forward, backward, p, e.smoothed_friction, e.lugre_friction)
     stretch, rate = stretch_of(t, x, e.prescribed_motion)
@@ -277,17 +325,15 @@ def robot_outputs(t, x, u, y, p, e):
     y[5] = x[CONTACT]
     if e.smoothed_friction is not None or e.lugre_friction is not None:
         y[5] = direction(x[VELOCITY])
-    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, e.harmonic_force, e.prescribed_motion, e.unbalance,
-                         e.cubic_spring, e.route)
-    y[7] = dissipated_power(t, x, friction, forward, backward, p, e.prescribed_motion, e.unbalance, e.lugre_friction)
+    y[6] = exciter_power(t, x, u, (drive - friction) / mass, p, e)
+    y[7] = dissipated_power(t, x, friction, forward, backward, p, e)
     y[8] = robot_energy(t, x, p, e.prescribed_motion, e.unbalance, e.cubic_spring, e.lugre_friction)
     if e.unbalance is not None:
         y[e.unbalance.y], y[e.unbalance.y + 1] = x[PHASE_RATE], x[PHASE]
     if e.route is not None:
         y[e.route.y] = weight_power(t, x, u, p, e.prescribed_motion, e.unbalance, e.route)
+    return DONE
 
 
-PipeRobot.advance = bind(rk4_events, __name__, derivatives=robot_derivatives, guards=robot_guards, switch=robot_switch,
-                         outputs=robot_outputs)
-PipeRobot.output_kernel = robot_outputs
-robot_smooth = bind(rk4, __name__, derivatives=robot_derivatives, outputs=robot_outputs)
+PipeRobot.kernels = event_kernels(__name__, start=robot_start, derivatives=robot_derivatives, outputs=robot_outputs,
+                                  stable=robot_stable, guards=robot_guards, switch=robot_switch)

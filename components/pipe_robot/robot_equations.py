@@ -1,4 +1,4 @@
-"""Equations of `PipeRobot`: forces, accelerations, energy. All kernels are scalar; SI units."""
+"""Equations of `PipeRobot`, in part of `RollingPipeRobot`: forces, accelerations, energy. All kernels are scalar; SI units."""
 
 from __future__ import annotations
 
@@ -12,12 +12,17 @@ POSITION, VELOCITY, INNER, INNER_VELOCITY, CONTACT, PHASE, PHASE_RATE = range(7)
 
 
 @kernel
-def levels(u, p, bristles, route):
-    """(forwards, backwards): kinetic friction, N, with the pipe's factor."""
-    factor = u[route.u + 1] if route is not None else 1.0
+def levels_at(factor, p, bristles):
+    """(forwards, backwards): kinetic friction, N, at a factor on the friction."""
     if bristles is not None:
         return bristle_levels(bristles, factor)
     return p.forward_friction * factor, p.backward_friction * factor
+
+
+@kernel
+def levels(u, p, bristles, route):
+    """(forwards, backwards): kinetic friction, N, with the pipe's factor."""
+    return levels_at(u[route.u + 1] if route is not None else 1.0, p, bristles)
 
 
 @kernel
@@ -43,18 +48,31 @@ def stretch_of(t, x, prescribed):
 
 
 @kernel
-def drive_of(t, x, u, p, harmonic, prescribed, cubic, tow, route):
-    """(force on the body without friction, mass that it moves); the inner mass belongs to it where its motion is prescribed."""
+def harmonic_force(x, u, harmonic):
+    """Force of the exciter on the body, N."""
+    return u[harmonic.u] * math.sin(x[PHASE])
+
+
+@kernel
+def shaken_drive(x, u, p, harmonic, cubic, tow, route):
+    """Force on the body without friction, N, where the inner mass moves as it is driven."""
     drive = u[tow.u] if tow is not None else 0.0
-    if prescribed is not None:
-        _, _, acceleration = prescribed_stretch(t, prescribed)
-        mass = p.body_mass + p.inner_mass
-        return drive - mass * downhill(u, route) - p.inner_mass * acceleration, mass
-    stretch, rate = stretch_of(t, x, prescribed)
+    stretch, rate = x[INNER] - x[POSITION], x[INNER_VELOCITY] - x[VELOCITY]
     drive += spring_force(stretch, rate, p, cubic) - p.body_mass * downhill(u, route)
     if harmonic is not None:
-        drive += u[harmonic.u] * math.sin(x[PHASE])
-    return drive, p.body_mass
+        drive += harmonic_force(x, u, harmonic)
+    return drive
+
+
+@kernel
+def drive_of(t, x, u, p, e):
+    """(force on the body without friction, mass that it moves); the inner mass belongs to it where its motion is prescribed."""
+    if e.prescribed_motion is not None:
+        drive = u[e.tow.u] if e.tow is not None else 0.0
+        _, _, acceleration = prescribed_stretch(t, e.prescribed_motion)
+        mass = p.body_mass + p.inner_mass
+        return drive - mass * downhill(u, e.route) - p.inner_mass * acceleration, mass
+    return shaken_drive(x, u, p, e.harmonic_force, e.cubic_spring, e.tow, e.route), p.body_mass
 
 
 @kernel
@@ -69,7 +87,7 @@ def inner_accelerations(x, u, p, harmonic, unbalance, cubic, route):
     stretch, rate = x[INNER] - x[POSITION], x[INNER_VELOCITY] - x[VELOCITY]
     force = -spring_force(stretch, rate, p, cubic) - p.inner_mass * g
     if harmonic is not None:
-        force -= u[harmonic.u] * math.sin(x[PHASE])
+        force -= harmonic_force(x, u, harmonic)
     if unbalance is not None:
         q, inertia = unbalance_of(unbalance)
         across = q * math.cos(x[PHASE])
@@ -88,17 +106,17 @@ def unbalance_of(unbalance):
 
 
 @kernel
-def exciter_power(t, x, u, acceleration, p, harmonic, prescribed, unbalance, cubic, route):
+def exciter_power(t, x, u, acceleration, p, e):
     """Power that the exciter gives, W; acceleration: of the body."""
-    stretch, rate = stretch_of(t, x, prescribed)
-    if harmonic is not None:
-        return -u[harmonic.u] * math.sin(x[PHASE]) * rate
-    if prescribed is not None:
-        _, _, relative = prescribed_stretch(t, prescribed)
-        total = -p.inner_mass * (acceleration + relative + downhill(u, route))  # on the body, by spring, damper and exciter
-        return -(total - spring_force(stretch, rate, p, cubic)) * rate
-    if unbalance is not None:
-        return u[unbalance.u] * x[PHASE_RATE]
+    stretch, rate = stretch_of(t, x, e.prescribed_motion)
+    if e.harmonic_force is not None:
+        return -harmonic_force(x, u, e.harmonic_force) * rate
+    if e.prescribed_motion is not None:
+        _, _, relative = prescribed_stretch(t, e.prescribed_motion)
+        total = -p.inner_mass * (acceleration + relative + downhill(u, e.route))  # on the body, by spring, damper and exciter
+        return -(total - spring_force(stretch, rate, p, e.cubic_spring)) * rate
+    if e.unbalance is not None:
+        return u[e.unbalance.u] * x[PHASE_RATE]
     return 0.0
 
 
@@ -117,15 +135,15 @@ def robot_energy(t, x, p, prescribed, unbalance, cubic, lugre):
 
 
 @kernel
-def dissipated_power(t, x, friction, forward, backward, p, prescribed, unbalance, lugre):
+def dissipated_power(t, x, friction, forward, backward, p, e):
     """Power lost in friction, damper and the unbalance's bearing, W; friction: against a positive velocity, N."""
-    _, rate = stretch_of(t, x, prescribed)
+    _, rate = stretch_of(t, x, e.prescribed_motion)
     power = friction * x[VELOCITY] + p.damping * rate * rate
-    if lugre is not None:  # what bends the bristles is not lost
-        power -= lugre.stiffness * x[CONTACT] * bristle_rate(
-            x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, lugre, p.substep)
-    if unbalance is not None:
-        power += unbalance.damping * x[PHASE_RATE] ** 2
+    if e.lugre_friction is not None:  # what bends the bristles is not lost
+        power -= e.lugre_friction.stiffness * x[CONTACT] * bristle_rate(
+            x[VELOCITY], x[CONTACT], forward, backward, p.static_ratio, e.lugre_friction, p.substep)
+    if e.unbalance is not None:
+        power += e.unbalance.damping * x[PHASE_RATE] ** 2
     return power
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from ..core.component import Preset
 from ..core.errors import StepFailed
-from ..core.events import rk4_events
 from ..core.friction import directed_friction, directed_guard, directed_mode, directed_switch
-from ..core.kernels import NOT_FINITE, bind, kernel
+from ..core.kernels import DONE, NOT_FINITE, kernel
+from ..core.modes import event_kernels
+from ..core.ode import RK4_STABILITY_RADIUS
+from ..core.spectrum import step_within
 from ..core.variables import input_, integer, output, parameter
-from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, fastest_eigenvalue, limit_of
+from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, free_rate
 from .robot_equations import (
     CONTACT,
     INNER,
@@ -20,12 +20,11 @@ from .robot_equations import (
     PHASE,
     POSITION,
     VELOCITY,
-    dissipated_power,
     downhill,
-    drive_of,
-    exciter_power,
+    harmonic_force,
     inner_accelerations,
     robot_energy,
+    shaken_drive,
     weight_power,
 )
 
@@ -85,24 +84,13 @@ class RollingPipeRobot(ShakenRobot):
             "numbers of ours: strips of 20 mm by 0.85 mm, 5.1 N on a roller", "inferred", ("harmonic_force",)),
     }
 
-    def initial_state(self) -> np.ndarray:
-        """x: position, velocity, inner position, inner velocity, mode[, phase]."""
-        p, e = self.arguments
-        sag = -p.inner_mass * downhill(self.u[0], e.route) / p.stiffness
-        x = [p.start_position, p.start_velocity, p.start_position + sag + p.start_stretch, p.start_velocity, 0.0]
-        state = np.array(x + [0.0] * (e.harmonic_force is not None))
-        drive = rolling_drive(self.t, state, self.u[0], p, e)
-        state[CONTACT] = directed_mode(p.start_velocity, drive, *rolling_levels(self.u[0], p, e.route))
-        return state
+    def states(self) -> int:
+        """Position, velocity, inner position, inner velocity, mode[, phase]."""
+        return 5 + ("harmonic_force" in self.on)
 
     def energy(self) -> float:
         """The output `mechanical_energy`, J."""
-        return float(rolling_energy(self.t, self.x, self.u[0], self.arguments[0]))
-
-    def stable_step(self) -> float:
-        """RK4's limit, radius / max |eigenvalue| with the body free and stuck, s."""
-        p = self._declared_arguments()[0]
-        return limit_of(fastest_eigenvalue(p.body_mass, p.inner_mass, (p.stiffness, p.damping), (0.0, 0.0)))
+        return float(rolling_energy(self.t, self.x, self.u[0], self.arguments[1]))
 
     def _check(self, status: int) -> None:
         if status == NOT_FINITE:
@@ -145,9 +133,9 @@ def moved_mass(mode, p):
 
 
 @kernel
-def rolling_drive(t, x, u, p, e):
+def rolling_drive(x, u, p, e):
     """Force on the body without friction, N."""
-    drive, _ = drive_of(t, x, u, p, e.harmonic_force, None, None, e.tow, e.route)
+    drive = shaken_drive(x, u, p, e.harmonic_force, None, e.tow, e.route)
     return drive + p.rings * pressing(u, p) * u[TAPER]
 
 
@@ -171,9 +159,27 @@ def contact_holds(u, p, harmonic, route):
 
 
 @kernel
-def rolling_derivatives(t, x, u, dx, p, e):
+def rolling_start(t, s, p, e):
+    """Both masses as the parameters say, the inner one from where it hangs; the body sticks if it can."""
+    x, u = s.x, s.u[0]
+    sag = -p.inner_mass * downhill(u, e.route) / p.stiffness
+    x[POSITION], x[VELOCITY] = p.start_position, p.start_velocity
+    x[INNER], x[INNER_VELOCITY] = p.start_position + sag + p.start_stretch, p.start_velocity
+    forward, backward = rolling_levels(u, p, e.route)
+    x[CONTACT] = directed_mode(p.start_velocity, rolling_drive(x, u, p, e), forward, backward)
+    return DONE
+
+
+@kernel
+def rolling_stable(t, s, p, e):
+    """RK4's limit, radius / max |eigenvalue| with the body free, s."""
+    return step_within(RK4_STABILITY_RADIUS, free_rate(p.body_mass, p.inner_mass, p.stiffness, p.damping))
+
+
+@kernel
+def rolling_derivatives(t, x, u, dx, s, p, e):
     """dx/dt of x = (position, velocity, inner position, inner velocity, mode[, phase]); not a number out of range."""
-    drive = rolling_drive(t, x, u, p, e)
+    drive = rolling_drive(x, u, p, e)
     forward, backward = rolling_levels(u, p, e.route)
     friction = directed_friction(x[CONTACT], drive, forward, backward)
     dx[POSITION], dx[VELOCITY] = x[VELOCITY], (drive - friction) / moved_mass(x[CONTACT], p)
@@ -186,38 +192,40 @@ def rolling_derivatives(t, x, u, dx, p, e):
 
 
 @kernel
-def rolling_guards(t, x, u, g, p, e):
+def rolling_guards(t, x, u, g, s, p, e):
     """What keeps the body rolling, sliding, or at rest."""
     forward, backward = rolling_levels(u, p, e.route)
-    g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(t, x, u, p, e), forward, backward)
+    g[0] = directed_guard(x[CONTACT], x[VELOCITY], rolling_drive(x, u, p, e), forward, backward)
 
 
 @kernel
-def rolling_switch(which, t, x, u, p, e):
+def rolling_switch(which, t, x, u, s, p, e):
     """The body stops, turns back, or breaks loose."""
     x[VELOCITY] = 0.0
     forward, backward = rolling_levels(u, p, e.route)
-    x[CONTACT] = directed_switch(x[CONTACT], rolling_drive(t, x, u, p, e), forward, backward)
+    x[CONTACT] = directed_switch(x[CONTACT], rolling_drive(x, u, p, e), forward, backward)
 
 
 @kernel
-def rolling_outputs(t, x, u, y, p, e):
+def rolling_outputs(t, s, p, e):
     """Motion, friction, powers, energy, force of a ring, grip of the rollers."""
-    drive = rolling_drive(t, x, u, p, e)
+    x, u, y = s.x, s.u[0], s.y
+    drive = rolling_drive(x, u, p, e)
     forward, backward = rolling_levels(u, p, e.route)
     friction = directed_friction(x[CONTACT], drive, forward, backward)
     y[0], y[1], y[2], y[3] = x[POSITION], x[VELOCITY], x[INNER], x[INNER_VELOCITY]
     y[4], y[5] = -friction, x[CONTACT]
-    y[6] = exciter_power(t, x, u, 0.0, p, e.harmonic_force, None, None, None, e.route)
-    y[7] = dissipated_power(t, x, friction, forward, backward, p, None, None, None)
+    rate = x[INNER_VELOCITY] - x[VELOCITY]
+    y[6] = -harmonic_force(x, u, e.harmonic_force) * rate if e.harmonic_force is not None else 0.0
+    y[7] = friction * x[VELOCITY] + p.damping * rate * rate
     y[8] = rolling_energy(t, x, u, p)
     y[9] = pressing(u, p)
     mass = moved_mass(x[CONTACT], p)
     y[10] = abs(drive - friction) / mass * (mass - p.body_mass) / backward if backward > 0.0 else 0.0
     if e.route is not None:
         y[e.route.y] = weight_power(t, x, u, p, None, None, e.route)
+    return DONE
 
 
-RollingPipeRobot.advance = bind(rk4_events, __name__, derivatives=rolling_derivatives, guards=rolling_guards,
-                                switch=rolling_switch, outputs=rolling_outputs)
-RollingPipeRobot.output_kernel = rolling_outputs
+RollingPipeRobot.kernels = event_kernels(__name__, start=rolling_start, derivatives=rolling_derivatives, outputs=rolling_outputs,
+                                         stable=rolling_stable, guards=rolling_guards, switch=rolling_switch)

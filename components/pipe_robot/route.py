@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from ..core.errors import BadInput
-from ..core.kernels import DONE, kernel
-from ..core.stateless import StatelessComponent
+from ..core.contract import Refusal
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import input_, output, parameter
 
 KNOTS = 8
+DISORDER = OWN + 1  # status
 
 
-class PipeRoute(StatelessComponent):
+class PipeRoute(DirectComponent):
     """Slope, diameter and a factor on friction over the position along the pipe, from a table of 8 places.
 
     Between the places a cubic without overshoot (monotone where the table is), whose first derivative is continuous; before
@@ -25,7 +24,6 @@ class PipeRoute(StatelessComponent):
 
     title = "Pipe along its way"
     system = "pipe_robot"
-    start_inputs = ()
 
     place = parameter(tuple(float(i) for i in range(KNOTS)), "m", "places of the table, ascending", size=KNOTS)
     slope_table = parameter(0.0, "rad", "slopes at the places, positive where forwards is upwards", size=KNOTS, low=-1.5708,
@@ -40,48 +38,67 @@ class PipeRoute(StatelessComponent):
     taper = output("1", "growth of the diameter along the pipe", feedthrough=("position",))
     friction_factor = output("1", "factor on the friction", feedthrough=("position",))
 
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        p: Any = self.arguments[0]
-        if not (np.diff(p.place) > 0.0).all():
-            actual = "place = " + ", ".join(f"{v:g}" for v in p.place)
-            raise BadInput(self.name, actual, "places in ascending order, no two equal")
-        self._tables = np.array([p.slope_table, p.diameter_table, p.factor_table])
-        self._rates = monotone_rates(p.place, self._tables)
-        return DONE
+    refusals = {DISORDER: Refusal("place[{disorder[0]}] = {disorder[1]} m, then {disorder[2]} m",
+                                  "places in ascending order, no two equal")}
 
-    def _outputs(self, t: float) -> None:
-        route_at(self.u[0, 0], self.y, self.arguments[0].place, self._tables, self._rates)
+    def shapes(self) -> dict[str, Any]:
+        """What follows from the tables.
 
-
-def monotone_rates(places: np.ndarray, tables: np.ndarray) -> np.ndarray:
-    """Derivatives at the places with which the cubics between them do not overshoot; zero at both ends.
-
-    places: (n,), ascending.  tables, result: (m, n).
-    """
-    steps = np.diff(places)
-    secants = np.diff(tables) / steps
-    rates = np.zeros_like(tables)
-    before, after = secants[:, :-1], secants[:, 1:]
-    share = (1.0 + steps[1:] / (steps[:-1] + steps[1:])) / 3.0  # weight of the secant before: the larger, the shorter its step
-    same = before * after > 0.0
-    mean = share * np.where(same, after, 1.0) + (1.0 - share) * np.where(same, before, 1.0)
-    rates[:, 1:-1] = np.where(same, before * after / mean, 0.0)
-    return rates
+        `rates`: (3, KNOTS) derivatives at the places of slope, diameter and factor.  `disorder`: (3,) the first place that the
+        next one is not behind: its number, it, and the next.
+        """
+        return {"rates": (3, KNOTS), "disorder": 3}
 
 
 @kernel
-def route_at(position, y, places, tables, rates):
+def monotone_rates(places, table, rates):
+    """Derivatives at the places, (n,), with which the cubics between them do not overshoot; zero at both ends.
+
+    places, ascending, and table: (n,).
+    """
+    rates[0] = rates[-1] = 0.0
+    for i in range(1, places.size - 1):
+        step, next_step = places[i] - places[i - 1], places[i + 1] - places[i]
+        before, after = (table[i] - table[i - 1]) / step, (table[i + 1] - table[i]) / next_step
+        share = (1.0 + next_step / (step + next_step)) / 3.0  # weight of the secant before: the larger, the shorter its step
+        rates[i] = before * after / (share * after + (1.0 - share) * before) if before * after > 0.0 else 0.0
+
+
+@kernel
+def route_start(t, s, p, e):
+    """The derivatives of the tables, whose places have to ascend."""
+    for i in range(KNOTS - 1):
+        if not p.place[i + 1] > p.place[i]:
+            s.disorder[0], s.disorder[1], s.disorder[2] = i + 1, p.place[i], p.place[i + 1]
+            return DISORDER
+    monotone_rates(p.place, p.slope_table, s.rates[0])
+    monotone_rates(p.place, p.diameter_table, s.rates[1])
+    monotone_rates(p.place, p.factor_table, s.rates[2])
+    return DONE
+
+
+@kernel
+def between(share, h, table, rates, i):
+    """Value of a cubic behind place i, at a share of the length h to the next."""
+    a, b = share * share * (3.0 - 2.0 * share), share * (1.0 - share)
+    return (1.0 - a) * table[i] + a * table[i + 1] + h * b * ((1.0 - share) * rates[i] - share * rates[i + 1])
+
+
+@kernel
+def route_at(t, s, p, e):
     """Slope, diameter, its growth, and factor at a position."""
-    last = places.size - 1
+    position, places, rates, y = s.u[0, 0], p.place, s.rates, s.y
     i = 0
-    while i < last - 1 and position > places[i + 1]:
+    while i < KNOTS - 2 and position > places[i + 1]:
         i += 1
     h = places[i + 1] - places[i]
-    s = min(max((position - places[i]) / h, 0.0), 1.0)
-    a, b = s * s * (3.0 - 2.0 * s), s * (1.0 - s)
-    for j in range(3):
-        y[j if j < 2 else 3] = (1.0 - a) * tables[j, i] + a * tables[j, i + 1] + h * b * (
-            (1.0 - s) * rates[j, i] - s * rates[j, i + 1])
-    y[2] = (6.0 * b * (tables[1, i + 1] - tables[1, i]) / h
-            + (1.0 - s) * (1.0 - 3.0 * s) * rates[1, i] + s * (3.0 * s - 2.0) * rates[1, i + 1])
+    share = min(max((position - places[i]) / h, 0.0), 1.0)
+    y[0] = between(share, h, p.slope_table, rates[0], i)
+    y[1] = between(share, h, p.diameter_table, rates[1], i)
+    y[2] = (6.0 * (share * (1.0 - share)) * (p.diameter_table[i + 1] - p.diameter_table[i]) / h
+            + (1.0 - share) * (1.0 - 3.0 * share) * rates[1, i] + share * (3.0 * share - 2.0) * rates[1, i + 1])
+    y[3] = between(share, h, p.factor_table, rates[2], i)
+    return DONE
+
+
+PipeRoute.kernels = direct_kernels(__name__, route_at, route_start)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..core.component import Effect
-from ..core.kernels import kernel
-from ..core.stateless import StatelessComponent
+from ..core.direct import DirectComponent, direct_kernels
+from ..core.kernels import DONE, kernel
 from ..core.variables import input_, output, parameter
 
 ENDS = ("rear_position", "front_position")
@@ -22,7 +22,7 @@ class Slack(Effect):
     onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
 
 
-class TowCoupling(StatelessComponent):
+class TowCoupling(DirectComponent):
     """Spring and damper along the pipe between a robot in front and one behind, which it keeps `length` apart.
 
         e = x_front - x_rear - length,    F_rear = k e + c e',    F_front = -F_rear
@@ -51,19 +51,21 @@ class TowCoupling(StatelessComponent):
 
     def energy(self) -> float:
         """Energy of the spring, J."""
-        p, e = self.arguments
+        _, p, e = self.arguments
         stretch = float(self.u[0, 2] - self.u[0, 0]) - p.length
         return 0.5 * p.stiffness * (max(stretch, 0.0) if e.slack is not None else stretch) ** 2
 
-    def _outputs(self, t: float) -> None:
-        tow_forces(self.u[0], self.y, *self.arguments)
-
 
 @kernel
-def tow_forces(u, y, p, e):
+def tow_forces(t, s, p, e):
     """Forces on both ends, and the stretch."""
+    u, y = s.u[0], s.y
     stretch, rate = u[2] - u[0] - p.length, u[3] - u[1]
     force = p.stiffness * stretch + p.damping * rate
     if e.slack is not None:
         force = max(p.stiffness * stretch + p.damping * min(stretch / e.slack.onset, 1.0) * rate, 0.0) if stretch > 0.0 else 0.0
     y[0], y[1], y[2] = force, -force, stretch
+    return DONE
+
+
+TowCoupling.kernels = direct_kernels(__name__, tow_forces)

@@ -34,6 +34,12 @@ def turned(vector, angle: float) -> np.ndarray:
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
 
 
+def bristles_rate(s, z, fastest: float) -> tuple[float, float]:
+    """Rate of the bristles' deflection, of the paper's law."""
+    level = lugre_level(math.hypot(*s), KINETIC, STATIC, STRIBECK)
+    return planar_lugre_rate(*s, *z, STIFFNESS, level, fastest)
+
+
 # -- the laws -----------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("slip", [0.0, 1e-300, 1e-6, 0.01, 1.0, 1e9])
 def test_smoothed_friction_is_viscous_at_small_slip_and_ends_at_its_level(slip):
@@ -51,16 +57,15 @@ def test_without_a_level_nothing_rubs():
 @pytest.mark.parametrize("fastest", [1e3, math.inf])
 def test_along_a_line_the_bristles_are_the_scalar_ones(v, fastest):
     rate = lugre_rate(v, 3e-6, STIFFNESS, KINETIC, STATIC, STRIBECK, fastest)
-    law = (STIFFNESS, KINETIC, STATIC, STRIBECK, fastest)
-    assert planar_lugre_rate(v, 0.0, 3e-6, 0.0, *law) == pytest.approx((rate, 0.0), rel=1e-14)
-    rx, ry = planar_lugre_rate(v * COSINE, v * SINE, 3e-6 * COSINE, 3e-6 * SINE, *law)
+    assert bristles_rate((v, 0.0), (3e-6, 0.0), fastest) == pytest.approx((rate, 0.0), rel=1e-14)
+    rx, ry = bristles_rate((v * COSINE, v * SINE), (3e-6 * COSINE, 3e-6 * SINE), fastest)
     assert (rx, ry) == pytest.approx((rate * COSINE, rate * SINE), rel=1e-12)
 
 
 @pytest.mark.parametrize("speed", [1e-4, 1e-3, 0.1])
 def test_bristles_settle_in_the_direction_of_the_slip(speed):
     """At constant slip: z = level(|s|) / stiffness in its direction, whatever it was before."""
-    done = solve_ivp(lambda t, z: planar_lugre_rate(speed * COSINE, speed * SINE, *z, STIFFNESS, KINETIC, STATIC, STRIBECK, 1e9),
+    done = solve_ivp(lambda t, z: bristles_rate((speed * COSINE, speed * SINE), z, 1e9),
                      (0.0, 100.0 * STATIC / STIFFNESS / speed), [-8e-6, 1e-6], method="Radau", rtol=1e-10, atol=1e-14)
     settled = lugre_level(speed, KINETIC, STATIC, STRIBECK) / STIFFNESS
     assert done.y[:, -1] == pytest.approx([settled * COSINE, settled * SINE], rel=1e-8)
@@ -70,7 +75,7 @@ def test_bristles_settle_in_the_direction_of_the_slip(speed):
 def test_no_direction_is_another(angle):
     s, z = np.array([0.03, -0.01]), np.array([2e-5, 4e-5])
     laws = [lambda s, z: smoothed_planar(*s, 6.0, 600.0),
-            lambda s, z: planar_lugre_rate(*s, *z, STIFFNESS, KINETIC, STATIC, STRIBECK, 1e4),
+            lambda s, z: bristles_rate(s, z, 1e4),
             lambda s, z: planar_stick_rate(0.0, *s, *z, 1e4), lambda s, z: planar_stick_rate(SLIDES, *s, *z, 1e4),
             lambda s, z: planar_stick_deflection(SLIDES, *z, 1e-4)]
     for law in laws:
@@ -135,7 +140,7 @@ def test_a_contact_that_holds_or_slides_takes_power_up(mode):
 def test_the_published_block_slides_as_on_a_line():
     """Reference run of the scalar law, Radau at 1e-8: first slip at 7.458 s, then a period of 6.363 s, both +- 1 ms."""
     def course(t, x):
-        rx, ry = planar_lugre_rate(x[2], x[3], x[4], x[5], STIFFNESS, KINETIC, STATIC, STRIBECK, math.inf)
+        rx, ry = bristles_rate(x[2:4], x[4:6], math.inf)
         pull = SPRING * PULL * t
         return [x[2], x[3], (pull * COSINE - SPRING * x[0] - STIFFNESS * x[4] - DAMPING * rx - VISCOUS * x[2]) / MASS,
                 (pull * SINE - SPRING * x[1] - STIFFNESS * x[5] - DAMPING * ry - VISCOUS * x[3]) / MASS, rx, ry]

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.kernels import DONE
+from cosimo.components.friction_drive.controller import ServoController
 from cosimo.components.friction_drive.kinematics import (
     FREE_ROLLERS,
     LAYOUTS,
@@ -14,7 +16,7 @@ from cosimo.components.friction_drive.kinematics import (
     SKEWED,
     condition,
     directions,
-    refuse_singular,
+    lost_motion,
     sleeve_rates,
     wheel_rates,
 )
@@ -62,9 +64,9 @@ def test_mean_of_plain_wheels_lies_between_their_surfaces():
 @pytest.mark.parametrize("layout", [SKEWED, FREE_ROLLERS])
 def test_parallel_wheels_are_refused_where_both_motions_are_asked_for(layout, angle, lost):
     with pytest.raises(BadInput, match=f"The {lost} is lost") as refused:
-        refuse_singular("controller", layout, angle)
+        ServoController((), {"layout": LAYOUTS[layout], "angle": angle}).initialize(0.0)
     assert LAYOUTS[layout] in str(refused.value)
-    refuse_singular("controller", ORTHOGONAL, angle)
+    assert lost_motion(ORTHOGONAL, angle) == DONE
 
 
 @pytest.mark.parametrize("angle", [1e-2, 1e-4, 1e-8])

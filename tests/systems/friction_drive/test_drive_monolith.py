@@ -128,7 +128,7 @@ def test_energy_of_the_drive_changes_by_power_and_losses(effects):
     """dE/dt = V i + F z' + M phi' - R i² - friction of shafts, contacts and seal, at random states."""
     random = np.random.default_rng(5)
     drive = drive_at(effects, **({"preload_loss.first": 0.0} if effects is FULL else {}))
-    p, e = drive.arguments
+    _, p, e = drive.arguments
     shaft, lugre, exact, trocar = e.shaft_friction, e.lugre_slip, e.exact_slip, e.trocar_friction
     at, rate = motor_place(lugre, exact, trocar), np.zeros_like(drive.x)
     for trial in range(30):

@@ -189,7 +189,7 @@ def test_relaxed_bristles_bear_what_dampers_do():
 
 def contact_losses(wheels: FrictionWheels, r: np.ndarray) -> float:
     """Power that contacts and seal lose, by their own formulas; r: rate of the state."""
-    _, e = wheels.arguments
+    *_, e = wheels.arguments
     lugre, exact, trocar, loss = e.lugre_slip, e.exact_slip, e.trocar_friction, e.preload_loss
     lost = wheels["contact_power"]
     k = lugre.stiffness if lugre is not None else 6.0 / exact.deflection if exact is not None else 0.0

@@ -34,7 +34,7 @@ def test_a_ring_gives_way_as_energy_says():
     assert turn == pytest.approx(0.0, abs=1e-15)
     energy, _ = quad(lambda a: (moment - 0.5 * (1.0 - math.cos(a))) ** 2, 0.0, 0.5 * math.pi)  # of F² R³ / 2 EI, one quarter
     radius, stiffness = 0.102, 0.2
-    assert ring_stiffness(started().arguments[0]) == pytest.approx(stiffness / radius**3 / (4.0 * energy), rel=1e-13)
+    assert ring_stiffness(started().arguments[1]) == pytest.approx(stiffness / radius**3 / (4.0 * energy), rel=1e-13)
 
 
 @pytest.mark.parametrize(("v0", "mass", "level"), [(0.5, ROLLING, 0.03 * PRESS), (-0.5, MASS, 0.4 * PRESS)])
