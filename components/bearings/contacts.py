@@ -45,23 +45,39 @@ class BallContacts(NamedTuple):
     lever: float  # radius of the inner groove's centres, m
 
 
+@kernel
+def groove_contacts(balls, stiffness, inner_conformity, outer_conformity, ball_diameter, pitch_diameter, angle, clearance):
+    """`ball_contacts` in kernels; lengths in m, angle: the contact angle, clearance: the diametral one."""
+    distance = (inner_conformity + outer_conformity - 1.0) * ball_diameter
+    radial = distance * math.cos(angle) - 0.5 * clearance
+    lever = 0.5 * pitch_diameter + (inner_conformity - 0.5) * ball_diameter * radial / distance
+    return BallContacts(balls, stiffness, distance, radial, distance * math.sin(angle), lever)
+
+
 def ball_contacts(geometry: BallGeometry, stiffness: float, diametral_clearance: float = 0.0) -> BallContacts:
     """Contacts of a bearing with K in N/m^1.5.
 
     With a contact angle the rings just touch at q = 0, shifted along z against the symmetric position. The diametral
     clearance in m comes on top of that which the contact angle implies; negative: a preload.
     """
-    d, angle = geometry.ball_diameter, geometry.contact_angle
-    distance = (geometry.inner_conformity + geometry.outer_conformity - 1.0) * d
-    radial = distance * math.cos(angle) - 0.5 * diametral_clearance
-    lever = 0.5 * geometry.pitch_diameter + (geometry.inner_conformity - 0.5) * d * radial / distance
-    return BallContacts(geometry.balls, float(stiffness), distance, radial, distance * math.sin(angle), lever)
+    g = geometry
+    return groove_contacts(g.balls, float(stiffness), g.inner_conformity, g.outer_conformity, g.ball_diameter, g.pitch_diameter,
+                           g.contact_angle, diametral_clearance)
+
+
+@kernel
+def set_balls(balls, first):
+    """Cosine and sine of the angles of balls (Z, 4) at equal distances, the first one at `first` rad; nothing else is touched."""
+    for j in range(balls.shape[0]):
+        beta = first + 2.0 * math.pi * j / balls.shape[0]
+        balls[j, COS], balls[j, SIN] = math.cos(beta), math.sin(beta)
 
 
 def place_balls(balls: int, first: float = 0.0) -> np.ndarray:
     """(Z, 4): cos and sin of the balls' angles, the first one at `first` rad, no gap, no load."""
-    beta = first + 2.0 * np.pi * np.arange(balls) / balls
-    return np.column_stack([np.cos(beta), np.sin(beta), np.zeros((balls, 2))])
+    placed = np.zeros((balls, 4))
+    set_balls(placed, first)
+    return placed
 
 
 @kernel

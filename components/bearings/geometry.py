@@ -6,7 +6,42 @@ import math
 from dataclasses import dataclass
 
 from ..core.errors import BadInput
-from .hertz import PointContact, exact_ellipse, in_series, point_contact
+from ..core.kernels import kernel
+from .hertz import PointContact, exact_ellipse, fitted_ellipse, in_series, point_contact, solved_ellipse
+
+INNER, OUTER = -1.0, 1.0  # sign of a race's curvature along its circumference
+
+
+@kernel
+def diameter_share(ball_diameter, pitch_diameter, contact_angle):
+    """gamma, d cos(alpha) / dm."""
+    return ball_diameter * math.cos(contact_angle) / pitch_diameter
+
+
+@kernel
+def cage_turn(gamma):
+    """Speed of the balls round the shaft over that of the inner ring, the outer one at rest."""
+    return 0.5 * (1.0 - gamma)
+
+
+@kernel
+def spin_turn(ball_diameter, pitch_diameter, gamma):
+    """Speed of a ball about its own axis, seen from the cage, over that of the inner ring, the outer one at rest."""
+    return 0.5 * pitch_diameter / ball_diameter * (1.0 - gamma**2)
+
+
+@kernel
+def relative_radii(race, conformity, ball_diameter, gamma):
+    """Relative radii (Rx, Ry) of ball and race, m; race: `INNER` or `OUTER`."""
+    return 0.5 * ball_diameter * (1.0 + race * gamma), conformity * ball_diameter / (2.0 * conformity - 1.0)
+
+
+@kernel
+def grooved_contact(radius_x, radius_y, modulus, fitted):
+    """Hertzian contact of relative radii in m and E' in Pa, Ry/Rx in [1, LARGEST_RATIO]; fitted: by Brewe and Hamrock's fit."""
+    ratio = radius_y / radius_x
+    ellipse = fitted_ellipse(ratio) if fitted else solved_ellipse(ratio)
+    return PointContact(1.0 / (1.0 / radius_x + 1.0 / radius_y), modulus, ellipse)
 
 
 @dataclass(frozen=True)
@@ -33,22 +68,22 @@ class BallGeometry:
     @property
     def gamma(self) -> float:
         """d cos(alpha) / dm."""
-        return self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
+        return diameter_share(self.ball_diameter, self.pitch_diameter, self.contact_angle)
 
     @property
     def cage_ratio(self) -> float:
         """Speed of the balls round the shaft over that of the inner ring, the outer one at rest."""
-        return 0.5 * (1.0 - self.gamma)
+        return cage_turn(self.gamma)
 
     @property
     def spin_ratio(self) -> float:
         """Speed of a ball about its own axis, seen from the cage, over that of the inner ring, the outer one at rest."""
-        return 0.5 * self.pitch_diameter / self.ball_diameter * (1.0 - self.gamma**2)
+        return spin_turn(self.ball_diameter, self.pitch_diameter, self.gamma)
 
     def radii(self, race: str) -> tuple[float, float]:
         """Relative radii (Rx, Ry) of ball and race, m; race: "inner" or "outer"."""
-        sign, conformity = (-1.0, self.inner_conformity) if race == "inner" else (1.0, self.outer_conformity)
-        return 0.5 * self.ball_diameter * (1.0 + sign * self.gamma), conformity * self.ball_diameter / (2.0 * conformity - 1.0)
+        sign, conformity = (INNER, self.inner_conformity) if race == "inner" else (OUTER, self.outer_conformity)
+        return relative_radii(sign, conformity, self.ball_diameter, self.gamma)
 
     def curvature(self, race: str) -> tuple[float, float]:
         """Curvature sum, 1/m, and curvature difference F(rho) of ball and race."""

@@ -3,26 +3,27 @@
 The ball is body 1. x is the rolling direction, y across it; the radii below are those of the relative curvature,
 1/Rx = 1/r1x + 1/r2x, with a concave groove negative. E' = 2 / ((1 - nu1²)/E1 + (1 - nu2²)/E2) throughout, twice the E*
 of contact mechanics: formulas of the two traditions differ by that factor and must not be mixed.
+
+The kernels take what they are given; the functions for Python beside them refuse radii for which there is no such contact.
 Source: Hertz's solution in the notation of Hamrock & Dowson; Brewe & Hamrock, J. Lubr. Technol. 99 (1977) 485-487.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
+from ..core.elliptic import complete_elliptic
 from ..core.errors import BadInput
+from ..core.kernels import kernel, kernel_tuple
 
 LARGEST_RATIO = 1e8  # of the radii: beyond it the contact is a line
+NEARLY_ROUND = 1e-6  # above a ratio of 1, below which the equation of the ellipse is 0/0
+ITERATIONS = 30  # of Newton's method for the ellipse; nine have been enough for every ratio
 
 
-def effective_modulus(modulus_1: float, poisson_1: float, modulus_2: float, poisson_2: float) -> float:
-    """E' of two materials, Pa."""
-    return 2.0 / ((1.0 - poisson_1**2) / modulus_1 + (1.0 - poisson_2**2) / modulus_2)
-
-
-@dataclass(frozen=True)
-class Ellipse:
+@kernel_tuple
+class Ellipse(NamedTuple):
     """Shape of the contact: k, the ratio of its axes (y over x), with the complete elliptic integrals of 1 - 1/k²."""
 
     k: float
@@ -30,23 +31,73 @@ class Ellipse:
     second: float  # E, of the second kind
 
 
+@kernel
+def effective_modulus(modulus_1, poisson_1, modulus_2, poisson_2):
+    """E' of two materials, Pa."""
+    return 2.0 / ((1.0 - poisson_1**2) / modulus_1 + (1.0 - poisson_2**2) / modulus_2)
+
+
+@kernel
+def ellipse_of(k):
+    """The contact ellipse whose axes have the ratio k >= 1."""
+    first, second = complete_elliptic(1.0 / k**2)
+    return Ellipse(k, first, second)
+
+
+@kernel
+def solved_ellipse(ratio):
+    """The contact ellipse for Ry/Rx = ratio >= 1, to rounding.
+
+    (k² E - F) / (F - E) is the ratio of the radii; both differences are positive for k > 1. Over ln k their derivatives are
+    2 k² E - F and E, and the logarithm of the quotient is nearly a straight line: Newton's method, from ratio^(2/3), which is
+    right near a circle.
+    """
+    k = ratio ** (2.0 / 3.0)
+    if ratio < 1.0 + NEARLY_ROUND:
+        return ellipse_of(k)
+    low, high, wanted = 0.4 * math.log(ratio), math.log(ratio), math.log(ratio)  # k lies between ratio^(1/2) and ratio
+    log_k, last = math.log(k), math.inf
+    for _ in range(ITERATIONS):
+        shape = ellipse_of(math.exp(log_k))
+        squared = shape.k**2 * shape.second
+        top, bottom = squared - shape.first, shape.first - shape.second
+        step = (wanted - math.log(top / bottom)) / ((squared + top) / top - shape.second / bottom)
+        if not abs(step) < last:  # what is left is rounding
+            break
+        log_k, last = min(max(log_k + step, low), high), abs(step)
+    return ellipse_of(math.exp(log_k))
+
+
+@kernel
+def fitted_ellipse(ratio):
+    """The closed-form fit of Brewe and Hamrock for Ry/Rx = ratio >= 1; see `brewe_hamrock`."""
+    return Ellipse(1.0339 * ratio**0.6360, 1.5277 + 0.6023 * math.log(ratio), 1.0003 + 0.5968 / ratio)
+
+
+@kernel
+def hertz_stiffness(radius, modulus, ellipse):
+    """K of Q = K delta^1.5 in N/m^1.5. radius: R with 1/R = 1/Rx + 1/Ry, m; modulus: E', Pa. 1 N/mm^1.5 is 10^4.5 N/m^1.5."""
+    k, first, second = ellipse.k, ellipse.first, ellipse.second
+    return math.pi * k * modulus * math.sqrt(radius * second / (4.5 * first**3))
+
+
+@kernel
+def hertz_axes(load, radius, modulus, ellipse):
+    """Full axes of the contact ellipse in x and in y under a load in N, m."""
+    k = ellipse.k
+    long = 2.0 * (6.0 * k**2 * ellipse.second * max(load, 0.0) * radius / (math.pi * modulus)) ** (1.0 / 3.0)
+    return long / k, long
+
+
+@kernel
+def two_in_series(one, other):
+    """Stiffness of two contacts that carry the same load one after the other, N/m^1.5."""
+    return (one ** (-2.0 / 3.0) + other ** (-2.0 / 3.0)) ** -1.5
+
+
 def exact_ellipse(ratio: float) -> Ellipse:
     """The contact ellipse for Ry/Rx = ratio >= 1, solved to rounding."""
-    from scipy.optimize import brentq  # here and below: a bearing that is given its stiffness does without SciPy
-
-    _check_ratio(ratio)
-    if ratio == 1.0:
-        return Ellipse(1.0, 0.5 * math.pi, 0.5 * math.pi)
-
-    def mismatch(log_k: float) -> float:
-        shape = _ellipse(math.exp(log_k))
-        # (k² E - F) / (F - E) is the ratio of the radii; both differences are positive for k > 1
-        return math.log((shape.k**2 * shape.second - shape.first) / (shape.first - shape.second)) - math.log(ratio)
-
-    # k lies between ratio^(1/2) and ratio; just above a circle the quotient is 0/0, where k = ratio^(2/3) to first order
-    if ratio < 1.0 + 1e-6:
-        return _ellipse(ratio ** (2.0 / 3.0))
-    return _ellipse(math.exp(brentq(mismatch, 0.4 * math.log(ratio), math.log(ratio), xtol=1e-14, rtol=1e-14)))
+    return solved_ellipse(_checked_ratio(ratio))
 
 
 def brewe_hamrock(ratio: float) -> Ellipse:
@@ -54,24 +105,18 @@ def brewe_hamrock(ratio: float) -> Ellipse:
 
     Contact stiffness against the exact solution: +8.7 % at 1, +1.9 % at 2, -0.7 % at 5 and 10, +1.6 % at 32, +5.9 % at 100.
     """
-    _check_ratio(ratio)
-    return Ellipse(1.0339 * ratio**0.6360, 1.5277 + 0.6023 * math.log(ratio), 1.0003 + 0.5968 / ratio)
+    return fitted_ellipse(_checked_ratio(ratio))
 
 
-def _ellipse(k: float) -> Ellipse:
-    from scipy.special import ellipe, ellipkm1
-
-    return Ellipse(k, float(ellipkm1(1.0 / k**2)), float(ellipe(1.0 - 1.0 / k**2)))
-
-
-def _check_ratio(ratio: float) -> None:
+def _checked_ratio(ratio: float) -> float:
     if not 1.0 <= ratio <= LARGEST_RATIO:
         raise BadInput("Hertz contact", f"Ry/Rx = {ratio:.6g}", f"a ratio in [1, {LARGEST_RATIO:g}]",
                        "Exchange x and y if the ratio is below 1.")
+    return float(ratio)
 
 
-@dataclass(frozen=True)
-class PointContact:
+@kernel_tuple
+class PointContact(NamedTuple):
     """A Hertzian point contact: Q = K delta^1.5."""
 
     radius: float  # m, R with 1/R = 1/Rx + 1/Ry
@@ -81,8 +126,7 @@ class PointContact:
     @property
     def stiffness(self) -> float:
         """K, N/m^1.5. 1 N/mm^1.5 is 10^4.5 N/m^1.5."""
-        k, first, second = self.ellipse.k, self.ellipse.first, self.ellipse.second
-        return math.pi * k * self.modulus * math.sqrt(self.radius * second / (4.5 * first**3))
+        return hertz_stiffness(*self)
 
     def deflection(self, load: float) -> float:
         """Approach of the two bodies under a load in N, m; 0 without load."""
@@ -90,9 +134,7 @@ class PointContact:
 
     def axes(self, load: float) -> tuple[float, float]:
         """Full axes of the contact ellipse in x and in y under a load in N, m."""
-        k = self.ellipse.k
-        long = 2.0 * (6.0 * k**2 * self.ellipse.second * max(load, 0.0) * self.radius / (math.pi * self.modulus)) ** (1.0 / 3.0)
-        return long / k, long
+        return hertz_axes(load, *self)
 
     def peak_pressure(self, load: float) -> float:
         """Pressure in the middle of the contact, Pa; 0 without load."""
