@@ -48,6 +48,17 @@ def kernel(function, *files: str):
     return dispatcher
 
 
+def inlined_kernel(function):
+    """A kernel whose instructions stand wherever a kernel calls it, for what each derivative calls: nothing is handed on.
+
+    Of an array that a call hands on seven numbers are copied, and of a component's memory all the arrays.
+    """
+    made = kernel(function)
+    if COMPILED:
+        made.targetoptions["forceinline"] = True
+    return made
+
+
 def bind(template, module: str, **names):
     """A kernel made from `template` with some of its global names replaced, cached under `module`'s name.
 

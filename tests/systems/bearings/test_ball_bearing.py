@@ -7,6 +7,7 @@ import pytest
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.deep_groove import DeepGrooveBearing
 from cosimo.components.bearings.dimensionless import DimensionlessBallBearing, dimensionless, scales
+from cosimo.components.bearings.six_dof import constants
 from cosimo.components.bearings.two_dof import bearing_derivatives, elastic_force
 from cosimo.components.core.errors import BadInput
 from cosimo.tests.support import RPM, ball_bearing
@@ -161,7 +162,7 @@ def test_radial_clearance_is_half_the_diametral_one():
     """The commonest mistake: a diametral clearance of 20 um in one model is a radial gap of 10 um in the other."""
     other = DeepGrooveBearing((), {"diametral_clearance": 20e-6})
     other.initialize(0.0)
-    ours = {"balls": 9, "contact_stiffness": other.arguments[0].contacts.stiffness}
+    ours = {"balls": 9, "contact_stiffness": constants(other.arguments[0]).contacts.stiffness}
     radial = with_clearance(10.0, **ours)
     # the other one's balls stand at the same angles; held in the plane, its contact lines do not turn out of it
     diametral = other.equilibrium(np.array([196.0, 0.0, 0.0, 0.0, 0.0]), held=("z", "tilt_x", "tilt_y"))
