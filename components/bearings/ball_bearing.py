@@ -41,18 +41,16 @@ from .two_dof import (
     DISPLACED_TOO_FAR,
     GAP,
     LARGE_BALLS,
+    MESSAGE,
     NARROW,
     PASSED,
     SINCE,
     SINE,
-    TOLD,
     TOO_STIFF,
-    bearing_kernels,
-    bearing_start,
     constants,
     fill_gaps,
-    put_constants,
 )
+from .two_dof_start import bearing_kernels, bearing_start, put_constants
 
 JIS6306_SOURCE = "the JIS 6306 set of Fukata et al. (1985) as later papers on the same model quote it"
 
@@ -150,12 +148,12 @@ class TwoDofBearing(OdeComponent):
         SUBSTEP_TOO_LONG: Refusal("substep = {substep}", "at most {limits[1]}, what the impacts that may come need",
                                   "Reduce substep."),
         DISPLACED_TOO_FAR: Refusal("cage_fault.offset = {cage_fault.offset} rad",
-                                   "less than {told[0]} rad, half the distance of two of {balls} balls"),
-        TOO_STIFF: Refusal("a ball is pressed in by {told[0]}, too stiff a contact for internal steps of {told[1]}",
-                           "a softer one", "Reduce substep to {told[2]} or less"),
+                                   "less than {message[0]} rad, half the distance of two of {balls} balls"),
+        TOO_STIFF: Refusal("a ball is pressed in by {message[0]}, too stiff a contact for internal steps of {message[1]}",
+                           "a softer one", "Reduce substep to {message[2]} or less"),
     } | {
-        PASSED + k: Refusal("substep = {substep} at a speed of {told[1]}",
-                            "at most {told[0]}, a quarter of the passage of a ball through " + name,
+        PASSED + k: Refusal("substep = {substep} at a speed of {message[1]}",
+                            "at most {message[0]}, a quarter of the passage of a ball through " + name,
                             "Reduce substep or widen the defect.")
         for k, name in enumerate(NARROW)
     }
@@ -170,13 +168,13 @@ class TwoDofBearing(OdeComponent):
         return 7 if "ball_defect" in self.on else 6
 
     def shapes(self) -> dict[str, Any]:
-        """`constants`: as of `two_dof.Constants`.  `balls`: see there.  `told`: numbers of a message.  Waves: see `races`."""
+        """`constants`: as of `two_dof.Constants`.  `balls`: see there.  `message`: numbers of a message.  Waves: see `races`."""
         n: Any = self.get("balls")
         if "ball_defect" in self.on and (ball := self.get("ball_defect.ball")) > n:
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"one of the {n} balls")
         if "cage_fault" in self.on and ((ball := self.get("cage_fault.ball")) > n or n < 4):
             raise BadInput(self.name, f"cage_fault.ball = {ball}", f"one of four or more balls, here {n}")
-        return super().shapes() | {"constants": CONSTANTS, "balls": (SINCE + 1, n), "told": TOLD} | wave_shapes(self.on, n)
+        return super().shapes() | {"constants": CONSTANTS, "balls": (SINCE + 1, n), "message": MESSAGE} | wave_shapes(self.on, n)
 
     def _check(self, status: int) -> None:
         if status == TOO_STIFF:  # a run under way

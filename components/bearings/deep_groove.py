@@ -209,11 +209,11 @@ class DeepGrooveBearing(KernelComponent):
     refusals = {
         LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
                              "balls smaller than the pitch diameter"),
-        NO_ELLIPSE: Refusal("Ry/Rx = {told[0]} of a contact", f"a ratio in [1, {LARGEST_RATIO:g}]"),
+        NO_ELLIPSE: Refusal("Ry/Rx = {message[0]} of a contact", f"a ratio in [1, {LARGEST_RATIO:g}]"),
         NO_GROOVE: Refusal("diametral_clearance = {diametral_clearance} m",
-                           "less than {told[0]} m, the play of the balls in the grooves"),
+                           "less than {message[0]} m, the play of the balls in the grooves"),
         TIGHT: Refusal("diametral_clearance = {diametral_clearance} m",
-                       "{told[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius"),
+                       "{message[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius"),
     } | {
         MISSED + k: Refusal(f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it", "a step that sees it",
                             "Reduce the macro step to {noted[6]} s or less")
@@ -228,7 +228,7 @@ class DeepGrooveBearing(KernelComponent):
 
     def shapes(self) -> dict[str, Any]:
         """`constants`: as of `six_dof.Constants`.  `directions`: cosine and sine of each ball seen from ball 0.  `balls`, `sums`,
-        `stiffness`, `damping`: see `contacts`.  `features`, `noted`: see `check_passages`.  `told`: a number of a message.
+        `stiffness`, `damping`: see `contacts`.  `features`, `noted`: see `check_passages`.  `message`: a number of a message.
         `initializing`: whether a master looks for the static position.
         """
         n: Any = self.get("balls")
@@ -236,7 +236,8 @@ class DeepGrooveBearing(KernelComponent):
             raise BadInput(self.name, f"ball_defect.ball = {ball}", f"a ball of the {n} there are")
         return {
             "x": 3 if "ball_defect" in self.on else 2, "constants": CONSTANTS, "directions": (2, n), "balls": (n, 4), "sums": 8,
-            "stiffness": (5, 5), "damping": (5, 5), "features": (len(FEATURES), 3), "noted": (2, 4), "told": 1, "initializing": 1,
+            "stiffness": (5, 5), "damping": (5, 5), "features": (len(FEATURES), 3), "noted": (2, 4), "message": 1,
+            "initializing": 1,
         } | wave_shapes(self.on, n)
 
     # -- the run -----------------------------------------------------------------------------------------------------

@@ -20,7 +20,8 @@ from . import ball_bearing, races
 from .ball_bearing import JIS6306_SOURCE, BallBearing, TwoDofBearing
 from .geometry import BallGeometry
 from .races import ORDERS, CageFault
-from .two_dof import LARGE_BALLS, bearing_kernels, bearing_start, put_constants
+from .two_dof import LARGE_BALLS
+from .two_dof_start import bearing_kernels, bearing_start, put_constants
 
 
 @dataclass(frozen=True)

@@ -74,8 +74,8 @@ def bearing_start(t, s, p, e):
     modulus = effective_modulus(p.elastic_modulus, p.poisson_ratio, p.elastic_modulus, p.poisson_ratio)
     inner_x, inner_y = relative_radii(INNER, p.inner_conformity, p.ball_diameter, gamma)
     outer_x, outer_y = relative_radii(OUTER, p.outer_conformity, p.ball_diameter, gamma)
-    s.told[0] = max(inner_y / inner_x, outer_y / outer_x)
-    if not s.told[0] <= LARGEST_RATIO:
+    s.message[0] = max(inner_y / inner_x, outer_y / outer_x)
+    if not s.message[0] <= LARGEST_RATIO:
         return NO_ELLIPSE
     inner = grooved_contact(inner_x, inner_y, modulus, p.hertz == FITTED)
     outer = grooved_contact(outer_x, outer_y, modulus, p.hertz == FITTED)
@@ -84,14 +84,14 @@ def bearing_start(t, s, p, e):
     contacts = groove_contacts(p.balls, stiffness, p.inner_conformity, p.outer_conformity, p.ball_diameter, p.pitch_diameter, 0.0,
                                p.diametral_clearance)
     if contacts.radial <= 0.0:
-        s.told[0] = 2.0 * contacts.distance
+        s.message[0] = 2.0 * contacts.distance
         return NO_GROOVE
     _, inner_axis = hertz_axes(1.0, inner.radius, modulus, inner.ellipse)
     _, outer_axis = hertz_axes(1.0, outer.radius, modulus, outer.ellipse)
     semi_axis = max(0.5 * inner_axis, 0.5 * outer_axis)  # under 1 N; it grows with the cube root of the load
     largest_load = (LARGEST_CONTACT * 0.5 * p.ball_diameter / semi_axis) ** 3
-    s.told[0] = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
-    if p.diametral_clearance < s.told[0]:
+    s.message[0] = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
+    if p.diametral_clearance < s.message[0]:
         return TIGHT
     put_constants(s, contacts, cage_turn(gamma), spin_turn(p.ball_diameter, p.pitch_diameter, gamma), largest_load)
     if e.film is not None:

@@ -53,10 +53,10 @@ def inlined_kernel(function):
 
     Of an array that a call hands on seven numbers are copied, and of a component's memory all the arrays.
     """
-    made = kernel(function)
+    dispatcher = kernel(function)
     if COMPILED:
-        made.targetoptions["forceinline"] = True
-    return made
+        dispatcher.targetoptions["forceinline"] = True
+    return dispatcher
 
 
 def bind(template, module: str, **names):
