@@ -18,42 +18,45 @@ tests/benchmarks/test_deep_groove_speed.py.
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
-from ..core.component import Component, Effect, Preset
+from ..core.component import Effect, Preset
+from ..core.contract import KernelComponent, Refusal
 from ..core.errors import BadInput, StepFailed
-from ..core.kernels import DONE, OUT_OF_RANGE, STEP_TOO_LONG
+from ..core.kernels import OUT_OF_RANGE
 from ..core.variables import choice, input_, integer, output, parameter
-from .contacts import GAP, LARGEST_CONTACT, BallContacts, ball_contacts
-from .film import Lubricant, entrainment_speed, film_thickness
+from .contacts import GAP
 from .geometry import BallGeometry
-from .hertz import brewe_hamrock, effective_modulus, exact_ellipse, in_series
+from .hertz import LARGEST_RATIO
 from .loads import StaticLoads, static_loads
-from .races import BallDefect, Defect, Waviness, race_waves, smooth_pit, wrapped
+from .races import BallDefect, Defect, Waviness, wave_shapes
 from .six_dof import (
     COARSE,
+    CONSTANTS,
+    FEATURES,
+    HERTZ,
+    KERNELS,
+    LARGE_BALLS,
+    MISSED,
+    NO_ELLIPSE,
+    NO_GROOVE,
     SAMPLES,
     SPEED,
+    TIGHT,
     UNSEEN,
-    Films,
-    Levers,
-    advance,
-    bearing_outputs,
-    check_passages,
     constants,
     elastic_energy,
     place,
+    present_contacts,
 )
 
 DISPLACEMENT = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
 VELOCITY = ("velocity_x", "velocity_y", "velocity_z", "tilt_rate_x", "tilt_rate_y")
 EVERYTHING = (*DISPLACEMENT, *VELOCITY, "speed", "thermal_growth.clearance_change")
-ELLIPSES = {"exact": exact_ellipse, "brewe-hamrock": brewe_hamrock}
 
 
 class Film(Effect):
@@ -126,7 +129,7 @@ class ThermalGrowth(Effect):
     clearance_change = input_(0.0, "m", "change of the diametral clearance", nominal=1e-6)
 
 
-class DeepGrooveBearing(Component):
+class DeepGrooveBearing(KernelComponent):
     """Deep groove ball bearing; outer ring fixed, x horizontal, y up, z along the shaft, angles from +x towards +y.
 
         Q_j = K delta_j^1.5,   F = -sum Q_j (cos phi cos beta, cos phi sin beta, sin phi)_j,
@@ -138,7 +141,6 @@ class DeepGrooveBearing(Component):
 
     title = "Deep groove ball bearing, six degrees of freedom"
     system = "bearings"
-    needs_scipy = True
     counters = ("steps",)
     default_step = 1e-4
     start_inputs = ()
@@ -167,7 +169,7 @@ class DeepGrooveBearing(Component):
                                     nominal=1e-5)
     elastic_modulus = parameter(2.06e11, "Pa", "Young's modulus of rings and balls", low=1e3, nominal=1e11)
     poisson_ratio = parameter(0.3, "1", "Poisson's ratio of rings and balls", low=0.0, high=0.5)
-    hertz = choice("exact", tuple(ELLIPSES), "solution of the elliptic contact; the fit of Brewe and Hamrock is off by -0.7 to "
+    hertz = choice("exact", HERTZ, "solution of the elliptic contact; the fit of Brewe and Hamrock is off by -0.7 to "
                    "+1.7 % at ratios of the radii of 5 to 33")
     first_ball = parameter(0.0, "rad", "angle of ball 1 at the start")
 
@@ -204,148 +206,86 @@ class DeepGrooveBearing(Component):
             "repository minzhun/ISO16281, test of the ball bearing", "verbatim"),
     }
 
-    # -- constants ---------------------------------------------------------------------------------------------------
+    refusals = {
+        LARGE_BALLS: Refusal("balls of {ball_diameter} m on a pitch diameter of {pitch_diameter} m",
+                             "balls smaller than the pitch diameter"),
+        NO_ELLIPSE: Refusal("Ry/Rx = {message[0]} of a contact", f"a ratio in [1, {LARGEST_RATIO:g}]"),
+        NO_GROOVE: Refusal("diametral_clearance = {diametral_clearance} m",
+                           "less than {message[0]} m, the play of the balls in the grooves"),
+        TIGHT: Refusal("diametral_clearance = {diametral_clearance} m",
+                       "{message[0]} m or more; with less the preload alone makes the contacts longer than a ball's radius"),
+    } | {
+        MISSED + k: Refusal(f"a ball passes {name} in {{noted[5]}} of a macro step, and may miss it", "a step that sees it",
+                            "Reduce the macro step to {noted[6]} s or less")
+        for k, name in enumerate(FEATURES)
+    }
+
     @property
     def geometry(self) -> BallGeometry:
         """Geometry of the balls, and with it the defect frequencies."""
         p: dict[str, Any] = self.parameters
         return BallGeometry(p["balls"], p["ball_diameter"], p["pitch_diameter"], p["inner_conformity"], p["outer_conformity"])
 
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """What the kernels get: `Constants`, then the effects, some of them with what follows from their numbers."""
-        p: dict[str, Any] = self.parameters
-        geometry = self.geometry
-        modulus = effective_modulus(p["elastic_modulus"], p["poisson_ratio"], p["elastic_modulus"], p["poisson_ratio"])
-        races = [geometry.contact(race, modulus, ELLIPSES[p["hertz"]]) for race in ("inner", "outer")]
-        stiffness = in_series(*(race.stiffness for race in races))
-        contacts = ball_contacts(geometry, stiffness, p["diametral_clearance"])
-        if contacts.radial <= 0.0:
-            raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m",
-                           f"less than {2.0 * contacts.distance:g} m, the play of the balls in the grooves")
-        semi_axis = max(0.5 * race.axes(1.0)[1] for race in races)  # under 1 N; it grows with the cube root of the load
-        largest_load = (LARGEST_CONTACT * 0.5 * p["ball_diameter"] / semi_axis) ** 3
-        tightest = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
-        if p["diametral_clearance"] < tightest:
-            raise BadInput(self.name, f"diametral_clearance = {p['diametral_clearance']:g} m", f"{tightest:.3g} m or more; with "
-                           "less the preload alone makes the contacts longer than a ball's radius")
-        _, e = self._declared_arguments()
-        values = e._asdict()
-        if (film := values["film"]) is not None:
-            oil = Lubricant(film.viscosity, film.pressure_viscosity)
-            load, speed = 5.0 * film.nominal_load / p["balls"], entrainment_speed(geometry, 1.0)
-            inner, outer = (film_thickness(race, geometry.radii(name)[0], load, speed, oil)
-                            for race, name in zip(races, ("inner", "outer"), strict=True))
-            values["film"] = Films(film.y, inner, outer)
-        for name in ("inner_waviness", "outer_waviness"):
-            if (waves := values[name]) is not None:
-                values[name] = race_waves(waves.order, waves.amplitude, waves.phase, p["balls"])
-        for name in ("inner_defect", "outer_defect", "ball_defect"):
-            if (pit := values[name]) is not None:
-                ball = pit.ball if name == "ball_defect" else 1
-                if ball > p["balls"]:
-                    raise BadInput(self.name, f"{name}.ball = {ball}", f"a ball of the {p['balls']} there are")
-                values[name] = smooth_pit(pit.depth, pit.width, pit.position, ball)
-        if values["published_levers"] is not None:
-            # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
-            centres = 0.5 * p["pitch_diameter"] - 0.25 * p["diametral_clearance"]
-            values["published_levers"] = Levers(centres / contacts.lever)
-        return constants(contacts, geometry.cage_ratio, geometry.spin_ratio, largest_load), e._replace(**values)
+    def shapes(self) -> dict[str, Any]:
+        """`constants`: as of `six_dof.Constants`.  `directions`: cosine and sine of each ball seen from ball 0.  `balls`, `sums`,
+        `stiffness`, `damping`: see `contacts`.  `features`, `noted`: see `check_passages`.  `message`: a number of a message.
+        `initializing`: whether a master looks for the static position.
+        """
+        n: Any = self.get("balls")
+        if "ball_defect" in self.on and (ball := self.get("ball_defect.ball")) > n:
+            raise BadInput(self.name, f"ball_defect.ball = {ball}", f"a ball of the {n} there are")
+        return {
+            "x": 3 if "ball_defect" in self.on else 2, "constants": CONSTANTS, "directions": (2, n), "balls": (n, 4), "sums": 8,
+            "stiffness": (5, 5), "damping": (5, 5), "features": (len(FEATURES), 3), "noted": (2, 4), "message": 1,
+            "initializing": 1,
+        } | wave_shapes(self.on, n)
 
     # -- the run -----------------------------------------------------------------------------------------------------
-    def initialize(self, t: float) -> None:
-        """As of any component; what helps a search for the static position, or lets it overshoot, ends with it."""
-        self.arguments = p, e = self.kernel_arguments()
-        if e.linearisation is not None:
-            e = e._replace(linearisation=e.linearisation._replace(idle_stiffness=0.0))
-        try:
-            super().initialize(t)
-        finally:
-            self.arguments = p, e
-
     def _initialize(self, t: float) -> int:
-        self.x = np.zeros(3 if "ball_defect" in self.on else 2)
-        self.x[1] = wrapped(self.get("first_ball"))
-        self._features = self._passages()
-        self._extents = np.array([feature[1:] for feature in self._features]).reshape(-1, 2)
-        self._noted, self._warned = np.full((2, 4), -1.0), False
-        p, e = self.arguments
-        if self._preload() > p.largest_load:
-            return OUT_OF_RANGE
-        self.arguments = (p._replace(largest_load=math.inf), e)  # a step of Newton's method may go too far
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        if self._features:
-            self._check(check_passages(t, h, self.u, self._extents, self._noted))
-        self.counts += 1
-        return advance(h, self.x, self.u, self.y, *self.arguments)
-
-    def _outputs(self, t: float) -> None:
-        self._check(bearing_outputs(self.x, self.u[0], self.y, *self.arguments))
-
-    def _preload(self) -> float:
-        """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
-        p, e = self.arguments
-        place(self.x, self.u[0, SPEED], p, e)
-        contacts = self._present_contacts()
-        return contacts.stiffness * max(contacts.radial - contacts.distance - p.balls[:, GAP].min(), 0.0) ** 1.5
-
-    def _present_contacts(self) -> BallContacts:
-        p, growth = self.arguments[0], self.arguments[1].thermal_growth
-        change = self.u[0, growth.u] if growth is not None else 0.0
-        return p.contacts._replace(radial=p.contacts.radial - 0.5 * change)
-
-    def _passages(self) -> list[tuple[str, float, float]]:
-        """(name, extent in rad, turn of the feature under a ball per turn of the inner ring) of waves and defects."""
-        p, e = self.arguments
-        inner, outer = 1.0 - p.cage_ratio, p.cage_ratio
-        features = []
-        for name, waves, ratio in (("inner_waviness", e.inner_waviness, inner), ("outer_waviness", e.outer_waviness, outer)):
-            if waves is not None and waves.order.size:
-                features.append((f"{name} of order {waves.order.max():g}", math.pi / waves.order.max(), ratio))
-        for name, pit, ratio in (("inner_defect", e.inner_defect, inner), ("outer_defect", e.outer_defect, outer),
-                                 ("ball_defect", e.ball_defect, p.spin_ratio)):
-            if pit is not None:
-                features.append((name, 2.0 * pit.half_width, ratio))
-        return features
+        self._warned = False
+        return super()._initialize(t)
 
     def stepped(self, t: float) -> None:
         """As of any component; warns once of a passage that the steps see too little of."""
         super().stepped(t)
-        if self._noted[COARSE, 0] >= 0.0 and not self._warned:
+        feature, share, enough, when = self.arguments[0].noted[COARSE].tolist()
+        if feature >= 0.0 and not self._warned:
             self._warned = True
-            feature, passed, h, when = self._noted[COARSE].tolist()
-            warnings.warn(f"{self.name}: a ball passes {self._features[int(feature)][0]} in {1.0 / passed:.2g} macro steps at "
-                          f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {h / (SAMPLES * passed):.2g} s", stacklevel=2)
+            warnings.warn(f"{self.name}: a ball passes {self._with_values(FEATURES[int(feature)])} in {share:.2g} macro steps at "
+                          f"t = {when:.4g} s; {SAMPLES} steps need a macro step of {enough:.2g} s", stacklevel=2)
 
     def _check(self, status: int) -> None:
-        if status == STEP_TOO_LONG and self._noted[UNSEEN, 0] >= 0.0:
-            feature, passed, h, t = self._noted[UNSEEN].tolist()
-            raise StepFailed(self.name, t, f"a ball passes {self._features[int(feature)][0]} in {1.0 / passed:.2g} of a macro "
-                             "step, and may miss it", f"Reduce the macro step to {h / (SAMPLES * passed):.2g} s or less")
+        if MISSED <= status < MISSED + len(FEATURES):  # a run under way
+            actual, _, remedy = map(self._with_values, type(self).refusals[status])
+            raise StepFailed(self.name, float(self.arguments[0].noted[UNSEEN, 3]), actual, remedy)
         super()._check(status)
 
     def left_range(self) -> str:
         """The displacements, and what the bearing can take."""
         names = ("displacement_x", "displacement_y", "displacement_z", "tilt_x", "tilt_y")
         given = ", ".join(f"{n} = {self.get(n):g} {self.variables[n].unit}" for n in names)
-        limit = self.kernel_arguments()[0].largest_load
+        limit = constants(self.arguments[0]).largest_load
         return f"{given}; expected a ring inside the grooves and less than {limit:.4g} N on a ball"
 
     def energy(self) -> float:
         """Elastic energy of the contacts, J; with `published_levers` that of the consistent bearing."""
-        return elastic_energy(self.x, self.u[0], *self.arguments)
+        s, _, e = self.arguments
+        return elastic_energy(s, e)
 
     def equilibrium(self, forces: np.ndarray, held: Collection[str] = ()) -> StaticLoads:
         """Static equilibrium under an external load on the shaft at the present angles and speed; see `loads.static_loads`.
 
         Its status is OUT_OF_RANGE, too, for a ball beyond its largest load.
         """
-        p, e = self.arguments
-        place(self.x, self.u[0, SPEED], p, e)
-        levers = e.published_levers
+        s, _, e = self.arguments
+        k = constants(s)
+        place(self.x, self.u[0, SPEED], k, s, e)
         load = np.array(forces, dtype=float)
-        if levers is not None:
-            load[3:] /= levers.ratio
-        loads = static_loads(self._present_contacts(), load, first_ball=self.x[1], held=held, gap=p.balls[:, GAP].copy())
-        return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > p.largest_load else loads
+        if e.published_levers is not None:
+            load[3:] /= k.levers
+        contacts = present_contacts(self.u[0], k.contacts, e.thermal_growth)
+        loads = static_loads(contacts, load, first_ball=self.x[1], held=held, gap=s.balls[:, GAP].copy())
+        return loads._replace(status=OUT_OF_RANGE) if loads.ball_loads.max() > k.largest_load else loads
+
+
+DeepGrooveBearing.kernels = KERNELS

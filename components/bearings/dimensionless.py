@@ -11,14 +11,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..core.component import Preset
+from ..core.contract import Refusal
 from ..core.errors import BadInput
+from ..core.kernels import kernel
 from ..core.measure import BASES, parse
 from ..core.variables import Variable, parameter
 from . import ball_bearing, races
 from .ball_bearing import JIS6306_SOURCE, BallBearing, TwoDofBearing
 from .geometry import BallGeometry
 from .races import ORDERS, CageFault
-from .two_dof import Constants, constants
+from .two_dof import LARGE_BALLS
+from .two_dof_start import bearing_kernels, bearing_start, put_constants
 
 
 @dataclass(frozen=True)
@@ -147,13 +150,25 @@ class DimensionlessBallBearing(TwoDofBearing):
                            JIS6306_SOURCE + ", scaled", "recalled"),
     }
 
+    refusals = {LARGE_BALLS: Refusal("balls of {diameter_ratio} on a pitch diameter of 1",
+                                     "balls smaller than the pitch diameter")}
+
     @property
     def geometry(self) -> BallGeometry:
         p: dict[str, Any] = self.parameters
         return BallGeometry(p["balls"], p["diameter_ratio"], 1.0, contact_angle=p["contact_angle"])
 
-    def constants(self) -> Constants:
-        return constants(1.0, 2.0 * self.get("damping_ratio"), 1.0, self.geometry)
+
+@kernel
+def dimensionless_start(t, s, p, e):
+    """The start of the dimensionless bearing."""
+    if not p.diameter_ratio < 1.0:
+        return LARGE_BALLS
+    put_constants(s, 1.0, 2.0 * p.damping_ratio, 1.0, p.diameter_ratio, 1.0, p.contact_angle)
+    return bearing_start(p.start_cage_angle, s, e)
+
+
+DimensionlessBallBearing.kernels = bearing_kernels(__name__, dimensionless_start)
 
 
 def scales(bearing: BallBearing) -> Scales:

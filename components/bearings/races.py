@@ -3,10 +3,10 @@
 Everything here ends in the gap of each ball, the length by which the surfaces of ball and races are farther apart than on a
 perfect bearing; a bearing model subtracts it from its contact deformation. Ball j stands at angle + 2 pi j / Z, j = 0 ... Z - 1.
 
-How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, `kernel_arguments` hands them
-`race_waves(...)` and `smooth_pit(...)` in their place, and a kernel calls `add_faults` with `gap` and `rate`, (Z,), filled
-beforehand. What belongs to the inner ring turns with it, the outer ring is at rest, and a pit on a ball meets the inner race
-and half a turn of the ball later the outer one.
+How a bearing model uses it: its parts declare `Waviness`, `Defect` and `BallDefect` as effects, its `shapes` take over
+`wave_shapes`, its start calls `start_waves`, and a kernel calls `add_faults` with `gap` and `rate`, (Z,), filled beforehand.
+What belongs to the inner ring turns with it, the outer ring is at rest, and a pit on a ball meets the inner race and half a
+turn of the ball later the outer one.
 
 `rate` gets the time derivative of the gap, for contact damping; hand over None where nobody asks for it. The angle `spin` is
 that of the ball against the cage and needs a state of its own: spin_speed = spin_ratio * speed with `BallGeometry.spin_ratio`,
@@ -16,9 +16,8 @@ no whole multiple of any other angle, so that it cannot be had from a wrapped on
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
-
-import numpy as np
+from collections.abc import Container
+from typing import Any, NamedTuple
 
 from ..core.component import Effect
 from ..core.kernels import kernel, kernel_tuple
@@ -74,23 +73,6 @@ class CageFault(Effect):
 
 
 @kernel_tuple
-class Displaced(NamedTuple):
-    """A ball that is not in its place: its index, and the angle in rad by which it is ahead."""
-
-    ball: int
-    offset: float
-
-
-@kernel_tuple
-class Waves(NamedTuple):
-    """Waves of a race, developed for balls at equal distances."""
-
-    order: np.ndarray  # (n,)
-    cosine: np.ndarray  # (n, Z), m: amplitude * cos(order * 2 pi j / Z + phase)
-    sine: np.ndarray  # (n, Z), m
-
-
-@kernel_tuple
 class Pit(NamedTuple):
     """A raised-cosine pit; ball: index of the ball that carries it, for one on a ball."""
 
@@ -100,17 +82,59 @@ class Pit(NamedTuple):
     ball: int
 
 
-def race_waves(order, amplitude, phase, balls: int) -> Waves:
-    """Waves for `balls` balls from arrays (n,): order, amplitude (m), phase (rad); orders without amplitude are left out."""
-    used = np.flatnonzero(amplitude)
-    number, a, start = (np.asarray(v, dtype=float)[used] for v in (order, amplitude, phase))
-    angles = np.outer(number, TWO_PI * np.arange(balls) / balls) + start[:, None]
-    return Waves(number, a[:, None] * np.cos(angles), a[:, None] * np.sin(angles))
+def wave_shapes(on: Container[str], balls: int) -> dict[str, Any]:
+    """Tables of `develop` for `shapes` of a bearing with so many balls, (2, ORDERS, Z); None where there are no waves."""
+    return {f"{ring}_waves": (2, ORDERS, balls) if f"{ring}_waviness" in on else None for ring in ("inner", "outer")}
 
 
-def smooth_pit(depth: float, width: float, position: float, ball: int = 1) -> Pit:
+@kernel
+def develop(waves, table):
+    """Waves of a race for balls at equal distances, as they stand at angle 0; waves: as of `Waviness`, table: (2, n, Z), m.
+
+    table[0, l, j] = A_l cos(l 2 pi j / Z + phase_l), table[1, l, j] with the sine.
+    """
+    balls = table.shape[2]
+    for i in range(waves.order.size):
+        for j in range(balls):
+            angle = waves.order[i] * (TWO_PI * j / balls) + waves.phase[i]
+            table[0, i, j], table[1, i, j] = waves.amplitude[i] * math.cos(angle), waves.amplitude[i] * math.sin(angle)
+
+
+@kernel
+def start_waves(s, e):
+    """Waves of both races for the present parameters."""
+    if e.inner_waviness is not None:
+        develop(e.inner_waviness, s.inner_waves)
+    if e.outer_waviness is not None:
+        develop(e.outer_waviness, s.outer_waves)
+
+
+@kernel
+def highest_order(waves):
+    """The largest order that has an amplitude; 0 where none has."""
+    highest = 0
+    for i in range(waves.order.size):
+        if waves.amplitude[i] != 0.0:
+            highest = max(highest, waves.order[i])
+    return highest
+
+
+@kernel
+def smooth_pit(depth, width, position, ball=1):
     """A pit from its depth (m), full width and position (rad); `ball`, counted from 1, for one on a ball."""
-    return Pit(float(depth), 0.5 * float(width), float(position), int(ball) - 1)
+    return Pit(depth, 0.5 * width, position, ball - 1)
+
+
+@kernel
+def race_pit(v):
+    """A pit from the parameters of `Defect`."""
+    return smooth_pit(v.depth, v.width, v.position)
+
+
+@kernel
+def ball_pit(v):
+    """A pit from the parameters of `BallDefect`."""
+    return smooth_pit(v.depth, v.width, v.position, v.ball)
 
 
 @kernel
@@ -122,17 +146,21 @@ def wrapped(angle):
 
 
 @kernel
-def add_waves(gap, rate, angle, speed, waves):
-    """gap[j] += sum over l of A_l cos(l (angle + 2 pi j / Z) + phase_l), m; rate[j] += its derivative, angle' = speed."""
+def add_waves(gap, rate, angle, speed, waves, table):
+    """gap[j] += sum over l of A_l cos(l (angle + 2 pi j / Z) + phase_l), m; rate[j] += its derivative, angle' = speed.
+
+    An order of amplitude 0 is left out. waves, table: as of `develop`.
+    """
     for i in range(waves.order.size):
-        order = waves.order[i]
-        c, s = math.cos(order * angle), math.sin(order * angle)
-        for j in range(gap.size):
-            gap[j] += waves.cosine[i, j] * c - waves.sine[i, j] * s
-        if rate is not None:
-            c, s = order * speed * c, order * speed * s
+        if waves.amplitude[i] != 0.0:
+            order = waves.order[i]
+            c, s = math.cos(order * angle), math.sin(order * angle)
             for j in range(gap.size):
-                rate[j] -= waves.cosine[i, j] * s + waves.sine[i, j] * c
+                gap[j] += table[0, i, j] * c - table[1, i, j] * s
+            if rate is not None:
+                c, s = order * speed * c, order * speed * s
+                for j in range(gap.size):
+                    rate[j] -= table[0, i, j] * s + table[1, i, j] * c
 
 
 @kernel
@@ -168,19 +196,20 @@ def add_ball_pit(gap, rate, spin, speed, pit):
 
 
 @kernel
-def add_faults(gap, rate, angles, speed, p, e):
+def add_faults(gap, rate, angles, speed, ratios, inner_waves, outer_waves, e):
     """Waves and pits of a bearing added to gap (Z,) and, unless None, to rate (Z,).
 
-    angles: of the inner ring, of the cage and, with a pit on a ball, its spin.  p: has cage_ratio and spin_ratio.
+    angles: of the inner ring, of the cage and, with a pit on a ball, its spin.  ratios: has cage_ratio and spin_ratio.
+    inner_waves, outer_waves: of `develop`.
     """
-    inner, cage, cage_speed = angles[0], angles[1], p.cage_ratio * speed
+    inner, cage, cage_speed = angles[0], angles[1], ratios.cage_ratio * speed
     if e.inner_waviness is not None:
-        add_waves(gap, rate, cage - inner, cage_speed - speed, e.inner_waviness)
+        add_waves(gap, rate, cage - inner, cage_speed - speed, e.inner_waviness, inner_waves)
     if e.outer_waviness is not None:
-        add_waves(gap, rate, cage, cage_speed, e.outer_waviness)
+        add_waves(gap, rate, cage, cage_speed, e.outer_waviness, outer_waves)
     if e.inner_defect is not None:
-        add_pit(gap, rate, cage - inner, cage_speed - speed, e.inner_defect)
+        add_pit(gap, rate, cage - inner, cage_speed - speed, race_pit(e.inner_defect))
     if e.outer_defect is not None:
-        add_pit(gap, rate, cage, cage_speed, e.outer_defect)
+        add_pit(gap, rate, cage, cage_speed, race_pit(e.outer_defect))
     if e.ball_defect is not None:
-        add_ball_pit(gap, rate, angles[2], p.spin_ratio * speed, e.ball_defect)
+        add_ball_pit(gap, rate, angles[2], ratios.spin_ratio * speed, ball_pit(e.ball_defect))

@@ -9,101 +9,189 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, STEP_TOO_LONG, hold_inputs, kernel, kernel_tuple
-from .contacts import COS, ENERGY, GAP, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces
-from .film import CENTRAL_EXPONENT
-from .races import TWO_PI, add_faults, wrapped
+from ..core.contract import Kernels
+from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, OWN, hold_inputs, kernel, kernel_tuple
+from .contacts import COS, ENERGY, GAP, LARGEST_CONTACT, LOADED, MAX_LOAD, SIN, BallContacts, contact_forces, groove_contacts
+from .film import CENTRAL_EXPONENT, film_height, mean_surface_speed
+from .geometry import INNER, OUTER, cage_turn, diameter_share, grooved_contact, relative_radii, spin_turn
+from .hertz import LARGEST_RATIO, effective_modulus, hertz_axes, hertz_stiffness, two_in_series
+from .races import TWO_PI, add_faults, highest_order, start_waves, wrapped
 
 SPEED = 10  # in u, behind displacement (5) and velocity (5)
 SAMPLES = 4  # steps a passage over a defect or a wave should take at least
 COARSE, UNSEEN = 0, 1  # rows of what `check_passages` notes
 FORCE, LARGEST, NUMBER, INNER_ANGLE, CAGE_ANGLE = 0, 5, 6, 7, 8  # in y; five elements from FORCE on
+HERTZ = ("exact", "brewe-hamrock")
+FITTED = 1  # of them
+
+CONSTANTS = 11  # elements of `s.constants`
+# Rows of `s.features`: extent, rad, turn of the feature under a ball per turn of the inner ring, and of waves the highest order.
+# Without a turn it is not there.
+EXTENT, TURN, ORDER = range(3)
+FEATURES = ("inner_waviness of order {features[2]}", "outer_waviness of order {features[5]}", "inner_defect", "outer_defect",
+            "ball_defect")
+
+# Statuses; the last are of what a ball may have missed, in the order of `FEATURES`
+LARGE_BALLS, NO_ELLIPSE, NO_GROOVE, TIGHT = OWN + 1, OWN + 2, OWN + 3, OWN + 4
+MISSED = OWN + 5
 
 
 @kernel_tuple
 class Constants(NamedTuple):
-    """What the kernels need of the parameters, and their workspace."""
+    """What follows from the parameters."""
 
     contacts: BallContacts
     cage_ratio: float
     spin_ratio: float
     largest_load: float  # N, of a ball; beyond it the contacts are no small spots any more
-    cosine: np.ndarray  # (Z,), directions of the balls seen from ball 0
-    sine: np.ndarray
-    balls: np.ndarray  # (Z, 4), workspace; see contacts.py
-    sums: np.ndarray  # (8,)
-    stiffness: np.ndarray  # (5, 5)
-    damping: np.ndarray  # (5, 5)
-
-
-@kernel_tuple
-class Films(NamedTuple):
-    """Films of both races: thickness = factor * |speed|^0.67."""
-
-    y: int
-    inner: float  # m (s/rad)^0.67
-    outer: float
-
-
-@kernel_tuple
-class Levers(NamedTuple):
-    """Lever of the moments over that of the tilts."""
-
-    ratio: float
-
-
-def constants(contacts: BallContacts, cage_ratio: float, spin_ratio: float, largest_load: float) -> Constants:
-    """Constants of a bearing; workspace included."""
-    n = contacts.balls
-    at = TWO_PI * np.arange(n) / n
-    return Constants(contacts, cage_ratio, spin_ratio, largest_load, np.cos(at), np.sin(at), np.zeros((n, 4)), np.zeros(8),
-                     np.zeros((5, 5)), np.zeros((5, 5)))
+    inner_film: float  # m (s/rad)^0.67; thickness = factor * |speed|^0.67
+    outer_film: float
+    levers: float  # lever of the moments over that of the tilts
 
 
 @kernel
-def place(x, speed, p, e):
-    """Directions and gaps of all balls into p.balls."""
-    balls = p.balls
-    c, s = math.cos(x[1]), math.sin(x[1])
+def constants(s):
+    """The elements of `s.constants`."""
+    c = s.constants
+    contacts = BallContacts(s.balls.shape[0], c[0], c[1], c[2], c[3], c[4])
+    return Constants(contacts, c[5], c[6], c[7], c[8], c[9], c[10])
+
+
+@kernel
+def put_constants(s, contacts, cage_ratio, spin_ratio, largest_load):
+    """All of them but the films and the levers."""
+    c = s.constants
+    c[0], c[1], c[2], c[3], c[4] = contacts.stiffness, contacts.distance, contacts.radial, contacts.axial, contacts.lever
+    c[5], c[6], c[7] = cage_ratio, spin_ratio, largest_load
+
+
+@kernel
+def bearing_start(t, s, p, e):
+    """Contacts, films, waves and places of the balls."""
+    if not p.ball_diameter < p.pitch_diameter:
+        return LARGE_BALLS
+    gamma = diameter_share(p.ball_diameter, p.pitch_diameter, 0.0)
+    modulus = effective_modulus(p.elastic_modulus, p.poisson_ratio, p.elastic_modulus, p.poisson_ratio)
+    inner_x, inner_y = relative_radii(INNER, p.inner_conformity, p.ball_diameter, gamma)
+    outer_x, outer_y = relative_radii(OUTER, p.outer_conformity, p.ball_diameter, gamma)
+    s.message[0] = max(inner_y / inner_x, outer_y / outer_x)
+    if not s.message[0] <= LARGEST_RATIO:
+        return NO_ELLIPSE
+    inner = grooved_contact(inner_x, inner_y, modulus, p.hertz == FITTED)
+    outer = grooved_contact(outer_x, outer_y, modulus, p.hertz == FITTED)
+    stiffness = two_in_series(hertz_stiffness(inner.radius, modulus, inner.ellipse),
+                              hertz_stiffness(outer.radius, modulus, outer.ellipse))
+    contacts = groove_contacts(p.balls, stiffness, p.inner_conformity, p.outer_conformity, p.ball_diameter, p.pitch_diameter, 0.0,
+                               p.diametral_clearance)
+    if contacts.radial <= 0.0:
+        s.message[0] = 2.0 * contacts.distance
+        return NO_GROOVE
+    _, inner_axis = hertz_axes(1.0, inner.radius, modulus, inner.ellipse)
+    _, outer_axis = hertz_axes(1.0, outer.radius, modulus, outer.ellipse)
+    semi_axis = max(0.5 * inner_axis, 0.5 * outer_axis)  # under 1 N; it grows with the cube root of the load
+    largest_load = (LARGEST_CONTACT * 0.5 * p.ball_diameter / semi_axis) ** 3
+    s.message[0] = -2.0 * (largest_load / stiffness) ** (2.0 / 3.0)
+    if p.diametral_clearance < s.message[0]:
+        return TIGHT
+    put_constants(s, contacts, cage_turn(gamma), spin_turn(p.ball_diameter, p.pitch_diameter, gamma), largest_load)
+    if e.film is not None:
+        load, speed = 5.0 * e.film.nominal_load / p.balls, mean_surface_speed(p.ball_diameter, p.pitch_diameter, 1.0)
+        s.constants[8] = film_height(inner, inner_x, load, speed, e.film, False)
+        s.constants[9] = film_height(outer, outer_x, load, speed, e.film, False)
+    if e.published_levers is not None:
+        # the moments' lever ends at the balls' centres, on the radius of the inner race and half a ball
+        s.constants[10] = (0.5 * p.pitch_diameter - 0.25 * p.diametral_clearance) / contacts.lever
+    for j in range(p.balls):
+        at = TWO_PI * j / p.balls
+        s.directions[0, j], s.directions[1, j] = math.cos(at), math.sin(at)
+    start_waves(s, e)
+    list_features(s, e)
+    s.noted[COARSE, 0], s.noted[UNSEEN, 0] = -1.0, -1.0
+    s.x[1] = wrapped(p.first_ball)
+    if preload(s, e) > largest_load:
+        return OUT_OF_RANGE
+    s.initializing[0] = 1.0
+    return DONE
+
+
+@kernel
+def list_features(s, e):
+    """What a ball should not pass unseen, into s.features."""
+    k, features = constants(s), s.features
+    inner, outer = 1.0 - k.cage_ratio, k.cage_ratio
+    if e.inner_waviness is not None:
+        put_waves(features[0], highest_order(e.inner_waviness), inner)
+    if e.outer_waviness is not None:
+        put_waves(features[1], highest_order(e.outer_waviness), outer)
+    if e.inner_defect is not None:
+        features[2, EXTENT], features[2, TURN] = e.inner_defect.width, inner
+    if e.outer_defect is not None:
+        features[3, EXTENT], features[3, TURN] = e.outer_defect.width, outer
+    if e.ball_defect is not None:
+        features[4, EXTENT], features[4, TURN] = e.ball_defect.width, k.spin_ratio
+
+
+@kernel
+def put_waves(feature, order, turn):
+    """Half a wave of the highest order, if there is one."""
+    if order > 0:
+        feature[EXTENT], feature[TURN], feature[ORDER] = math.pi / order, turn, order
+
+
+@kernel
+def preload(s, e):
+    """Largest load of a ball at no displacement, N: of clearance, growth, films, waves and bumps."""
+    u = s.u[0]
+    k = constants(s)
+    place(s.x, u[SPEED], k, s, e)
+    contacts, tightest = present_contacts(u, k.contacts, e.thermal_growth), math.inf
+    for j in range(s.balls.shape[0]):
+        tightest = min(tightest, s.balls[j, GAP])
+    return contacts.stiffness * max(contacts.radial - contacts.distance - tightest, 0.0) ** 1.5
+
+
+@kernel
+def place(x, speed, k, s, e):
+    """Directions and gaps of all balls into s.balls; k: `Constants`."""
+    balls = s.balls
+    cosine, sine = math.cos(x[1]), math.sin(x[1])
     film_thickness = 0.0
     if e.film is not None:
-        film_thickness = (e.film.inner + e.film.outer) * abs(speed) ** CENTRAL_EXPONENT
+        film_thickness = (k.inner_film + k.outer_film) * abs(speed) ** CENTRAL_EXPONENT
     for j in range(balls.shape[0]):
-        balls[j, COS] = c * p.cosine[j] - s * p.sine[j]
-        balls[j, SIN] = s * p.cosine[j] + c * p.sine[j]
+        balls[j, COS] = cosine * s.directions[0, j] - sine * s.directions[1, j]
+        balls[j, SIN] = sine * s.directions[0, j] + cosine * s.directions[1, j]
         balls[j, GAP] = -film_thickness
-    add_faults(balls[:, GAP], None, x, speed, p, e)
+    add_faults(balls[:, GAP], None, x, speed, k, s.inner_waves, s.outer_waves, e)
 
 
 @kernel
-def present_contacts(u, p, growth):
+def present_contacts(u, k, growth):
     """The contacts with the present clearance."""
-    k = p.contacts
     if growth is not None:
         return BallContacts(k.balls, k.stiffness, k.distance, k.radial - 0.5 * u[growth.u], k.axial, k.lever)
     return k
 
 
 @kernel
-def roll(h, x, u, p):
-    """Turn ring, cage and ball with the integral of the speed's polynomial over a step h."""
+def roll(h, x, u, k):
+    """Turn ring, cage and ball with the integral of the speed's polynomial over a step h; k: `Constants`."""
     turn = h * (u[0, SPEED] + h * (0.5 * u[1, SPEED] + h * u[2, SPEED] / 3.0))
     x[0] = wrapped(x[0] + turn)
-    x[1] = wrapped(x[1] + p.cage_ratio * turn)
+    x[1] = wrapped(x[1] + k.cage_ratio * turn)
     for i in range(2, x.size):
-        x[i] = wrapped(x[i] + p.spin_ratio * turn)
+        x[i] = wrapped(x[i] + k.spin_ratio * turn)
 
 
 @kernel
-def check_passages(t, h, u, features, noted):
+def check_passages(t, h, s):
     """Refuses a step in which a defect, or half a wave, could pass unseen; notes the first one that sees too little of it.
 
-    features: (k, 2) extent, rad, and turn of the feature under a ball per turn of the inner ring.  noted: (2, 4) the feature, the
-    passages in the step, its length, s, and its beginning, s; feature -1 where there was none.
+    s.noted: (2, 4) the feature, of a macro step what a passage takes, the macro step that sees enough, s, and the beginning, s;
+    feature -1 where there was none.
     The bearing has no internal step that could be capped: between two macro steps it does not know where the rotor is.
     """
+    u, features, noted = s.u, s.features, s.noted
     now, slope, half = u[0, SPEED], u[1, SPEED], u[2, SPEED]
     fastest = max(abs(now), abs(now + h * (slope + h * half)))
     if half != 0.0:
@@ -112,57 +200,68 @@ def check_passages(t, h, u, features, noted):
             fastest = max(fastest, abs(now + 0.5 * slope * vertex))
     turn = h * fastest
     for k in range(features.shape[0]):
-        passed = turn * features[k, 1] / features[k, 0]
-        row = UNSEEN if passed > 1.0 else COARSE
-        if passed > 1.0 or (passed * SAMPLES > 1.0 and noted[COARSE, 0] < 0.0):
-            noted[row, 0], noted[row, 1], noted[row, 2], noted[row, 3] = k, passed, h, t
-        if passed > 1.0:
-            return STEP_TOO_LONG
+        if features[k, TURN] > 0.0:
+            passed = turn * features[k, TURN] / features[k, EXTENT]
+            row = UNSEEN if passed > 1.0 else COARSE
+            if passed > 1.0 or (passed * SAMPLES > 1.0 and noted[COARSE, 0] < 0.0):
+                noted[row, 0], noted[row, 1], noted[row, 2], noted[row, 3] = k, 1.0 / passed, h / (SAMPLES * passed), t
+            if passed > 1.0:
+                return MISSED + k
     return DONE
 
 
 @kernel
-def advance(h, x, u, y, p, e):
-    """Roll on by h, hold the inputs at their ends, and compute the outputs there; u: (3, m)."""
-    roll(h, x, u, p)
-    hold_inputs(u, h)
-    return bearing_outputs(x, u[0], y, p, e)
+def bearing_step(t, h, s, p, e):
+    """Roll on by h, hold the inputs at their ends, and compute the outputs there."""
+    status = check_passages(t, h, s)
+    if status != DONE:
+        return status
+    s.counts[0] += 1
+    s.initializing[0] = 0.0
+    roll(h, s.x, s.u, constants(s))
+    hold_inputs(s.u, h)
+    return bearing_outputs(t + h, s, p, e)
 
 
 @kernel
-def bearing_outputs(x, u, y, p, e):
-    """All outputs from the angles x and the inputs u (m,).
+def bearing_outputs(t, s, p, e):
+    """All outputs from the angles and the inputs.
 
-    Returns DONE, OUT_OF_RANGE for a ring beyond the grooves or a ball beyond its largest load, or NOT_FINITE.
+    Returns DONE, OUT_OF_RANGE for a ring beyond the grooves or a ball beyond its largest load, or NOT_FINITE. While a
+    master looks for the static position, which ends with the first outputs behind `bearing_start`, a load may be beyond it, for a
+    step of Newton's method may go too far.
     """
+    k, x, y, u, sums = constants(s), s.x, s.y, s.u[0], s.sums
+    initializing = s.initializing[0] > 0.0
+    s.initializing[0] = 0.0
     speed = u[SPEED]
-    place(x, speed, p, e)
-    contacts = present_contacts(u, p, e.thermal_growth)
+    place(x, speed, k, s, e)
+    contacts = present_contacts(u, k.contacts, e.thermal_growth)
     if e.linearisation is not None and e.damping is not None:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, u[5:10], e.damping.factor, p.damping)
+        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, u[5:10], e.damping.factor, s.damping)
     elif e.linearisation is not None:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, p.stiffness, None, None, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, s.stiffness, None, None, None)
     elif e.damping is not None:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, u[5:10], e.damping.factor, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, None, u[5:10], e.damping.factor, None)
     else:
-        status = contact_forces(u[:5], contacts, p.balls, p.sums, None, None, None, None)
+        status = contact_forces(u[:5], contacts, s.balls, sums, None, None, None, None)
     if status != DONE:
         return status
-    if p.sums[MAX_LOAD] > p.largest_load:
+    if sums[MAX_LOAD] > k.largest_load and not initializing:
         return OUT_OF_RANGE
     if e.published_levers is not None:
-        p.sums[3] *= e.published_levers.ratio
-        p.sums[4] *= e.published_levers.ratio
+        sums[3] *= k.levers
+        sums[4] *= k.levers
     for i in range(5):
-        y[FORCE + i] = p.sums[i]
-    y[LARGEST], y[NUMBER], y[INNER_ANGLE], y[CAGE_ANGLE] = p.sums[MAX_LOAD], p.sums[LOADED], x[0], x[1]
+        y[FORCE + i] = sums[i]
+    y[LARGEST], y[NUMBER], y[INNER_ANGLE], y[CAGE_ANGLE] = sums[MAX_LOAD], sums[LOADED], x[0], x[1]
     if e.film is not None:
         thickness = abs(speed) ** CENTRAL_EXPONENT
-        y[e.film.y], y[e.film.y + 1] = e.film.inner * thickness, e.film.outer * thickness
+        y[e.film.y], y[e.film.y + 1] = k.inner_film * thickness, k.outer_film * thickness
     if e.linearisation is not None:
-        linearise(u, y, p, e.published_levers, e.linearisation)
+        linearise(u, y, k, s, initializing, e)
     if e.friction is not None:
-        load = math.sqrt(p.sums[0] ** 2 + p.sums[1] ** 2 + p.sums[2] ** 2)
+        load = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
         torque = 0.5 * e.friction.coefficient * e.friction.bore_diameter * load
         y[e.friction.y] = -torque if speed > 0.0 else torque if speed < 0.0 else 0.0
         y[e.friction.y + 1] = torque * abs(speed)
@@ -173,29 +272,32 @@ def bearing_outputs(x, u, y, p, e):
 
 
 @kernel
-def linearise(u, y, p, levers, linear):
+def linearise(u, y, k, s, initializing, e):
     """The bearing as F = force - stiffness q - damping q' near the present motion: force, stiffness, damping into y."""
-    first = linear.y + 5
-    if p.sums[LOADED] < 1.5:
-        p.stiffness[0, 0] += linear.idle_stiffness
-        p.stiffness[1, 1] += linear.idle_stiffness
+    first = e.linearisation.y + 5
+    if initializing and s.sums[LOADED] < 1.5:
+        s.stiffness[0, 0] += e.linearisation.idle_stiffness
+        s.stiffness[1, 1] += e.linearisation.idle_stiffness
     for i in range(5):
         share = 1.0
-        if levers is not None and i > 2:
-            share = levers.ratio
-        force = p.sums[i]
+        if e.published_levers is not None and i > 2:
+            share = k.levers
+        force = s.sums[i]
         for j in range(5):
-            k, c = share * p.stiffness[i, j], share * p.damping[i, j]
-            force += k * u[j] + c * u[5 + j]
-            y[first + 5 * i + j] = k
-            y[first + 25 + 5 * i + j] = c
-        y[linear.y + i] = force
+            stiffness, damping = share * s.stiffness[i, j], share * s.damping[i, j]
+            force += stiffness * u[j] + damping * u[5 + j]
+            y[first + 5 * i + j] = stiffness
+            y[first + 25 + 5 * i + j] = damping
+        y[e.linearisation.y + i] = force
 
 
 @kernel
-def elastic_energy(x, u, p, e):
+def elastic_energy(s, e):
     """Energy of the contacts, J."""
-    place(x, u[SPEED], p, e)
-    contact_forces(u[:5], present_contacts(u, p, e.thermal_growth), p.balls, p.sums, None, None, None, None)
-    return p.sums[ENERGY]
+    k, u = constants(s), s.u[0]
+    place(s.x, u[SPEED], k, s, e)
+    contact_forces(u[:5], present_contacts(u, k.contacts, e.thermal_growth), s.balls, s.sums, None, None, None, None)
+    return s.sums[ENERGY]
 
+
+KERNELS = Kernels(bearing_start, bearing_step, bearing_outputs)

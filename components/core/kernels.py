@@ -48,11 +48,19 @@ def kernel(function, *files: str):
     return dispatcher
 
 
-def inlined(function):
-    """A kernel whose machine code stands in that of each kernel that calls it: handing over `s`, `p` and `e` would cost more."""
+def inlined(dispatcher):
+    """A kernel whose instructions stand wherever a kernel calls it: nothing is handed on.
+
+    Of an array that a call hands on seven numbers are copied, and of a component's memory all the arrays.
+    """
     if COMPILED:
-        function.targetoptions["forceinline"] = True
-    return function
+        dispatcher.targetoptions["forceinline"] = True
+    return dispatcher
+
+
+def inlined_kernel(function):
+    """A `kernel` that is `inlined`, for what each derivative calls."""
+    return inlined(kernel(function))
 
 
 def bind(template, module: str, **names):

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from cosimo.components.bearings.ball_bearing import BallBearing
 from cosimo.components.bearings.dimensionless import scales
+from cosimo.components.bearings.two_dof import constants
 from numba import njit
 from scipy.integrate import solve_ivp
 
@@ -50,8 +51,9 @@ LOAD = 196.0
 
 def right_hand_side():
     """x' of the bearing, compiled with its constants."""
-    p = bearing(5e-5).constants()
-    (cosine, sine), k, m, damping, cage = p.balls[:2], p.stiffness, p.mass, p.damping, p.cage_ratio * SPEED
+    s = bearing(5e-5).arguments[0]
+    p = constants(s)
+    (cosine, sine), k, m, damping, cage = s.balls[:2].copy(), p.stiffness, p.mass, p.damping, p.cage_ratio * SPEED
 
     @njit(error_model="numpy")
     def rates(t, x):

@@ -126,14 +126,14 @@ def test_a_run_there_and_back_ends_where_it_began():
 
 def test_ten_million_steps_do_not_drift():
     """The angles' sum in one compiled loop: 1e7 steps of an exactly known turn, against the product."""
-    from cosimo.components.bearings.six_dof import roll
+    from cosimo.components.bearings.six_dof import constants, roll
 
     bearing = moved(speed=314.159)
-    p, u, h = bearing.arguments[0], bearing.u, 1e-5
+    k, u, h = constants(bearing.arguments[0]), bearing.u, 1e-5
 
     def many(x, n):
         for _ in range(n):
-            roll(h, x, u, p)
+            roll(h, x, u, k)
 
     try:
         from numba import njit
@@ -144,7 +144,7 @@ def test_ten_million_steps_do_not_drift():
     x = bearing.x.copy()
     many(x, steps)
     turn = 314.159 * h * steps
-    for angle, ratio in zip(x, (1.0, p.cage_ratio), strict=True):
+    for angle, ratio in zip(x, (1.0, k.cage_ratio), strict=True):
         away = (angle - ratio * turn + math.pi) % (2.0 * math.pi) - math.pi
         # each step rounds an angle below 2 pi, by 4e-16 on average without preference: sqrt(1e7) of them are 1e-12, and with
         # all the same sign 4e-9; the product of 3e4 rad itself rounds by 4e-12

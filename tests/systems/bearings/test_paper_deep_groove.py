@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from cosimo.components.bearings.six_dof import constants
 from cosimo.orchestrator.harness.validation.case import CaseResult, Options
 from cosimo.orchestrator.harness.validation.reference import load_table
 from cosimo.orchestrator.systems import cases
@@ -86,8 +87,9 @@ def test_lines_of_the_pits_are_kinematics():
 def test_axial_preload_is_in_equilibrium():
     given = shaft.scene(0.1, 1e-4, 1.0, gravity=0.0, axial=200.0).units["bearing"].parameters
     model = shaft.bearing(diametral_clearance=given["diametral_clearance"])
-    angle = lambda z: math.atan2(z, model.kernel_arguments()[0].contacts.radial)  # noqa: E731
-    contacts = model.kernel_arguments()[0].contacts
+    model.initialize(0.0)
+    contacts = constants(model.arguments[0]).contacts
+    angle = lambda z: math.atan2(z, contacts.radial)  # noqa: E731
 
     def axial(z):
         delta = max(math.hypot(contacts.radial, contacts.axial + z) - contacts.distance, 0.0)

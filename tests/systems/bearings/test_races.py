@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 from cosimo.components.bearings.geometry import BallGeometry
-from cosimo.components.bearings.races import add_ball_pit, add_pit, add_waves, pit_profile, race_waves, smooth_pit, wrapped
+from cosimo.components.bearings.races import (
+    Waviness,
+    add_ball_pit,
+    add_pit,
+    add_waves,
+    develop,
+    pit_profile,
+    smooth_pit,
+    wrapped,
+)
 
 ORDER = np.array([2, 7, 9, 16])
 AMPLITUDE = np.array([1e-6, 0.3e-6, 0.0, 0.2e-6])
@@ -13,9 +22,16 @@ PHASE = np.array([0.1, -0.7, 0.3, 2.0])
 GAP_ACCURACY = 1e-20  # m; some 30 roundings of 1e-6 m
 
 
+def race_waves(order, amplitude, phase, balls):
+    """What `add_waves` asks for."""
+    waves, table = Waviness.Values(np.array(order), np.array(amplitude), np.array(phase)), np.zeros((2, len(order), balls))
+    develop(waves, table)
+    return waves, table
+
+
 def gaps(add, angle, speed, what, balls=8, with_rate=True):
     gap, rate = np.zeros(balls), np.zeros(balls)
-    add(gap, rate if with_rate else None, angle, speed, what)
+    add(gap, rate if with_rate else None, angle, speed, *what)
     return gap, rate
 
 
@@ -41,8 +57,8 @@ def test_an_order_that_is_a_multiple_of_the_balls_lifts_all_alike():
     ("add", "what"),
     [
         (add_waves, race_waves(ORDER, AMPLITUDE, PHASE, 8)),
-        (add_pit, smooth_pit(5e-6, 0.6, 0.9)),
-        (add_ball_pit, smooth_pit(5e-6, 0.6, 0.9, ball=3)),
+        (add_pit, (smooth_pit(5e-6, 0.6, 0.9),)),
+        (add_ball_pit, (smooth_pit(5e-6, 0.6, 0.9, ball=3),)),
     ],
     ids=["waves", "pit", "ball pit"],
 )
@@ -59,8 +75,8 @@ def test_the_rate_is_the_derivative_of_the_gap(add, what):
 
 
 def test_the_gap_is_the_same_where_no_rate_is_asked_for():
-    for add, what in ((add_waves, race_waves(ORDER, AMPLITUDE, PHASE, 8)), (add_pit, smooth_pit(5e-6, 0.6, 0.9)),
-                      (add_ball_pit, smooth_pit(5e-6, 0.6, 0.9, 3))):
+    for add, what in ((add_waves, race_waves(ORDER, AMPLITUDE, PHASE, 8)), (add_pit, (smooth_pit(5e-6, 0.6, 0.9),)),
+                      (add_ball_pit, (smooth_pit(5e-6, 0.6, 0.9, 3),))):
         with_rate, without = (gaps(add, 0.7, 30.0, what, with_rate=w)[0] for w in (True, False))
         assert with_rate.tobytes() == without.tobytes()
 
@@ -79,14 +95,14 @@ def test_pit_is_deep_in_the_middle_and_starts_without_a_kink():
 
 
 def test_a_narrow_pit_touches_one_ball_only():
-    gap, _ = gaps(add_pit, -3.0 * 2.0 * np.pi / 8.0, 0.0, smooth_pit(5e-6, 0.1, 0.0))
+    gap, _ = gaps(add_pit, -3.0 * 2.0 * np.pi / 8.0, 0.0, (smooth_pit(5e-6, 0.1, 0.0),))
     assert np.flatnonzero(gap).tolist() == [3]
 
 
 def test_a_pit_on_a_ball_meets_both_races_in_a_turn():
     made = smooth_pit(5e-6, 0.1, 0.0, ball=2)
     spins = np.linspace(0.0, 2.0 * np.pi, 3601)[:-1]
-    depth = np.array([gaps(add_ball_pit, s, 0.0, made)[0] for s in spins])
+    depth = np.array([gaps(add_ball_pit, s, 0.0, (made,))[0] for s in spins])
     assert np.flatnonzero(depth.any(axis=0)).tolist() == [1]
     assert depth[0, 1] == depth[1800, 1] == 5e-6  # at 0 on the inner, at pi on the outer race
 

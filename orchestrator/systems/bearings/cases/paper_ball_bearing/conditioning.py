@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from ......components.bearings.ball_bearing import BallBearing, TwoDofBearing
 from ......components.bearings.dimensionless import DimensionlessBallBearing, Scales, dimensionless, scales
-from ......components.bearings.two_dof import bearing_derivatives, elastic_force, fill_gaps
+from ......components.bearings.two_dof import bearing_derivatives, constants, elastic_force, fill_gaps
 from .....harness.charts.chart import Chart, Grid, Panel, Series
 from .....harness.validation.case import Options
 from .....harness.validation.papers import Evidence
@@ -102,11 +102,12 @@ def same_steps() -> float:
 def jacobian(model: TwoDofBearing) -> np.ndarray:
     """Derivative of the rates of (x, y, x', y') by them in equilibrium, (4, 4)."""
     model.initialize(0.0)
-    p, e = model.arguments
-    fill_gaps(model.x, 0.0, p, e)
-    _, _, kxx, kxy, kyy = elastic_force(model.x, p)
-    K = np.array([[kxx, kxy], [kxy, kyy]]) / p.mass
-    return np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -p.damping / p.mass * np.eye(2)]])
+    s, _, e = model.arguments
+    k = constants(s)
+    fill_gaps(model.x, 0.0, k, s.balls, s.inner_waves, s.outer_waves, e)
+    _, _, kxx, kxy, kyy = elastic_force(model.x, s)
+    K = np.array([[kxx, kxy], [kxy, kyy]]) / k.mass
+    return np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -k.damping / k.mass * np.eye(2)]])
 
 
 def conditions(clearance: float) -> tuple[float, float]:
@@ -135,7 +136,7 @@ def _decades(numbers: Any) -> float:
 def solved(model: TwoDofBearing, end: float, **options: Any) -> tuple[np.ndarray, int]:
     """Displacements by SciPy on a grid of times, (2, n), and calls of the equations; angles are functions of time."""
     full, dx = model.x.copy(), np.empty(model.x.size)
-    speed, start, ratio = model["speed"], model.x[5], model.arguments[0].cage_ratio
+    speed, start, ratio = model["speed"], model.x[5], constants(model.arguments[0]).cage_ratio
 
     def rates(t: float, x: np.ndarray) -> np.ndarray:
         full[:4], full[4], full[5] = x, speed * t, start + ratio * speed * t
