@@ -14,8 +14,8 @@ Many runs: `sweep`, `sensitivity`, `uncertainty`, `fit`, `design`.
 Judging them: `validate`, `accuracy`, `stability`, `effects`.
 FMUs: `build`, `check`.
 A component of one's own: `Component` in plain Python; of kernels `KernelComponent`, `Kernels`, `Refusal`, `OWN`, `DONE`, and
-their kinds `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `DirectComponent` with `ode_kernels`,
-`smooth_kernels`, `event_kernels`, `sampled_kernels`, `direct_kernels`; `Effect`, `Preset`; `parameter`, `integer`, `choice`,
+their kinds `OdeComponent`, `SmoothComponent`, `EventComponent`, `SampledComponent`, `StatelessComponent` with `ode_kernels`,
+`smooth_kernels`, `event_kernels`, `sampled_kernels`, `stateless_kernels`; `Effect`, `Preset`; `parameter`, `integer`, `choice`,
 `input_`, `output`; `kernel`, `kernel_tuple`, `bind`, `hold_inputs`.
 Errors: `BadInput` (what was given cannot be used), `StepFailed` (a simulation cannot go on).
 """
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from .components.catalogue import component_class
     from .components.core.component import Component, Effect, Preset
     from .components.core.contract import KernelComponent, Kernels, Refusal
-    from .components.core.direct import DirectComponent, direct_kernels
     from .components.core.errors import BadInput, StepFailed
+    from .components.core.events import EventComponent, event_kernels
+    from .components.core.high_order import SmoothComponent, smooth_kernels
+    from .components.core.integrators import OdeComponent, ode_kernels
     from .components.core.kernels import DONE, OWN, bind, hold_inputs, kernel, kernel_tuple
-    from .components.core.modes import EventComponent, event_kernels
-    from .components.core.ode import OdeComponent, ode_kernels
-    from .components.core.sampling import SampledComponent, sampled_kernels
-    from .components.core.smooth import SmoothComponent, smooth_kernels
+    from .components.core.sampled import SampledComponent, sampled_kernels
+    from .components.core.stateless import StatelessComponent, stateless_kernels
     from .components.core.variables import choice, input_, integer, output, parameter
     from .fmus.build import build
     from .fmus.check import check
@@ -54,13 +54,13 @@ _PLACES = {
     "components.catalogue": ("component_class",),
     "components.core.component": ("Component", "Effect", "Preset"),
     "components.core.contract": ("KernelComponent", "Kernels", "Refusal"),
-    "components.core.direct": ("DirectComponent", "direct_kernels"),
+    "components.core.stateless": ("StatelessComponent", "stateless_kernels"),
     "components.core.errors": ("BadInput", "StepFailed"),
     "components.core.kernels": ("DONE", "OWN", "bind", "hold_inputs", "kernel", "kernel_tuple"),
-    "components.core.modes": ("EventComponent", "event_kernels"),
-    "components.core.ode": ("OdeComponent", "ode_kernels"),
-    "components.core.sampling": ("SampledComponent", "sampled_kernels"),
-    "components.core.smooth": ("SmoothComponent", "smooth_kernels"),
+    "components.core.events": ("EventComponent", "event_kernels"),
+    "components.core.integrators": ("OdeComponent", "ode_kernels"),
+    "components.core.sampled": ("SampledComponent", "sampled_kernels"),
+    "components.core.high_order": ("SmoothComponent", "smooth_kernels"),
     "components.core.variables": ("choice", "input_", "integer", "output", "parameter"),
     "fmus.build": ("build",),
     "fmus.check": ("check",),
@@ -78,12 +78,58 @@ _PLACES = {
 _PLACE = {name: place for place, names in _PLACES.items() for name in names}
 
 __all__ = [
-    "DONE", "OWN", "BadInput", "Component", "DirectComponent", "Effect", "EventComponent", "KernelComponent", "Kernels",
-    "OdeComponent", "Preset", "Refusal", "Result", "SampledComponent", "Scene", "SmoothComponent", "StepFailed", "accuracy",
-    "bind", "build", "build_scene", "check", "choice", "component_class", "design", "direct_kernels", "effects",
-    "event_kernels", "fit", "hold_inputs", "input_", "integer", "kernel", "kernel_tuple", "load_scene", "ode_kernels", "output",
-    "parameter", "read_result", "read_scene", "run", "sampled_kernels", "sensitivity", "smooth_kernels", "stability", "summary",
-    "sweep", "uncertainty", "unit", "validate", "write_report", "write_scene",
+    "DONE",
+    "OWN",
+    "BadInput",
+    "Component",
+    "Effect",
+    "EventComponent",
+    "KernelComponent",
+    "Kernels",
+    "OdeComponent",
+    "Preset",
+    "Refusal",
+    "Result",
+    "SampledComponent",
+    "Scene",
+    "SmoothComponent",
+    "StatelessComponent",
+    "StepFailed",
+    "accuracy",
+    "bind",
+    "build",
+    "build_scene",
+    "check",
+    "choice",
+    "component_class",
+    "design",
+    "effects",
+    "event_kernels",
+    "fit",
+    "hold_inputs",
+    "input_",
+    "integer",
+    "kernel",
+    "kernel_tuple",
+    "load_scene",
+    "ode_kernels",
+    "output",
+    "parameter",
+    "read_result",
+    "read_scene",
+    "run",
+    "sampled_kernels",
+    "sensitivity",
+    "smooth_kernels",
+    "stability",
+    "stateless_kernels",
+    "summary",
+    "sweep",
+    "uncertainty",
+    "unit",
+    "validate",
+    "write_report",
+    "write_scene",
 ]
 
 

@@ -30,8 +30,8 @@ import numpy as np
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.errors import BadInput, StepFailed
+from ..core.integrators import SUBSTEP_TOO_LONG, OdeComponent
 from ..core.kernels import kernel
-from ..core.ode import SUBSTEP_TOO_LONG, OdeComponent
 from ..core.variables import input_, integer, output, parameter
 from .geometry import BallGeometry
 from .races import BallDefect, CageFault, Defect, Waviness, wave_shapes

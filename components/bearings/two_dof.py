@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ..core.integrators import SUBSTEP, finished, rk4_step
 from ..core.kernels import DONE, OWN, inlined_kernel, kernel, kernel_tuple
-from ..core.ode import SUBSTEP, finished, rk4_step
 from .races import TWO_PI, add_faults, wrapped
 
 SPEED, LOAD, TRANSVERSE_LOAD = range(3)

@@ -9,8 +9,8 @@ import math
 from typing import Any
 
 from ..core.contract import Kernels
+from ..core.integrators import SUBSTEP, ode_initialize
 from ..core.kernels import DONE, NOT_CONVERGED, bind, kernel
-from ..core.ode import SUBSTEP, ode_initialize
 from .geometry import cage_turn, diameter_share, spin_turn
 from .races import TWO_PI, highest_order, start_waves, wrapped
 from .two_dof import (

@@ -6,16 +6,25 @@ coefficients as in SciPy's module of that name; without its error estimate, as t
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from .component import Effect
-from .integrators import RK4_STABILITY_RADIUS, OdeComponent
-from .kernels import DONE, NOT_FINITE, hold_inputs
+from .contract import Kernels
+from .events import event_steps
+from .integrators import (
+    RK4_STABILITY_RADIUS,
+    OdeComponent,
+    derivatives,
+    finished,
+    internal_steps,
+    ode_kernels,
+    rk4_step,
+)
+from .kernels import DONE, kernel
 
-STABILITY_RADIUS = 5.9  # |eigenvalue times step|: 5.96 on the imaginary axis, 6.27 or more in the left half-plane
+RK8_STABILITY_RADIUS = 5.9  # |eigenvalue times step|: 5.96 on the imaginary axis, 6.27 or more in the left half-plane
 STAGES = 12
 ROWS = STAGES + 2  # of the workspace
 NODES = np.array([
@@ -71,21 +80,9 @@ MATRIX = np.array([
 ])  # fmt: skip
 
 
-def derivatives(t, x, u, dx, p, *effects):
-    """Placeholder that `bind` replaces."""
-    raise NotImplementedError
-
-
-def outputs(t, x, u, y, p, *effects):
-    """Placeholder that `bind` replaces."""
-    raise NotImplementedError
-
-
-def rk8(t, h, n, x, u, y, work, counts, p, *effects):
-    """n equal steps of order eight from t to t + h, then the outputs.
-
-    u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (ROWS, max(len(x), m)).  counts: steps, derivative calls.
-    """
+def rk8_steps(t, h, n, s, p, e):
+    """n equal steps of order eight from t to t + h."""
+    x, u, work = s.x, s.u, s.work
     nx, nu = x.size, u.shape[1]
     xs, us = work[STAGES, :nx], work[STAGES + 1, :nu]
     d = h / n
@@ -96,23 +93,72 @@ def rk8(t, h, n, x, u, y, work, counts, p, *effects):
                 for k in range(i):
                     change += MATRIX[i, k] * work[k, j]
                 xs[j] = x[j] + d * change
-            s = (step + NODES[i]) * d
+            since = (step + NODES[i]) * d
             for j in range(nu):
-                us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-            derivatives(t + s, xs, us, work[i, :nx], p, *effects)
+                us[j] = u[0, j] + since * (u[1, j] + since * u[2, j])
+            derivatives(t + since, xs, us, work[i, :nx], s, p, e)
         for j in range(nx):
             change = 0.0
             for i in range(STAGES):
                 change += WEIGHTS[i] * work[i, j]
             x[j] += d * change
-    counts[0] += n
-    counts[1] += STAGES * n
-    hold_inputs(u, h)
-    outputs(t + h, x, u[0], y, p, *effects)
-    for j in range(nx):
-        if not math.isfinite(x[j]):
-            return NOT_FINITE
-    return DONE
+
+
+def smooth_step(t, h, s, p, e):
+    """A step by the method that is on: equal internal steps from t to t + h, then the outputs."""
+    n = internal_steps(h, s)
+    if e.high_order is not None:
+        rk8_steps(t, h, n, s, p, e)
+        s.counts[1] += STAGES * n
+    else:
+        d = h / n
+        for i in range(n):
+            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
+        s.counts[1] += 4 * n
+    s.counts[0] += n
+    return finished(t, h, s, p, e)
+
+
+smooth_step.parts = ("rk4_step", "rk8_steps", "finished", "internal_steps")  # type: ignore[attr-defined]
+
+
+def smooth_event_step(t, h, s, p, e):
+    """A step of what may have events, and no high order then, by the method that is on; then the outputs."""
+    n = internal_steps(h, s)
+    if e.high_order is not None:
+        rk8_steps(t, h, n, s, p, e)
+        s.counts[1] += STAGES * n
+    elif s.guards is not None:
+        status = event_steps(t, h, n, s, p, e)
+        if status != DONE:
+            return status
+    else:
+        d = h / n
+        for i in range(n):
+            rk4_step(t, i * d, d, s.x, s.x, s, p, e)
+        s.counts[1] += 4 * n
+    s.counts[0] += n
+    return finished(t, h, s, p, e)
+
+
+smooth_event_step.parts = (  # type: ignore[attr-defined]
+    "rk4_step", "rk8_steps", "event_steps", "finished", "internal_steps")
+
+
+def smooth_kernels(module: str, *, step: Any = smooth_step, **ode: Any) -> Kernels:
+    """The kernels of a `SmoothComponent`: those of `ode_kernels`, with both methods."""
+    return ode_kernels(module, step=step, **ode)
+
+
+def smooth_event_kernels(module: str, **events: Any) -> Kernels:
+    """The kernels of a `SmoothComponent` that is an `EventComponent`, too: those of `event_kernels`, with all three methods."""
+    return smooth_kernels(module, step=smooth_event_step, **events)._replace(derivatives=None)
+
+
+@kernel
+def stability_radius(e):
+    """|eigenvalue times internal step| up to which the method that is on is stable at any damping."""
+    return RK8_STABILITY_RADIUS if e.high_order is not None else RK4_STABILITY_RADIUS
 
 
 class HighOrder(Effect):
@@ -125,29 +171,17 @@ class HighOrder(Effect):
 
 
 class SmoothComponent(OdeComponent):
-    """An `OdeComponent` with the effect `high_order`; a subclass gives `advance_high_order`, `rk8` bound to its kernels."""
+    """An `OdeComponent` with the effect `high_order`; its kernels are those of `smooth_kernels`, or of `smooth_event_kernels`."""
 
     high_order = HighOrder
-    advance_high_order: Callable[..., int]
 
     @property
     def method(self) -> str:  # type: ignore[override]
         """What messages call the method."""
         return "the method of order eight" if "high_order" in self.on else "RK4"
 
-    @property
-    def stability_radius(self) -> float:
-        """|eigenvalue times internal step| up to which the method is stable at any damping."""
-        return STABILITY_RADIUS if "high_order" in self.on else RK4_STABILITY_RADIUS
-
-    def _initialize(self, t: float) -> int:
-        status = super()._initialize(t)
-        if "high_order" in self.on:
-            self._work = np.zeros((ROWS, max(self.x.size, self.u.shape[1], 1)))
-        return status
-
-    def _step(self, t: float, h: float) -> int:
-        if "high_order" in self.on:
-            n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-            return type(self).advance_high_order(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
-        return super()._step(t, h)
+    def shapes(self) -> dict[str, Any]:
+        """As of an `OdeComponent`, with the workspace of the method that is on."""
+        shapes = super().shapes()
+        rows, columns = shapes["work"]
+        return shapes | {"work": (max(rows, ROWS) if "high_order" in self.on else rows, columns)}

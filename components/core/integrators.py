@@ -1,126 +1,165 @@
-"""Explicit integrators as templates: a component binds one to its own `derivatives` and `outputs`.
+"""Ordinary differential equations, advanced by the classic Runge-Kutta method: kernels as templates.
 
-The kernels a component supplies:
+What a component supplies:
 
-    derivatives(t, x, u, dx, p, *effects)       x: (n,) state; u: (m,) inputs at t; dx: (n,) result
-    outputs(t, x, u, y, p, *effects)            y: (k,) result
+    start(t, s, p, e) -> status                 the state, and what follows from the parameters
+    derivatives(t, x, u, dx, s, p, e)           x: (n,) state; u: (m,) inputs at t; dx: (n,) result
+    outputs(t, s, p, e) -> status               s.y for s.x and s.u[0] at t
+    stable(t, s, p, e) -> s                     longest internal step, s, at which the method is stable, behind `start`
 
-and what it gets back, `advance(t, h, n, x, u, y, work, counts, p, *effects) -> status`.
+and what `ode_kernels` makes of them. `s` has the fields of `OdeComponent.shapes`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
-import numpy as np
-
-from .component import Component
-from .errors import BadInput
-from .kernels import DONE, NOT_FINITE, hold_inputs
+from .contract import KernelComponent, Kernels, Refusal
+from .kernels import DONE, NOT_FINITE, OWN, bind, hold_inputs, inlined
 
 # |eigenvalue times step| up to which RK4 is stable at any damping: 2.62 at 124 degrees, 2.79 and 2.83 on the axes
 RK4_STABILITY_RADIUS = 2.61
+SUBSTEP, STABLE = 0, 1  # of `s.limits`: internal step in use, longest stable one, s
+SUBSTEP_TOO_LONG = OWN  # status
 
 
-def derivatives(t, x, u, dx, p, *effects):
+def start(t, s, p, e):
     """Placeholder that `bind` replaces."""
     raise NotImplementedError
 
 
-def outputs(t, x, u, y, p, *effects):
+def derivatives(t, x, u, dx, s, p, e):
     """Placeholder that `bind` replaces."""
     raise NotImplementedError
 
 
-def rk4_step(t, s, d, x, end, u, work, p, *effects):
-    """One step of the classic fourth-order Runge-Kutta method, from x at t + s to `end` at t + s + d; both may be one array.
+def outputs(t, s, p, e):
+    """Placeholder that `bind` replaces."""
+    raise NotImplementedError
 
-    u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (6, max(len(x), m)).
+
+def stable(t, s, p, e):
+    """Placeholder that `bind` replaces."""
+    raise NotImplementedError
+
+
+def ode_initialize(t, s, p, e):
+    """The start, and the limit of the internal step: behind it a run with a unilateral contact stays finite, and is wrong.
+
+    `start` may put another internal step than the parameter into s.limits[SUBSTEP].
     """
-    nx, nu = x.size, u.shape[1]
-    k1, k2, k3, k4, xs = work[0, :nx], work[1, :nx], work[2, :nx], work[3, :nx], work[4, :nx]
-    us = work[5, :nu]
-    for j in range(nu):
-        us[j] = u[0, j] + s * (u[1, j] + s * u[2, j])
-    derivatives(t + s, x, us, k1, p, *effects)
-    middle = s + 0.5 * d
-    for j in range(nu):
-        us[j] = u[0, j] + middle * (u[1, j] + middle * u[2, j])
-    for j in range(nx):
-        xs[j] = x[j] + 0.5 * d * k1[j]
-    derivatives(t + middle, xs, us, k2, p, *effects)
-    for j in range(nx):
-        xs[j] = x[j] + 0.5 * d * k2[j]
-    derivatives(t + middle, xs, us, k3, p, *effects)
-    for j in range(nu):
-        us[j] = u[0, j] + (s + d) * (u[1, j] + (s + d) * u[2, j])
-    for j in range(nx):
-        xs[j] = x[j] + d * k3[j]
-    derivatives(t + s + d, xs, us, k4, p, *effects)
-    for j in range(nx):
-        end[j] = x[j] + d / 6.0 * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+    s.limits[SUBSTEP] = p.substep
+    status = start(t, s, p, e)
+    if status != DONE:
+        return status
+    s.limits[STABLE] = stable(t, s, p, e)
+    if s.limits[SUBSTEP] > s.limits[STABLE]:
+        return SUBSTEP_TOO_LONG
+    return DONE
 
 
-def rk4(t, h, n, x, u, y, work, counts, p, *effects):
-    """The classic fourth-order Runge-Kutta method: n equal steps from t to t + h, then the outputs.
+def rk4_step(t, since, d, x, end, s, p, e):
+    """One step of the classic fourth-order Runge-Kutta method, from x at t + since, over d, to `end`; both may be one array.
 
-    u: (3, m), inputs u[0] + u[1] s + u[2] s² at t + s.  work: (6, max(len(x), m)).  counts: steps, derivative calls.
+    Inputs are s.u[0] + s.u[1] r + s.u[2] r² at t + r.
     """
-    d = h / n
-    for i in range(n):
-        rk4_step(t, i * d, d, x, x, u, work, p, *effects)
-    counts[0] += n
-    counts[1] += 4 * n
-    hold_inputs(u, h)
-    outputs(t + h, x, u[0], y, p, *effects)
-    for j in range(x.size):
-        if not math.isfinite(x[j]):
+    nx, nu, u = x.size, s.u.shape[1], s.u
+    xs, us = s.work[4, :nx], s.work[5, :nu]
+    for stage in range(4):  # a loop, for the derivatives to stand in the machine code once
+        r = since if stage == 0 else since + d if stage == 3 else since + 0.5 * d
+        for j in range(nu):
+            us[j] = u[0, j] + r * (u[1, j] + r * u[2, j])
+        if stage == 0:
+            for j in range(nx):
+                xs[j] = x[j]
+        else:
+            share = d if stage == 3 else 0.5 * d
+            for j in range(nx):
+                xs[j] = x[j] + share * s.work[stage - 1, j]
+        derivatives(t + since + d if stage == 3 else t + r, xs, us, s.work[stage, :nx], s, p, e)
+    for j in range(nx):
+        end[j] = x[j] + d / 6.0 * (s.work[0, j] + 2.0 * (s.work[1, j] + s.work[2, j]) + s.work[3, j])
+
+
+def finished(t, h, s, p, e):
+    """End of a step from t over h: the inputs that were reached, the outputs, and whether the state is finite."""
+    hold_inputs(s.u, h)
+    outputs(t + h, s, p, e)
+    for j in range(s.x.size):
+        if not math.isfinite(s.x[j]):
             return NOT_FINITE
     return DONE
 
 
-rk4.parts = ("rk4_step",)  # type: ignore[attr-defined]
+def internal_steps(h, s):
+    """Number of equal internal steps over h."""
+    return max(1, math.ceil(h / s.limits[SUBSTEP] * (1.0 - 1e-9)))
 
 
-class OdeComponent(Component):
-    """A component that is an ordinary differential equation, advanced by a bound template.
+def rk4(t, h, s, p, e):
+    """A step: equal steps of the classic fourth-order Runge-Kutta method from t to t + h, then the outputs."""
+    n = internal_steps(h, s)
+    d = h / n
+    for i in range(n):
+        rk4_step(t, i * d, d, s.x, s.x, s, p, e)
+    s.counts[0] += n
+    s.counts[1] += 4 * n
+    return finished(t, h, s, p, e)
 
-    A subclass gives `advance` and `output_kernel` (kernels), `initial_state()`, `stable_step()`, and has a parameter
-    `substep` in s, which is refused above the stable step.
+
+rk4.parts = ("rk4_step", "finished", "internal_steps")  # type: ignore[attr-defined]
+
+
+def ode_kernels(module: str, start: Any, derivatives: Any, outputs: Any, stable: Any, step: Any = rk4, **more: Any) -> Kernels:
+    """The kernels of an `OdeComponent`; module: its `__name__`, with something behind where a module has several such.
+
+    step: a template of a step, and `more` the kernels that this needs besides.
+    """
+    return Kernels(bind(ode_initialize, module, start=start, stable=stable),
+                   bind(step, module, derivatives=inlined(derivatives), outputs=outputs, **more), outputs, derivatives)
+
+
+class OdeComponent(KernelComponent):
+    """A component that is an ordinary differential equation; a subclass gives `kernels` by `ode_kernels`, and `states`.
+
+    It has a parameter `substep` in s, which is refused above the longest stable step.
     """
 
     method: str = "RK4"  # what messages call it
-    advance: Callable[..., int]
-    output_kernel: Callable[..., None]
+    rows: ClassVar[int] = 6  # of the workspace of a step
+    _forced_step = 0.0
+    refusals = {
+        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of {method}", "Reduce substep."),
+    }
 
-    def kernel_arguments(self) -> tuple[Any, ...]:
-        """What the kernels get as `p, *effects`. Override it to hand over what follows from the parameters instead of them."""
-        return self._declared_arguments()
-
-    def internal_step(self) -> float:
-        """Longest internal step, s. Override it where an effect asks for a shorter one than the parameter `substep`."""
-        return float(self.get("substep"))
-
-    def initial_state(self) -> np.ndarray:
-        """State at the start for the present inputs and `self.arguments`, shape (n,)."""
+    def states(self) -> int:
+        """Number of states, for the present structure."""
         raise NotImplementedError
 
+    def columns(self) -> int:
+        """Least length of the rows of workspace."""
+        return 1
+
+    def shapes(self) -> dict[str, Any]:
+        """`limits`: internal step in use and longest stable one, s.  `work`: (rows, at least n and m)."""
+        n = self.states()
+        return {"x": n, "limits": 2, "work": (self.rows, max(n, self.u.shape[1], self.columns()))}
+
+    def stable_step(self) -> float:
+        """Longest internal step, s, at which the method is stable for the present parameters and inputs."""
+        return self.of_initialization("limits", STABLE)
+
+    def internal_step(self) -> float:
+        """Longest internal step that it takes, s: the parameter, unless an effect asks for a shorter one."""
+        return self.of_initialization("limits", SUBSTEP)
+
+    def force_internal_step(self, h: float) -> None:
+        """Take internal steps of h, s, whatever is stable: for measurements of what is."""
+        self._forced_step = h
+
     def _initialize(self, t: float) -> int:
-        self._substep = self.internal_step()
-        if self._substep > (limit := self.stable_step()):
-            # with a unilateral contact the run would stay finite, and be wrong silently
-            raise BadInput(self.name, f"substep = {self._substep:g} s", f"at most {limit:.3g} s, the limit of {self.method}",
-                           "Reduce substep.")
-        self.arguments = self.kernel_arguments()
-        self.x = np.ascontiguousarray(self.initial_state(), dtype=float)
-        self._work = np.zeros((6, max(self.x.size, self.u.shape[1], 1)))
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        n = max(1, math.ceil(h / self._substep * (1.0 - 1e-9)))
-        return type(self).advance(t, h, n, self.x, self.u, self.y, self._work, self.counts, *self.arguments)
-
-    def _outputs(self, t: float) -> None:
-        type(self).output_kernel(t, self.x, self.u[0], self.y, *self.arguments)
+        status = super()._initialize(t)
+        if self._forced_step and status in (DONE, SUBSTEP_TOO_LONG):  # which is found out last
+            self.arguments[0].limits[SUBSTEP], status = self._forced_step, DONE
+        return status

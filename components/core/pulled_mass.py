@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .events import ROWS, rk4_events
 from .friction import lugre_force, lugre_rate, stick_friction, stick_guard, stick_switch
+from .integrators import SUBSTEP
 from .kernels import DONE, bind, kernel, kernel_tuple
-from .modes import ROWS, rk4_events
-from .ode import SUBSTEP
 
 PULL, SPRING = 0.1, 2.0  # m/s, N/m
 SAMPLE = 1e-3  # s

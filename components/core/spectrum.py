@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from .integrators import derivatives
 from .kernels import bind, kernel
-from .ode import derivatives
 
 SQUARINGS = 24  # the matrix is raised to the power 2^24: the result is some 1e-6 too large at most
 

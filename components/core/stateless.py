@@ -1,25 +1,38 @@
-"""Components without a state: massless couplings, tables, courses over time."""
+"""Components without a state: massless couplings, tables, courses over time. Kernels as templates.
+
+What a component supplies: `outputs(t, s, p, e) -> status`, and where something follows from the parameters a kernel `start` of
+the same form.
+"""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from .component import Component
-from .kernels import DONE, hold_inputs
+from .contract import KernelComponent, Kernels
+from .integrators import outputs
+from .kernels import DONE, bind, hold_inputs, kernel
 
 
-class StatelessComponent(Component):
-    """Outputs are functions of inputs and time; a subclass gives `_outputs`, and `_initialize` if parameters need preparation."""
+@kernel
+def nothing(t, s, p, e):
+    """The start of a component of whose parameters nothing follows."""
+    return DONE
+
+
+def stateless_step(t, h, s, p, e):
+    """The outputs at the end of a step."""
+    s.counts[0] += 1
+    hold_inputs(s.u, h)
+    return outputs(t + h, s, p, e)
+
+
+def stateless_kernels(module: str, outputs: Any, start: Any = nothing) -> Kernels:
+    """The kernels of a `StatelessComponent`; module: its `__name__`."""
+    return Kernels(start, bind(stateless_step, module, outputs=outputs), outputs)
+
+
+class StatelessComponent(KernelComponent):
+    """Outputs are functions of inputs and time; a subclass gives `kernels` by `stateless_kernels`."""
 
     counters: ClassVar[tuple[str, ...]] = ("steps",)
     start_inputs = ()
-
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        return DONE
-
-    def _step(self, t: float, h: float) -> int:
-        self.counts[0] += 1
-        hold_inputs(self.u, h)
-        self._outputs(t + h)
-        return DONE

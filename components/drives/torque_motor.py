@@ -6,8 +6,8 @@ import math
 
 from ..core.component import Effect
 from ..core.contract import Kernels
+from ..core.integrators import RK4_STABILITY_RADIUS, STABLE, SUBSTEP, SUBSTEP_TOO_LONG, OdeComponent, rk4
 from ..core.kernels import DONE, bind, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, STABLE, SUBSTEP, SUBSTEP_TOO_LONG, OdeComponent, rk4
 from ..core.variables import input_, output, parameter
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, kernel
-from ..core.modes import EventComponent, event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output
 from ..drives import servo_motor

@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from ..core.contract import Refusal
+from ..core.events import EventComponent, event_kernels
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OWN, kernel
-from ..core.modes import EventComponent, event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .kinematics import ANGLE, IDLE, idle_angle, layout_choice

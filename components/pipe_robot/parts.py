@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
+from ..core.events import EventComponent
 from ..core.kernels import kernel
-from ..core.modes import EventComponent
 from ..core.oscillator import fastest_rate
 from ..core.variables import input_, output, parameter
 

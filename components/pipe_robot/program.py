@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.contract import Refusal
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, OWN, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import output, parameter
 
 FOREVER = 1e12  # s
 BACK_TOO_EARLY = OWN + 1  # status
 
 
-class ExciterProgram(DirectComponent):
+class ExciterProgram(StatelessComponent):
     """Frequency, amplitude and voltage that change along a straight line from start to end, and may go back the same way.
 
     Which of them is connected is the scene's choice: a force takes frequency and amplitude, a motor its voltage. It is slow
@@ -70,4 +70,4 @@ def program_outputs(t, s, p, e):
     return DONE
 
 
-ExciterProgram.kernels = direct_kernels(__name__, program_outputs, program_start)
+ExciterProgram.kernels = stateless_kernels(__name__, program_outputs, program_start)

@@ -8,10 +8,10 @@ from typing import Any
 from ..core.component import Preset
 from ..core.contract import Refusal
 from ..core.errors import StepFailed
+from ..core.events import event_kernels
 from ..core.friction import directed_mode
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
-from ..core.modes import event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.oscillator import fastest_rate
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import output, parameter

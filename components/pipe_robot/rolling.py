@@ -6,10 +6,10 @@ import math
 
 from ..core.component import Preset
 from ..core.errors import StepFailed
+from ..core.events import event_kernels
 from ..core.friction import directed_friction, directed_guard, directed_mode, directed_switch
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, NOT_FINITE, kernel
-from ..core.modes import event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.spectrum import step_within
 from ..core.variables import input_, integer, output, parameter
 from .parts import FASTEST_PHASE, HarmonicForce, PipeSlope, ShakenRobot, Tow, free_rate

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.contract import Refusal
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, OWN, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import input_, output, parameter
 
 KNOTS = 8
 DISORDER = OWN + 1  # status
 
 
-class PipeRoute(DirectComponent):
+class PipeRoute(StatelessComponent):
     """Slope, diameter and a factor on friction over the position along the pipe, from a table of 8 places.
 
     Between the places a cubic without overshoot (monotone where the table is), whose first derivative is continuous; before
@@ -101,4 +101,4 @@ def route_at(t, s, p, e):
     return DONE
 
 
-PipeRoute.kernels = direct_kernels(__name__, route_at, route_start)
+PipeRoute.kernels = stateless_kernels(__name__, route_at, route_start)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..core.component import Effect
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import input_, output, parameter
 
 ENDS = ("rear_position", "front_position")
@@ -22,7 +22,7 @@ class Slack(Effect):
     onset = parameter(1e-3, "m", "stretch from which on the damping is whole", low=1e-12)
 
 
-class TowCoupling(DirectComponent):
+class TowCoupling(StatelessComponent):
     """Spring and damper along the pipe between a robot in front and one behind, which it keeps `length` apart.
 
         e = x_front - x_rear - length,    F_rear = k e + c e',    F_front = -F_rear
@@ -68,4 +68,4 @@ def tow_forces(t, s, p, e):
     return DONE
 
 
-TowCoupling.kernels = direct_kernels(__name__, tow_forces)
+TowCoupling.kernels = stateless_kernels(__name__, tow_forces)

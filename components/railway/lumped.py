@@ -12,8 +12,8 @@ import numpy as np
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.errors import BadInput
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.spectrum import step_within
 from ..core.variables import input_, output, parameter
 from .statics import elasticity, stiffness_series

@@ -20,9 +20,9 @@ import numpy as np
 
 from ..core.component import Preset
 from ..core.contract import Refusal
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
 from ..core.linear import solve_dense
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .pantograph_effects import (

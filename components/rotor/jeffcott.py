@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from ..core.component import Effect
+from ..core.high_order import SmoothComponent, smooth_kernels, stability_radius
 from ..core.kernels import DONE, kernel
-from ..core.smooth import SmoothComponent, smooth_kernels, stability_radius
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .spin import TURN, RunUp, acceleration_at, angle_after, speed_at
@@ -178,4 +178,4 @@ def jeffcott_step(t, h, s, p, e):
     return status
 
 
-JeffcottRotor.kernels = _ode._replace(step=jeffcott_step)
+JeffcottRotor.kernels = _ode._replace(step=jeffcott_step, derivatives=None)

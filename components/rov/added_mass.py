@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import input_, output, parameter
 
 
-class AddedMassForce(DirectComponent):
+class AddedMassForce(StatelessComponent):
     """Force of the water on an accelerated hull, f = -M_A nu', without a state of its own.
 
     A demonstrator. Added mass belongs into the hull's inertia, as `RovHull` has it. Exchanged as a force it closes a loop
@@ -53,4 +53,4 @@ def reaction(t, s, p, e):
     return DONE
 
 
-AddedMassForce.kernels = direct_kernels(__name__, reaction)
+AddedMassForce.kernels = stateless_kernels(__name__, reaction)

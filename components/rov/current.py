@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..core.component import Effect
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import output, parameter
 from .waves import PLACE, REFUSALS, ROWS, Waves, WaveSpectrum, add_waves, chances, start_waves
 
@@ -47,7 +47,7 @@ class Gust(Effect):
     direction = parameter(0.0, "rad", "where it sets, from north over east")
 
 
-class WaterCurrent(DirectComponent):
+class WaterCurrent(StatelessComponent):
     """Velocity and acceleration of the water in north, east and down; a function of time and, with `waves`, of the place.
 
     A vehicle needs the acceleration, too, which pulls at its added mass: with `waves` that of the water at the place, which is
@@ -137,4 +137,4 @@ def add(y, direction, speed, acceleration):
     y[4] += acceleration * east
 
 
-WaterCurrent.kernels = direct_kernels(__name__, water, water_start)
+WaterCurrent.kernels = stateless_kernels(__name__, water, water_start)

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel, kernel_tuple
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.oscillator import fastest_rate
 from ..core.spectrum import step_within
 from ..core.variables import input_, integer, output, parameter

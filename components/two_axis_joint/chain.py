@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..core import smooth
+from ..core import high_order
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
+from ..core.events import EventComponent
 from ..core.friction import stick_mode
 from ..core.kernels import DONE, OWN, kernel
-from ..core.modes import EventComponent
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import input_, output, parameter
 from .chain_equations import (
@@ -113,13 +113,13 @@ class Reactions(Effect):
     second_moment = output("N.m", "torque of the first link on the second, motor and losses together", feedthrough=TORQUES)
 
 
-class HighOrder(smooth.HighOrder):
+class HighOrder(high_order.HighOrder):
     """Internal steps of order eight: what has kinks or events is excluded."""
 
     excludes = ("lugre_friction", "stick_friction", "stops")
 
 
-class TwoLinkChain(smooth.SmoothComponent, EventComponent):
+class TwoLinkChain(high_order.SmoothComponent, EventComponent):
     """Two rigid links in a plane with rotary joints; angles from the downward vertical (from -y), positive from x to y.
 
         M a + h + D w + G = (T1 - T2, T2),   a, w: accelerations and rates of the absolute angles th1, th2
@@ -306,9 +306,9 @@ def chain_stable(t, s, p, e):
     A[0, 2], A[1, 3] = 1.0, 1.0
     A[2, 0], A[2, 1], A[2, 2], A[2, 3] = -(w11 * k11 + w12 * k12), -(w11 * k12 + w12 * k22), -w11 * c1, -w12 * c2
     A[3, 0], A[3, 1], A[3, 2], A[3, 3] = -(w12 * k11 + w22 * k12), -(w12 * k12 + w22 * k22), -w12 * c1, -w22 * c2
-    return step_within(smooth.stability_radius(e), spectral_radius(A, s.matrix[1]))
+    return step_within(high_order.stability_radius(e), spectral_radius(A, s.matrix[1]))
 
 
-TwoLinkChain.kernels = smooth.smooth_event_kernels(
+TwoLinkChain.kernels = high_order.smooth_event_kernels(
     __name__, start=chain_start, derivatives=chain_derivatives, outputs=chain_outputs, stable=chain_stable, guards=chain_guards,
     switch=chain_switch)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.component import Effect
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import input_, output, parameter
 
 RATES = ("rotation.first_rate", "rotation.second_rate")
@@ -32,7 +32,7 @@ class Clearance(Effect):
     radius = parameter(1e-4, "m", "radius of the play", low=0.0)
 
 
-class CompliantJoint(DirectComponent):
+class CompliantJoint(StatelessComponent):
     """Spring and damper that hold two ends together; ends that no one drives stand still at the origin, as the ground does.
 
         F_second = -k (r_second - r_first) - c (r_second' - r_first'),    F_first = -F_second
@@ -92,4 +92,4 @@ def joint_forces(t, s, p, e):
     return DONE
 
 
-CompliantJoint.kernels = direct_kernels(__name__, outputs=joint_forces)
+CompliantJoint.kernels = stateless_kernels(__name__, outputs=joint_forces)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
-from ..core.direct import nothing
 from ..core.kernels import DONE, kernel
-from ..core.sampling import SampledComponent, integrated, sampled_kernels
+from ..core.sampled import SampledComponent, integrated, sampled_kernels
+from ..core.stateless import nothing
 from ..core.variables import input_, output, parameter
 
 TURN = 2.0 * math.pi

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..core import smooth
+from ..core import high_order
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.errors import StepFailed
+from ..core.events import EventComponent
 from ..core.friction import stick_mode, stick_switch
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
-from ..core.modes import EventComponent
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
 from .gimbal_equations import (
@@ -149,13 +149,13 @@ class Reactions(Effect):
     moment_z = output("N.m", "moment of the base on the joint about z", feedthrough=_TORQUES)
 
 
-class HighOrder(smooth.HighOrder):
+class HighOrder(high_order.HighOrder):
     """Internal steps of order eight: what has kinks or events is excluded."""
 
     excludes = ("lugre_friction", "stick_friction", "stops")
 
 
-class GimbalBody(smooth.SmoothComponent, EventComponent):
+class GimbalBody(high_order.SmoothComponent, EventComponent):
     """A rigid body on two crossed axes: the outer one, angle alpha, lies in the base, the inner one, angle beta, in a frame.
 
         outer axis vertical:    J alpha'' + (I_x - I_z) sin 2beta alpha' beta' = T_outer
@@ -303,7 +303,7 @@ def gimbal_stable(t, s, p, e):
     A[0, 2], A[1, 3] = 1.0, 1.0
     A[2, 0], A[2, 2], A[2, 3] = -outer / inertia, -outer_damping / inertia, -gyroscopic / inertia
     A[3, 1], A[3, 2], A[3, 3] = -inner / p.inner_inertia, gyroscopic / p.inner_inertia, -inner_damping / p.inner_inertia
-    return step_within(smooth.stability_radius(e), spectral_radius(A, s.matrix[1]))
+    return step_within(high_order.stability_radius(e), spectral_radius(A, s.matrix[1]))
 
 
 @kernel
@@ -353,6 +353,6 @@ def gimbal_outputs(t, s, p, e):
     return DONE
 
 
-GimbalBody.kernels = smooth.smooth_event_kernels(
+GimbalBody.kernels = high_order.smooth_event_kernels(
     __name__, start=gimbal_start, derivatives=gimbal_derivatives, outputs=gimbal_outputs, stable=gimbal_stable,
     guards=gimbal_guards, switch=gimbal_switch)

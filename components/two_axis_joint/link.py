@@ -6,8 +6,8 @@ import math
 
 from ..core.component import Effect
 from ..core.contract import Refusal
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
 PINNED_POINT, FREE_POINT, PINNED_MOVES = OWN + 1, OWN + 2, OWN + 3  # statuses

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from ..core.events import event_kernels
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, kernel
-from ..core.modes import event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.variables import output, parameter
 from .driven_shaft import (
     DISSIPATION_OUT,

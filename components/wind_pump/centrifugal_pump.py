@@ -7,8 +7,8 @@ from typing import Any
 
 from ..core.component import Effect
 from ..core.contract import Refusal
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import input_, output, parameter
 
 BEYOND_EFFICIENCY = OWN + 1
@@ -20,7 +20,7 @@ class SealFriction(Effect):
     torque = parameter(0.2, "N.m", "friction torque; a choice of ours", low=0.0)
 
 
-class CentrifugalPump(DirectComponent):
+class CentrifugalPump(StatelessComponent):
     """Pump with head n² H0 - n d Q - c Q² at the relative speed n = w / w0, and a check valve.
 
         H = n² H0 - n d Q - c Q², or Q = 0 where the head H is higher;    efficiency = e (2 q - q²),  q = Q / (n Q0)
@@ -101,7 +101,7 @@ def pump_outputs(t, s, p, e):
     return DONE
 
 
-_direct = direct_kernels(__name__, pump_outputs, pump_start)
+_direct = stateless_kernels(__name__, pump_outputs, pump_start)
 _step = _direct.step
 
 

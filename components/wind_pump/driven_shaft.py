@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 from ..core.component import Effect
+from ..core.events import EventComponent
 from ..core.kernels import kernel
-from ..core.modes import EventComponent
 from ..core.variables import input_, output, parameter
 
 STANDING, TURNING = 0.0, 1.0

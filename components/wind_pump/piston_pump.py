@@ -6,8 +6,8 @@ import math
 
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
+from ..core.integrators import OdeComponent, ode_kernels
 from ..core.kernels import DONE, OWN, kernel
-from ..core.ode import OdeComponent, ode_kernels
 from ..core.variables import choice, input_, output, parameter
 
 ACTIONS = ("single", "double")

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 from ..core.component import Effect
 from ..core.contract import Refusal
 from ..core.errors import BadInput
+from ..core.events import event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, kernel, kernel_tuple
-from ..core.modes import event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.spectrum import spectral_radius
 from ..core.variables import choice, output, parameter
 from .driven_shaft import (

@@ -8,10 +8,10 @@ from typing import Any
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.errors import BadInput
+from ..core.events import EventComponent, event_kernels
 from ..core.friction import stick_friction, stick_guard, stick_mode, stick_switch
+from ..core.integrators import RK4_STABILITY_RADIUS
 from ..core.kernels import DONE, OWN, kernel
-from ..core.modes import EventComponent, event_kernels
-from ..core.ode import RK4_STABILITY_RADIUS
 from ..core.variables import choice, input_, output, parameter
 from .curves import CURVES, FARM, torque_coefficient
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from ..core.component import Effect
 from ..core.contract import Refusal
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.errors import StepFailed
 from ..core.kernels import DONE, OUT_OF_RANGE, OWN, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import choice, input_, output, parameter
 from .linkage import Linkage, change_points, longest_link, position, turns_freely
 
@@ -50,7 +50,7 @@ class CouplerPoint(Effect):
     velocity_y = output("m/s", "velocity across the ground", nominal=0.1, feedthrough=MOTION)
 
 
-class FourBar(DirectComponent):
+class FourBar(StatelessComponent):
     """Crank, coupler and rocker on a ground, K1 cos psi - K2 cos phi + K3 = cos(phi - psi) (Freudenstein).
 
         K1 = d/a, K2 = d/c, K3 = (a² - b² + c² + d²) / (2 a c);    ratio = psi'/phi' = a sin(theta - phi) / (c sin(theta - psi))
@@ -201,4 +201,4 @@ def linkage_outputs(t, s, p, e):
     return DONE
 
 
-FourBar.kernels = direct_kernels(__name__, linkage_outputs, linkage_start)
+FourBar.kernels = stateless_kernels(__name__, linkage_outputs, linkage_start)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.component import Effect
-from ..core.direct import DirectComponent, direct_kernels
 from ..core.kernels import DONE, kernel
+from ..core.stateless import StatelessComponent, stateless_kernels
 from ..core.variables import choice, input_, integer, output, parameter
 from .kinematics import (
     COUPLING_MODELS,
@@ -60,7 +60,7 @@ class Constraint(Effect):
     distal_reaction = output("N.m", "torque of rigid ligaments on a distal row that they hold", feedthrough=TORQUES)
 
 
-class LigamentBundle(DirectComponent):
+class LigamentBundle(StatelessComponent):
     """The five ligaments as a unit without mass: angles and rates of the rows in, torques on these angles out.
 
     Its torques are for the inputs `proximal_torque` and `distal_torque` of a `Wrist` without the effect `constraint`, with the
@@ -137,4 +137,4 @@ def bundle_outputs(t, s, p, e):
     return DONE
 
 
-LigamentBundle.kernels = direct_kernels(__name__, bundle_outputs, bundle_start)
+LigamentBundle.kernels = stateless_kernels(__name__, bundle_outputs, bundle_start)

@@ -7,8 +7,8 @@ from typing import Any
 
 from ..core.component import Effect
 from ..core.contract import Refusal
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
 MUSCLES = ("fcr", "fcu", "ecrl", "ecrb", "ecu")
@@ -287,4 +287,4 @@ def tendon_step(t, h, s, p, e):
     return status
 
 
-ForearmTendons.kernels = _ode._replace(step=tendon_step)
+ForearmTendons.kernels = _ode._replace(step=tendon_step, derivatives=None)

@@ -8,8 +8,8 @@ from typing import Any
 from ..core.component import Effect, Preset
 from ..core.contract import Refusal
 from ..core.errors import StepFailed
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.kernels import DONE, NOT_FINITE, OWN, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.spectrum import spectral_radius, step_within
 from ..core.variables import choice, input_, output, parameter
 from .kinematics import (

@@ -27,7 +27,7 @@ from __future__ import annotations
 import math
 
 from cosimo import DONE, Effect, OdeComponent, input_, kernel, ode_kernels, output, parameter
-from cosimo.components.core.ode import RK4_STABILITY_RADIUS
+from cosimo.components.core.integrators import RK4_STABILITY_RADIUS
 
 
 class CubicSpring(Effect):

@@ -12,7 +12,7 @@ import math
 
 from ..core.component import Effect
 from ..core.kernels import DONE, kernel
-from ..core.ode import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
+from ..core.integrators import RK4_STABILITY_RADIUS, OdeComponent, ode_kernels
 from ..core.variables import input_, output, parameter
 
 

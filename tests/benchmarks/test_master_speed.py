@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 from cosimo.components.core.component import Component
-from cosimo.components.core.direct import DirectComponent, direct_kernels
 from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.stateless import StatelessComponent, stateless_kernels
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.systems import read_scene
@@ -79,13 +79,13 @@ def halve(t, s, p, e):
     return DONE
 
 
-class KernelGain(DirectComponent):
+class KernelGain(StatelessComponent):
     """Half of its input."""
 
     title = "gain"
     u_in = input_(0.0, "1", "input")
     y_out = output("1", "half of it")
-    kernels = direct_kernels(__name__, halve)
+    kernels = stateless_kernels(__name__, halve)
 
 
 class Gain(Component):

@@ -66,11 +66,11 @@ def stripped(function: Any) -> tuple[Callable[..., Any], int]:
 
 def never_written(cls: type[OdeComponent]) -> type[OdeComponent]:
     """The component of the classic Runge-Kutta method with kernels of which the branches of all effects are gone."""
-    bound = python(cls.advance)
-    assert bound.__code__ is python(rk4).__code__, f"{cls.__name__} has a method of its own"
-    names = {}
-    for name in ("derivatives", "outputs"):
-        names[name] = kernel(stripped(bound.__globals__[name])[0])
-    advance = bind(integrators.rk4, f"never_written_{cls.__name__}", **names)
-    return type(cls.__name__, (cls,), {**{v.name: v for v in cls.own_variables}, **cls.effects, "advance": advance,
-                                       "output_kernel": names["outputs"], "Values": cls.Values})
+    kernels = cls.kernels
+    assert python(kernels.step).__code__ is python(rk4).__code__, f"{cls.__name__} has a method of its own"
+    names = {name: kernel(stripped(getattr(kernels, name))[0]) for name in ("derivatives", "outputs")}
+    step = bind(integrators.rk4, f"never_written_{cls.__name__}", **names)
+    bare = type(cls.__name__, (cls,), {**{v.name: v for v in cls.own_variables}, **cls.effects,
+                                       "kernels": kernels._replace(step=step, **names)})
+    bare.Values = cls.Values
+    return bare

@@ -18,7 +18,7 @@ from cosimo.tests.contract.test_effects_absent import stripped as undeclared
 
 ROOT = str(Path(components.__file__).parent)
 CLASSIC = [c for c in CATALOGUE if issubclass(cls := component_class(c), OdeComponent) and cls.effects
-           and python(cls.advance).__code__ is python(rk4).__code__]
+           and python(cls.kernels.step).__code__ is python(rk4).__code__]
 MACHINE_CODE = ("Pantograph", "PlanarLink")  # the compiler takes seconds over each
 
 
@@ -81,7 +81,7 @@ def test_no_instruction_of_an_effect_that_is_off_is_in_the_machine_code(componen
     made, full = cls((), SMALL[component]), cls(compatible(cls), SMALL[component])
     for one in (made, full):
         one.initialize(0.0)
-    source = python(cls.advance).__globals__["derivatives"]
+    source = cls.kernels.derivatives
     cut, branches = stripped(source)
     assert branches > 0
 

@@ -7,8 +7,8 @@ from collections import namedtuple
 
 import numpy as np
 import pytest
+from cosimo.components.core.events import ROWS, rk4_events
 from cosimo.components.core.kernels import DONE, NOT_CONVERGED, bind, kernel
-from cosimo.components.core.modes import ROWS, rk4_events
 
 pytestmark = pytest.mark.interpreted
 STICK = 0.0

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from cosimo.components.core.events import EventComponent, event_kernels
 from cosimo.components.core.friction import (
     lugre_force,
     lugre_level,
@@ -17,9 +18,8 @@ from cosimo.components.core.friction import (
     stick_mode,
     stick_switch,
 )
+from cosimo.components.core.integrators import OdeComponent, ode_kernels
 from cosimo.components.core.kernels import DONE, kernel
-from cosimo.components.core.modes import EventComponent, event_kernels
-from cosimo.components.core.ode import OdeComponent, ode_kernels
 from cosimo.components.core.variables import output, parameter
 from scipy.integrate import solve_ivp
 

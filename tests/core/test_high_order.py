@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from cosimo.components.core import smooth
 from cosimo.components.core.errors import BadInput
+from cosimo.components.core.high_order import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_step
+from cosimo.components.core.high_order import RK8_STABILITY_RADIUS as STABILITY_RADIUS
 from cosimo.components.core.kernels import DONE
-from cosimo.components.core.smooth import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_step
-from cosimo.components.core.smooth import RK8_STABILITY_RADIUS as STABILITY_RADIUS
 from cosimo.components.rotor.jeffcott import JeffcottRotor
 from cosimo.components.two_axis_joint.chain import TwoLinkChain
 from cosimo.components.two_axis_joint.gimbal import GimbalBody

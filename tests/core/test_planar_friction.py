@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from cosimo.components.core.events import EventComponent, event_kernels
 from cosimo.components.core.friction import (
     SLIDES,
     lugre_level,
@@ -19,7 +20,6 @@ from cosimo.components.core.friction import (
     smoothed_planar,
 )
 from cosimo.components.core.kernels import DONE, kernel
-from cosimo.components.core.modes import EventComponent, event_kernels
 from cosimo.components.core.variables import output, parameter
 from scipy.integrate import solve_ivp
 

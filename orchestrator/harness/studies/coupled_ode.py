@@ -7,30 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from ....components.core import integrators, rosenbrock
 from ....components.core.component import Component
 from ....components.core.contract import KernelComponent
 from ....components.core.errors import BadInput
-from ....components.core.integrators import OdeComponent
 from ...scene.scene import Scene
 from ..analysis.connected import Connected
 from .quantities import TimeHistory
 
-SMOOTH = (integrators.__name__, rosenbrock.__name__)  # templates whose step is an ODE's and nothing else
-
 
 def rate_kernel(cls: type[Component]) -> Callable[..., None] | None:
-    """The kernel `derivatives(t, x, u, dx, p, *effects)` a component has bound to its integrator; None where there is none.
+    """The kernel `derivatives(t, x, u, dx, s, p, e)` of a component; None where there is none.
 
     What advances a component with events, samples or a method of its own is no smooth differential equation.
     """
-    if issubclass(cls, KernelComponent):
-        return cls.kernels.derivatives
-    if not issubclass(cls, OdeComponent):
-        return None
-    advance: Any = cls.advance
-    function = getattr(advance, "py_func", advance)
-    return function.__globals__.get("derivatives") if function.__module__ in SMOOTH else None
+    return cls.kernels.derivatives if issubclass(cls, KernelComponent) else None
 
 
 class CoupledOde:

@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from ....components.catalogue import component_class
-from ....components.core import ode
 from ....components.core.component import Component
 from ....components.core.errors import BadInput, StepFailed
 from ....components.core.integrators import OdeComponent
@@ -77,7 +76,7 @@ def internal_steps(name: str, *, effects: Sequence[str] | None = None, parameter
     Raises `BadInput` for a component without internal steps or without inputs, and for what cannot be set.
     """
     cls = component_class(name)
-    if not (issubclass(cls, OdeComponent | ode.OdeComponent) or "substep" in cls.variables):
+    if not (issubclass(cls, OdeComponent) or "substep" in cls.variables):
         raise BadInput(f"component:{name}", "no internal steps", "a component that integrates with steps of its own")
     on = set(cls.presets[preset].effects) if preset in cls.presets else set()
     each = ((), *(with_required(cls, effect) for effect in cls.effects if effect not in on))
@@ -94,10 +93,8 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
     def make(h: float | None) -> Component:
         """The component, which takes internal steps of h, s; of its own length for None."""
         component = cls(effects, parameters, preset=preset)
-        if h is not None and isinstance(component, ode.OdeComponent):  # it would refuse to be measured beyond its own limit
+        if h is not None and isinstance(component, OdeComponent):  # it would refuse to be measured beyond its own limit
             component.force_internal_step(h)
-        elif h is not None and isinstance(component, OdeComponent):
-            vars(component).update(internal_step=lambda: h, stable_step=lambda: math.inf)
         elif h is not None:
             component.set("substep", h)
         component.initialize(0.0)
@@ -119,8 +116,7 @@ def _measured(cls: type[Component], effects: tuple[str, ...], parameters: Mappin
 
 def _usual(component: Component) -> float:
     """The internal step a component takes as it stands, s."""
-    integrated = isinstance(component, OdeComponent | ode.OdeComponent)
-    step = component.internal_step() if integrated else float(component.get("substep"))
+    step = component.internal_step() if isinstance(component, OdeComponent) else float(component.get("substep"))
     return step if math.isfinite(step) else component.default_step
 
 

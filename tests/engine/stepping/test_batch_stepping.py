@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from cosimo.components.core.contract import KernelComponent, Kernels
-from cosimo.components.core.direct import nothing
 from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.stateless import nothing
 from cosimo.components.core.variables import input_, output
 from cosimo.orchestrator.engine.algorithms.compiled_loop import CompiledLoop
 from cosimo.orchestrator.engine.algorithms.gauss_seidel import GaussSeidel

@@ -9,7 +9,7 @@ from cosimo.fmus.native import machine_code
 from cosimo.fmus.native.build import initialized
 
 SOURCE = '''
-from cosimo.components.core.direct import DirectComponent, direct_kernels
+from cosimo.components.core.stateless import StatelessComponent, stateless_kernels
 from cosimo.components.core.kernels import kernel
 from cosimo.components.core.variables import input_, integer, output, parameter
 
@@ -22,13 +22,13 @@ def kernels_of(power):
         s.y[0] = p.gain * FACTOR * s.u[0, 0] ** power
         return 0
 
-    return direct_kernels(f"{{__name__}}.{{power}}", weighed)
+    return stateless_kernels(f"{{__name__}}.{{power}}", weighed)
 
 
 KERNELS = {{1: kernels_of(1), 2: kernels_of(2)}}
 
 
-class Weighed(DirectComponent):
+class Weighed(StatelessComponent):
     """A component of one kernel."""
 
     gain = parameter(2.0, "1", "factor")

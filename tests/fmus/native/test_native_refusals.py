@@ -6,16 +6,16 @@ import sys
 import numpy as np
 import pytest
 from cosimo.components.core.component import Component
-from cosimo.components.core.direct import DirectComponent, direct_kernels
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.kernels import DONE, kernel
+from cosimo.components.core.stateless import StatelessComponent, stateless_kernels
 from cosimo.components.core.variables import input_, output, parameter
 from cosimo.fmus.native import build
 from cosimo.fmus.native.build import initialized
 from cosimo.fmus.native.machine_code import compile_entries
 
 
-class Sum(DirectComponent):
+class Sum(StatelessComponent):
     """A base for components that are refused."""
 
     gain = parameter(2.0, "1", "factor")
@@ -34,7 +34,7 @@ def add(t, s, p, e):
 class Allocating(Sum):
     """Its kernel allocates."""
 
-    kernels = direct_kernels(__name__, add)
+    kernels = stateless_kernels(__name__, add)
 
 
 class Plain(Component):
