@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cosimo.components.core import smooth
+from cosimo.components.core import high_order
 from cosimo.components.core.errors import BadInput
 from cosimo.components.core.high_order import MATRIX, NODES, ROWS, STAGES, WEIGHTS, smooth_step
 from cosimo.components.core.high_order import RK8_STABILITY_RADIUS as STABILITY_RADIUS
@@ -95,7 +95,7 @@ def test_an_input_that_moves_within_the_step_is_followed_exactly():
         s.y[0] = s.x[0]
 
     names = {"derivatives": derivatives, "outputs": outputs}
-    parts = {part: plain(getattr(smooth, part), **names) for part in smooth_step.parts}
+    parts = {part: plain(getattr(high_order, part), **names) for part in smooth_step.parts}
     method = plain(smooth_step, **parts)
     s = types.SimpleNamespace(u=np.array([[2.0], [-3.0], [5.0]]), x=np.zeros(1), y=np.zeros(1), counts=np.zeros(2),
                               work=np.zeros((ROWS, 1)), limits=np.array([2.0 / 3.0, math.inf]))
