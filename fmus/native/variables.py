@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ...components.core.contract import KernelComponent
 from ..interface import Scalar, interface
@@ -34,14 +35,15 @@ def native_variables(component: KernelComponent, at: Places) -> tuple[NativeVari
     for row, (form, factor) in enumerate((("{}", 1.0), ("der({})", 1.0), ("der({},2)", 0.5))):
         places |= {form.format(name): (at.u + row * n + i, factor) for i, name in enumerate(component.inputs)}
     places |= {name: (at.y + i, 1.0) for i, name in enumerate(component.outputs)}
-    return _with_sizes([_variable(s, component, at, places) for s in interface(component.__class__)])
+    component_class: Any = type(component)
+    return _with_sizes([_variable(s, component, at, places) for s in interface(component_class)])
 
 
 def _variable(scalar: Scalar, component: KernelComponent, at: Places, places: dict[str, tuple[int, float]]) -> NativeVariable:
     name = scalar.name
     if scalar.causality == "parameter":
         if name.startswith("effects."):
-            value: bool | float | str = name.partition(".")[2] in component.on
+            value: Any = name.partition(".")[2] in component.on
         elif name in component.parameters:
             value = component.parameters[name]
         else:
