@@ -70,7 +70,7 @@ def test_a_case_and_a_scene_that_has_its_name(capsys, tmp_path):
 
 
 def test_time_that_effects_add(capsys):
-    costs = {row["name"]: row["step"] for row in shown(capsys, f"{__name__}:Compiled", "--time")["effects"]}
+    costs = {row["name"]: row["step"] for row in shown(capsys, f"{__name__}:Half", "--time")["effects"]}
     assert costs == {}
     costs = {row["name"]: row["step"] for row in shown(capsys, "TorqueMotor", "--time")["effects"]}
     assert set(costs) == {"inductance", "saturation"}

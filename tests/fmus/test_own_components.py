@@ -19,7 +19,7 @@ SPRING = '''
 import numpy as np
 
 from cosimo import (
-    StatelessComponent, input_, output, parameter,
+    StatelessComponent, input_, kernel, output, parameter, stateless_kernels,
 )
 import cosimo
 from cosimo.components.core.kernels import DONE
@@ -34,10 +34,18 @@ class Spring(StatelessComponent):
     deflection = input_(0.1, "m", "deflection")
     force = output("N", "force", feedthrough=("deflection",))
 
-    def _outputs(self, t):
+    def shapes(self):
         assert cosimo.Component in type(self).__mro__
-        self.y[0] = TWO * self.parameters["stiffness"] * self.u[0, 0]
-        return DONE
+        return super().shapes()
+
+
+@kernel
+def outputs(t, s, p, e):
+    s.y[0] = TWO * p.stiffness * s.u[0, 0]
+    return DONE
+
+
+Spring.kernels = stateless_kernels(__name__, outputs)
 '''
 RUN = """
 import fmpy, sys

@@ -10,7 +10,7 @@ from cosimo.orchestrator.native import native_fmus, with_native_fmus
 from cosimo.orchestrator.run import run
 from cosimo.orchestrator.scene.ssp.write import write
 from cosimo.orchestrator.systems import load_scene, read_scene
-from cosimo.tests.fmus.native.test_native_refusals import Limited, Printing
+from cosimo.tests.fmus.native.test_native_refusals import Allocating, Weighed
 from cosimo.tests.scene_runs import finished
 from cosimo.tests.short_run import covering_scenes
 
@@ -57,8 +57,8 @@ def test_two_units_one_in_a_process_of_its_own(tmp_path):
 def test_an_own_component_and_faults_from_the_start():
     scene = read_scene({
         "stop_time": 0.1, "connections": ["one.total -> two.first"], "master": {"step": 0.01},
-        "units": {"one": {"component": f"{Limited.__module__}:Limited", "parameters": {"first": 0.5}},
-                  "two": {"component": f"{Limited.__module__}:Limited", "parameters": {"second": -3.5}}},
+        "units": {"one": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"first": 0.5}},
+                  "two": {"component": f"{Weighed.__module__}:Weighed", "parameters": {"second": -3.5}}},
         "faults": [{"signal": "two.first", "kind": "offset", "value": 0.5, "begin": 0.0}]})
     assert_same_bits(scene)
 
@@ -73,9 +73,9 @@ def test_the_second_run_takes_the_fmus_of_the_first():
 
 
 def test_a_unit_without_native_form_is_refused_with_the_scene_and_the_unit():
-    units = {"one": {"component": f"{Printing.__module__}:Printing"}}
+    units = {"one": {"component": f"{Allocating.__module__}:Allocating"}}
     scene = read_scene({"stop_time": 0.1, "master": {"step": 0.1}, "units": units}, "small")
-    with pytest.raises(BadInput, match=r"small: units\.one, Printing: .*, line \d+") as caught:
+    with pytest.raises(BadInput, match=r"small: units\.one, Allocating: .*, line \d+") as caught:
         native_fmus(scene)
     assert "\n" not in str(caught.value)
 

@@ -25,6 +25,19 @@ class Sum(StatelessComponent):
 
 
 @kernel
+def weigh(t, s, p, e):
+    """What `Weighed` gives."""
+    s.y[0] = p.gain * (s.u[0, 0] + s.u[0, 1])
+    return DONE
+
+
+class Weighed(Sum):
+    """A sum that has a native form."""
+
+    kernels = stateless_kernels(f"{__name__}.Weighed", weigh)
+
+
+@kernel
 def add(t, s, p, e):
     """An array that is made in a kernel."""
     s.y[0] = np.sum(s.u[0] * 2.0)
