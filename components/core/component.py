@@ -4,9 +4,10 @@ A component declares its variables and effects on the class. An instance is made
 `initialize(t)`, then any number of `step(t, h)`; `refresh()` recomputes the outputs after an input was set between steps;
 `save()` and `restore()` may surround a repeated step. After `StepFailed` only `restore` is allowed.
 
-A component written for this contract gives three hooks, `_initialize`, `_step` and `_outputs`, besides its declarations. What
-a step changes belongs to `x`, an array: `save` keeps time, inputs, outputs and `x`, so that a step that is repeated, as
-iterations, events and step control do, or a resumed run would go on from any other attribute as it happens to be.
+Components of the catalogue are kernels, see `contract`. One in plain Python gives three methods, `_initialize`, `_step` and
+`_outputs`, besides its declarations. What a step changes belongs to `x`, an array: `save` keeps time, inputs, outputs and `x`, so
+that a step that is repeated, as iterations, events and step control do, or a resumed run would go on from any other attribute as it
+happens to be.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from .kernels import DONE, OUT_OF_RANGE, REASONS, kernel_tuple
 from .ports import Declared
 from .variables import Causality, Kind, Variable
 
-INITIALIZATION = ("initialize", "_initialize", "_start", "initial_state", "kernel_arguments")  # hooks
+INITIALIZATION = ("initialize", "_initialize")  # methods
 
 
 def _inherited(cls: type, kind: type) -> dict[str, Any]:
@@ -113,8 +114,8 @@ class Component:
     Present: ClassVar[Any]  # NamedTuple of the effects, for kernels: the effect's `Values`, or None where it is off
 
     def __init_subclass__(cls) -> None:
-        if "start_inputs" not in vars(cls) and any(hook in vars(cls) for hook in INITIALIZATION):
-            cls.start_inputs = None  # that of the base class is about the hook which is overridden
+        if "start_inputs" not in vars(cls) and any(method in vars(cls) for method in INITIALIZATION):
+            cls.start_inputs = None  # that of the base class is about the method which is overridden
         cls.own_variables = _declared(cls)
         cls.effects = _inherited(cls, Effect)
         cls.presets = {n: p for base in reversed(cls.__mro__) for n, p in vars(base).get("presets", {}).items()}
@@ -275,7 +276,7 @@ class Component:
             self.refuse_unused(n for n, value in self.parameters.items() if value != self._defaults[n])
             self._used = values
         try:
-            status = self._initialize(self.t) or self._start(self.t)
+            status = self._initialize(self.t)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise BadInput(self.name, "parameters or inputs of which something cannot be computed", "numbers of a usual size",
                            f"Check the largest and the smallest of them ({type(error).__name__}: {error}).") from error
@@ -330,13 +331,6 @@ class Component:
     # -- what a component gives --------------------------------------------------------------------------------------
     def _initialize(self, t: float) -> int:
         raise NotImplementedError
-
-    def _start(self, t: float) -> int:
-        """What of the initial state follows from inputs and time, behind `_initialize`, in statements like those of `_step`.
-
-        A native FMU runs it at its own start; all that `_initialize` computes is a constant of such an FMU.
-        """
-        return DONE
 
     def _step(self, t: float, h: float) -> int:
         """Advance the state; leave the outputs of the end of the step in `y`, and the inputs held (`hold_inputs`)."""

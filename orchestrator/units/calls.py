@@ -44,8 +44,8 @@ def call_step(typing, address, instance, t, h, no_return):
 
 
 @intrinsic
-def call_hook(typing, address, t, h, argument):
-    """A function of `entries.Entry`; returns its status, int32."""
+def call_entry(typing, address, t, h, argument):
+    """An entry of a component, or a callback: the status of a kernel, int32."""
     def generate(context, builder, signature, arguments):
         return _call(builder, arguments[0], [DOUBLE, DOUBLE, POINTER], arguments[1:])
 

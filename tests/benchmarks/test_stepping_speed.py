@@ -13,7 +13,7 @@ from cosimo.orchestrator.engine.stepping.batch import batch_loop_for
 from cosimo.orchestrator.open_all import open_units
 from cosimo.orchestrator.run import master_of, run
 from cosimo.orchestrator.systems import load_scene
-from cosimo.orchestrator.units.calls import call_hook
+from cosimo.orchestrator.units.calls import call_entry
 from numba import njit
 
 pytestmark = pytest.mark.benchmark
@@ -30,7 +30,7 @@ def physics(functions, arguments, times, h):
     """Steps of all units from each of `times`; inputs are as they are."""
     for t in times:
         for k in range(functions.size):
-            call_hook(functions[k], t, h, arguments[k])
+            call_entry(functions[k], t, h, arguments[k])
 
 
 def best(function) -> float:

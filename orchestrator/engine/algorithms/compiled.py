@@ -13,7 +13,7 @@ import numpy as np
 
 from ....components.core.kernels import kernel
 from ...units.call_names import COMPANIONS, DERIVATIVES, IN_MEMORY, MEAN, OF_COMPONENT, OF_FMU
-from ...units.calls import call_derivatives, call_hook, call_step, call_values, load, load_int32, load_int64, store
+from ...units.calls import call_derivatives, call_entry, call_step, call_values, load, load_int32, load_int64, store
 
 WARNING = 1
 FAILED = 16  # times the status of a component: larger than any of an FMU
@@ -164,7 +164,7 @@ def _hold(unit, links, known):
             changed = changed or load(at) != v
             store(at, v)
             at += 8
-    return call_hook(unit.hold, unit.time, 0.0, 0) if changed else 0
+    return call_entry(unit.hold, unit.time, 0.0, 0) if changed else 0
 
 
 @kernel
@@ -202,7 +202,7 @@ def _step(unit, t, h):
     if unit.way != IN_MEMORY:
         unit.time = t
         return call_step(unit.do_step, unit.instance, t, h, np.int32(unit.no_return))
-    status = FAILED * call_hook(unit.step, t, h, unit.step_argument)
+    status = FAILED * call_entry(unit.step, t, h, unit.step_argument)
     if status == 0:
         unit.time = t + h
     return status
@@ -251,7 +251,7 @@ def _update(unit, links, outputs_at, signals, buffer):
     if buffer is None or unit.way == IN_MEMORY:
         for i in range(first, first + n):
             store(links[i].at, links[i].known)
-        status = FAILED * call_hook(unit.outputs, unit.time, 0.0, unit.outputs_argument)
+        status = FAILED * call_entry(unit.outputs, unit.time, 0.0, unit.outputs_argument)
     else:
         status = _drive_fmu(unit, links, buffer, 0, 0.0, True)
     return _read(unit, outputs_at, signals) if status <= WARNING else status
