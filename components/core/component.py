@@ -6,8 +6,8 @@ A component declares its variables and effects on the class. An instance is made
 
 Components of the catalogue are kernels, see `contract`. One in plain Python gives three methods, `_initialize`, `_step` and
 `_outputs`, besides its declarations. What a step changes belongs to `x`, an array: `save` keeps time, inputs, outputs and `x`, so
-that a step that is repeated, as iterations, events and step control do, or a resumed run would go on from any other attribute as it
-happens to be.
+that a step that is repeated, as iterations, events and step control do, or a resumed run would go on from any other attribute as
+it happens to be.
 """
 
 from __future__ import annotations

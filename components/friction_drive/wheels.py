@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 from ..core.contract import Refusal
 from ..core.events import EventComponent, event_kernels
@@ -66,7 +67,7 @@ class SleeveDeclarations:
     start_rotation_rate = parameter(0.0, "rad/s", "rate of rotation at the start")
     substep = parameter(1e-4, "s", "longest internal step", low=1e-9, high=1.0)
 
-    refusals = IDLE | {
+    refusals: ClassVar[Mapping[int, Refusal]] = IDLE | {
         status: Refusal(f"creep = {{creep}} N.s/m with {effect!r}",
                         "contacts that creep: 'smoothed_slip' or none of the effects of slip",
                         f"The stiffness of contacts with {effect!r} is a parameter of that effect.")

@@ -31,7 +31,7 @@ class Solver(NamedTuple):
 
 def new_solver(stiffness: np.ndarray, droppers: int) -> Solver:
     """Nothing is factored yet."""
-    return Solver(stiffness, *np.zeros((2, *stiffness.shape)), np.full(droppers, -1.0), np.zeros(1))
+    return Solver(stiffness, np.zeros_like(stiffness), np.zeros_like(stiffness), np.full(droppers, -1.0), np.zeros(1))
 
 
 @kernel
