@@ -13,6 +13,7 @@ and what `ode_kernels` makes of them. `s` has the fields of `OdeComponent.shapes
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from .contract import KernelComponent, Kernels, Refusal
@@ -129,7 +130,7 @@ class OdeComponent(KernelComponent):
     method: str = "RK4"  # what messages call it
     rows: ClassVar[int] = 6  # of the workspace of a step
     _forced_step = 0.0
-    refusals = {
+    refusals: ClassVar[Mapping[int, Refusal]] = {
         SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[1]} s, the limit of {method}", "Reduce substep."),
     }
 
