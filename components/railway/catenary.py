@@ -5,43 +5,27 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
 from ..core.banded import banded_product
-from ..core.component import Effect, Preset
-from ..core.contract import KernelComponent, Kernels, Refusal
+from ..core.component import Component, Effect, Preset
 from ..core.errors import BadInput
-from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
+from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter, text
-from .contact import (
-    SPEEDS,
-    WireOnMesh,
-    add_contact,
-    at_contact,
-    compliance_table,
-    contact_compliance,
-    element_at,
-    heights_around,
-    hung_around,
-    in_range,
-    wire_height,
-)
-from .explicit import PAD, explicit_limit, explicit_steps, move_window, three_digits
-from .gust_loads import LOADS, gust_state, load_at, start_gusts
+from .contact import at_contact, contact_compliance, element_at, heights_around, hung_around, in_range, wire_height
+from .explicit import PAD, explicit_steps, move_window
+from .gust_loads import empty_gust_state, gust_state, load_at, start_gusts
 from .gusts import ACROSS, Gusts
-from .implicit import implicit_steps, new_solver
+from .implicit import implicit_steps
 from .line.dropper_table import line_of
 from .line.form import Form, form_of
 from .line.from_table import support_positions, unused_by
 from .line.layout import Layout, uniform
 from .line.temperature import formed_layout
-from .mesh import NO_WIRE, Mesh, stiffness_of_wires, unpacked
-from .moving_window import AHEAD, BEHIND, ENOUGH, SPAN, WAVE, echo, width
-from .prepared import DASHPOTS, EVERYTHING, WIRES, PreparedLine, prepared_line
-from .statics import CHECK_FORCE, NO_REST, find_rest
-from .wires import Laws, Motion
+from .mesh import NO_WIRE, stiffness_of_wires, unpacked
+from .moving_window import ENOUGH, echo, width
+from .prepared import PreparedLine, prepared_line
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
@@ -49,10 +33,6 @@ FURTHER = 6  # contact points that `further_pantographs` can have
 # parameters that a table of a line may leave out
 LINE = ("contact_wire_tension", "contact_wire_mass", "messenger_tension", "messenger_mass", "dropper_stiffness", "dropper_mass",
         "contact_clamp_mass", "messenger_clamp_mass", "support_stiffness", "support_damping")
-AT_REST = "the line at rest is found where a catenary is made"  # why a parameter is structural
-NODES = "it decides the nodes of the mesh"
-SUBSTEP, STABLE, SHOWN = range(3)  # of `s.limits`
-SUBSTEP_TOO_LONG, UNSETTLED = OWN, OWN + 1  # statuses of `initialize`
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
 
 
@@ -66,8 +46,8 @@ class BendingStiffness(Effect):
     Values read in two public sources; the 2002 standard gives none.
     """
 
-    contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0, structural=AT_REST)
-    messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0, structural=AT_REST)
+    contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0)
+    messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0)
 
 
 class GravitySag(Effect):
@@ -79,7 +59,7 @@ class PreSag(Effect):
 
     explicit_only = True
 
-    depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0, structural=AT_REST)
+    depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
 
 
 class Damping(Effect):
@@ -98,8 +78,8 @@ class SteadyArm(Effect):
     300 N/m read in two public sources, whether it is in the 2002 standard is not known.
     """
 
-    stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0, structural=AT_REST)
-    mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0, structural=AT_REST)
+    stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0)
+    mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0)
 
 
 class LevelSupport(Effect):
@@ -185,8 +165,7 @@ class Temperature(Effect):
     explicit_only = True
     requires = ("line_table",)
 
-    change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0,
-                       structural=AT_REST)
+    change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
 
 
 class SecondWire(Effect):
@@ -244,7 +223,7 @@ class LineProfile(Effect):
                              "without any", nominal=100.0, size=PROFILE, feedthrough=("contact_position",))
 
 
-class Catenary(KernelComponent):
+class Catenary(Component):
     """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
 
         m u'' = T u'' (x) - EI u'''' - alpha m u' + beta (T u'' - EI u'''')' + droppers + supports + contact
@@ -286,28 +265,26 @@ class Catenary(KernelComponent):
     line_profile = LineProfile
 
     spans = integer(10, "number of spans", low=1, high=1000)
-    span_length = parameter(60.0, "m", "length of a span", low=1.0, structural=NODES)
-    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0, structural=AT_REST)
-    contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6, structural=AT_REST)
-    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0, structural=AT_REST)
-    messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6, structural=AT_REST)
+    span_length = parameter(60.0, "m", "length of a span", low=1.0)
+    contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
+    contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
+    messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
+    messenger_mass = parameter(1.07, "kg/m", "mass of the messenger wire per length", low=1e-6)
     droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
     dropper_position = parameter(
         (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)), "m",
-        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS,
-        structural=NODES)
-    dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0, structural=AT_REST)
-    dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0, structural=AT_REST)
-    contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0, structural=AT_REST)
-    messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0, structural=AT_REST)
-    support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0, structural=AT_REST)
-    support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0, structural=AT_REST)
+        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS)
+    dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0)
+    dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0)
+    contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0)
+    messenger_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the messenger wire", low=0.0)
+    support_stiffness = parameter(50e3, "N/m", "vertical stiffness of a messenger support", low=0.0)
+    support_damping = parameter(0.0, "N.s/m", "damping of a messenger support", low=0.0)
     first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
 
     method = choice("explicit", ("explicit", "implicit"), "time integration")
-    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, structural=NODES)
-    substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1,
-                        structural="the mesh makes up for the error of such a step")
+    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0)
+    substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
     contact_position = input_(30.0, "m", "position of the contact point", nominal=100.0, moving=True)
@@ -321,11 +298,6 @@ class Catenary(KernelComponent):
     static_residual = output("1", "largest unbalanced force of the initial equilibrium over the largest dropper tension")
     support_uplift = output("m", "uplift of the contact wire at a watched support, 0 beyond the end", nominal=0.05, size=WATCHED)
 
-    refusals = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {limits[0]} s", "at most {limits[2]} s, the explicit method's limit",
-                                  "Reduce substep, enlarge element, or set method = 'implicit'."),
-        UNSETTLED: Refusal(NO_REST, "a set of taut droppers that stays", CHECK_FORCE + "."),
-    }
     presets = {
         "EN 50318:2002": Preset(
             {"support_stiffness": 50e3, "dropper_stiffness": 100e3},
@@ -344,47 +316,75 @@ class Catenary(KernelComponent):
             ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping")),
     }
 
-    def shapes(self) -> dict[str, Any]:
-        """`numbers`, `indices`: the mesh, see `unpacked`.  `points`, `lateral`: of `contact_points`, of `lateral_position`.
-        `kinds`: (k, 8) rows of `WireOnMesh`.  `limits`: (3,) internal step in use and longest stable one, s, and that in three
-        digits.  `highest`: of `PreparedLine`.  `rest`: of `find_rest`.  `diagonals`: of the explicit method, `solver`: of the
-        implicit one.  `window`: see `moving_window`.  `gusts`: `Buffeting`.  `work`: of `Motion`.
-        """
-        p, e = self._parameters()
+    def _initialize(self, t: float) -> int:
+        self.arguments = self._declared_arguments()
+        p, e = self.arguments
         implicit = self.parameters["method"] == "implicit"
         if implicit and e.moving_window is not None:
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
         line = self._line(p, e)
-        mesh, rows = line.mesh, line.layout.lateral[:, :3]
-        N, W, d = mesh.mass.size, mesh.bending_gradient.size, mesh.dropper.size
-        points = contact_points(e, len(line.layout.contact_lanes))
-        # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
-        of_gusts, edges = LOADS + 2 * N if e.gusts is not None else 0, 2 if e.moving_window is not None else 0
-        window = None
+        self.mesh, self._packed = line.mesh, line.packed
+        if line.buffeting is not None:  # with a workspace of its own
+            gusts = line.buffeting._replace(at_station=np.zeros_like(line.buffeting.at_station))
+            self.arguments = p, e = p, e._replace(gusts=gusts)
+        if p.substep > line.limit:
+            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {line.limit:.3g} s, the explicit method's limit",
+                           "Reduce substep, enlarge element, or set method = 'implicit'.")
         if e.moving_window is not None:
-            wires = mesh.impedance > 0.0
-            wave = float((mesh.tension[wires] / mesh.impedance[wires]).max())
-            span = float(np.diff(mesh.position[mesh.support]).max()) if mesh.support.size > 1 else p.span_length
-            window = np.array([0.0, 0.0, wave, span])
-        numbers, indices = line.packed
-        return {"x": 3 * N + 2 * len(points) + of_gusts + (d if implicit else 0) + edges, "numbers": numbers, "indices": indices,
-                "points": points, "lateral": rows.copy() if rows.size else np.zeros((1, 3)), "kinds": line.kinds, "limits": 3,
-                "highest": line.highest, "rest": line.rest, "diagonals": None if implicit else line.wires,
-                "solver": new_solver(line.wires, d) if implicit else None, "window": window, "gusts": line.buffeting,
-                "work": (5, N) if implicit else (2, N + 2 * PAD * W)}
+            self.arguments = p, e = p, e._replace(moving_window=self._window(p, e))
+        N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
+        rows = line.layout.lateral[:, :3]
+        self._points = contact_points(e, len(line.layout.contact_lanes))
+        self._lateral = rows.copy() if rows.size else np.zeros((1, 3))
+        loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
+        for position, *_ in loads:
+            if not in_range(position, self.mesh):
+                return OUT_OF_RANGE
+        q, taut, residual = line.statics.under(loads, e.dropper_slackening is not None)
+        # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
+        contacts = [value for position, *_ in loads for value in (position, 0.0)]
+        edges = [1.0, N // W - 2.0] if e.moving_window is not None else []
+        of_gusts = empty_gust_state(self.mesh) if e.gusts is not None else np.zeros(0)
+        self.x = np.concatenate((q, np.zeros(2 * N), contacts, of_gusts, taut if implicit else [], edges))
+        if e.moving_window is not None:
+            positions = [position for position, *_ in loads]
+            _, hi = move_window(max(positions), min(positions), self.x, self.mesh, e.moving_window)
+            self.x[W * hi + W : N] = 0.0
+        self.y[STATIC_RESIDUAL] = residual
+        if e.second_wire is not None:  # where it is not touched
+            self.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
+        self._stiffness = line.wires
+        self._work = np.zeros((5, N) if implicit else (2, N + 2 * PAD * W))
+        if implicit:
+            self._band, self._factors = np.zeros((2, *self._stiffness.shape))
+            self._factored = np.full(taut.size, -1.0)
+            self._prepared = np.zeros(1)
+        return DONE
 
-    def _initialize(self, t: float) -> int:
-        status = super()._initialize(t)
-        if status == DONE and "moving_window" in self.on:
-            self._warn_of_narrow_window()
-        return status
+    def _start(self, t: float) -> int:
+        _, e = self.arguments
+        if e.gusts is not None:
+            start_gusts(t, self._points, self.x, *self._packed, e.moving_window, e.gusts)
+        return DONE
 
-    @property
-    def mesh(self) -> Mesh:
-        """The mesh, as `initialize` left it."""
-        s = self.arguments[0]
-        return getattr(unpacked, "py_func", unpacked)(s.numbers, s.indices)
+    def _step(self, t: float, h: float) -> int:
+        p, e = self.arguments
+        n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
+        watched = p.first_watched_support
+        if self.parameters["method"] == "explicit":
+            return advance_explicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed,
+                                    self._stiffness, self._work, self.counts, watched, e.dropper_slackening, e.bending_stiffness,
+                                    e.damping, e.moving_window, e.gusts, e.stagger, e.wire_profile, e.line_profile)
+        return advance_implicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
+                                self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
+                                self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping,
+                                e.gusts, e.stagger, e.wire_profile, e.line_profile)
+
+    def _outputs(self, t: float) -> None:
+        p, e = self.arguments
+        refresh_outputs(t, self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support,
+                        e.gusts, e.stagger, e.wire_profile, e.line_profile)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -397,21 +397,25 @@ class Catenary(KernelComponent):
             tension = np.maximum(tension, 0.0)
         return float(total + np.sum((tension**2 - mesh.preload**2) / (2.0 * mesh.dropper_stiffness) - mesh.preload * stretch))
 
-    def _warn_of_narrow_window(self) -> None:
-        """Warns of a given width of the moving window that is too narrow for the error."""
-        s, _, e = self.arguments
+    def _window(self, p, e):
+        """The effect's values with the widths that are not given; warns of a given one that is too narrow for the error."""
+        mesh, window = self.mesh, e.moving_window
+        wires = mesh.impedance > 0.0
+        wave = float((mesh.tension[wires] / mesh.impedance[wires]).max())
         alpha, beta = (e.damping.alpha, e.damping.beta) if e.damping is not None else (0.0, 0.0)
-        line = float(s.window[WAVE]), float(s.window[SPAN]), alpha, beta, e.moving_window.speed
-        wanted, whole = width(*line), float(self.mesh.position[-1])
+        span = float(np.diff(mesh.position[mesh.support]).max()) if mesh.support.size > 1 else p.span_length
+        line = wave, span, alpha, beta, window.speed
+        wanted, whole = width(*line), float(mesh.position[-1])
         for name in ("ahead", "behind"):
-            if 0.0 < (given := getattr(e.moving_window, name)) < min(wanted, whole):
+            if 0.0 < (given := getattr(window, name)) < min(wanted, whole):
                 cost, takes = 100.0 * echo(given, *line), "the whole line" if wanted >= whole else f"{wanted:.0f} m"
                 warnings.warn(f"{self.name}: moving_window.{name} = {given:g} m may cost {cost:.2g} % of the contact force: "
                               f"{100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes", stacklevel=2)
+        return window._replace(ahead=window.ahead or min(wanted, whole), behind=window.behind or min(wanted, whole))
 
     def left_range(self) -> str:
         """The contact points, their speeds, and the part of the wire on which they may be."""
-        columns = dict.fromkeys(self.arguments[0].points[:, 0].tolist())
+        columns = dict.fromkeys(self._points[:, 0].tolist())
         points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
         first = int(self.x[-2]) if "moving_window" in self.on and self.x.size else 1
         low, high = self.mesh.position[[first, -2]]
@@ -420,11 +424,11 @@ class Catenary(KernelComponent):
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
-        return self.of_initialization("limits", STABLE)
+        return self._line(*self._declared_arguments()).limit
 
     def form(self) -> Form:
         """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
-        return form_of(self._layout_for(*self._parameters()))
+        return form_of(self._layout_for(*self._declared_arguments()))
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also what a line's table or the method has no use for, and a support beyond the end."""
@@ -441,14 +445,14 @@ class Catenary(KernelComponent):
                 reasons["first_watched_support"] = f"the last support of the line is number {last}"
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
         if "line_table" in self.on and rest:
-            p, e = self._parameters()
+            p, e = self._declared_arguments()
             unused = unused_by(line_of(self.parameters, self.name), p, e.bending_stiffness, rest)
             reasons |= dict.fromkeys(unused, "line_table.table has it in every place")
         return reasons
 
     def _line(self, p, e) -> PreparedLine:
-        """What the present structure makes, for all catenaries with the same; kept, for initialization is repeated."""
-        key = (type(self), self.on, self._present_structure())
+        """What the present parameters make, for all catenaries with the same; kept, for initialization is repeated."""
+        key = (type(self), self.on, tuple(self.parameters.values()))
         if getattr(self, "_line_key", None) != key:
             self._prepared_line = prepared_line(key, lambda: self._layout_for(p, e), p, e,
                                                 self.parameters["method"] == "implicit", self.name)
@@ -495,68 +499,9 @@ def lateral_position(position, wire, lateral):
 
 
 @kernel
-def catenary_initialize(t, s, p, e):
-    """What follows from the damping, the limit of the internal step, the moving window, and the equilibrium under the forces."""
-    mesh = unpacked(s.numbers, s.indices)
-    x, N, W, nodes = s.x, mesh.mass.size, mesh.bending_gradient.size, mesh.position.size
-    alpha, beta = 0.0, 0.0
-    if e.damping is not None:
-        alpha, beta = e.damping.alpha, e.damping.beta
-    s.limits[SUBSTEP], s.limits[STABLE] = p.substep, math.inf
-    if s.diagonals is not None:
-        s.limits[STABLE] = explicit_limit(s.highest[EVERYTHING], s.highest[DASHPOTS], beta * s.highest[WIRES])
-        s.limits[SHOWN] = three_digits(s.limits[STABLE])
-    if s.limits[SUBSTEP] > s.limits[STABLE]:
-        return SUBSTEP_TOO_LONG
-    for k in range(s.kinds.shape[0]):
-        wire = WireOnMesh(s.kinds[k, 0], s.kinds[k, 1], s.kinds[k, 2], s.kinds[k, 3], s.kinds[k, 4], s.kinds[k, 5], s.kinds[k, 6],
-                          s.kinds[k, 7])
-        compliance_table(wire, alpha, beta, mesh.compliance[k * SPEEDS : (k + 1) * SPEEDS])
-    q, force, residual = x[:N], s.work[1, :N], 0.0
-    for j in range(N):
-        force[j] = 0.0
-    front, rear = -math.inf, math.inf
-    for k in range(s.points.shape[0]):
-        position = s.u[0, s.points[k, 0]]
-        if not in_range(position, mesh):
-            return OUT_OF_RANGE
-        add_contact(position, s.u[0, s.points[k, 1]], force, s.points[k, 4], mesh)
-        x[3 * N + 2 * k] = position
-        front, rear = max(front, position), min(rear, position)
-    if e.dropper_slackening is not None:
-        residual = find_rest(force, True, q, mesh, s.rest)
-    else:
-        residual = find_rest(force, False, q, mesh, s.rest)
-    if math.isnan(residual):
-        return UNSETTLED
-    s.y[STATIC_RESIDUAL] = residual
-    if e.second_wire is not None:  # where it is not touched
-        for k in range(2 + FURTHER):
-            s.y[e.second_wire.y + k] = NO_WIRE
-    lo, hi = 0, nodes - 1
-    if s.window is not None:
-        whole = mesh.position[nodes - 1]
-        wanted = min(width(s.window[WAVE], s.window[SPAN], alpha, beta, e.moving_window.speed), whole)
-        s.window[AHEAD] = e.moving_window.ahead if e.moving_window.ahead > 0.0 else wanted
-        s.window[BEHIND] = e.moving_window.behind if e.moving_window.behind > 0.0 else wanted
-        x[x.size - 2], x[x.size - 1] = 1.0, nodes - 2.0
-        lo, hi = move_window(front, rear, x, mesh, s.window)
-        for j in range(W * hi + W, N):
-            q[j] = 0.0
-    if s.solver is not None:
-        for k in range(s.rest.taut.size):
-            x[x.size - s.rest.taut.size + k] = s.rest.taut[k]
-    if s.gusts is not None:
-        start_gusts(t, lo, hi, x[gust_state(s.points, mesh) :], mesh, s.gusts)
-    return DONE
-
-
-@kernel
-def catenary_outputs(t, s, p, e):
-    """Outputs for the state at the time t and the present inputs."""
-    mesh = unpacked(s.numbers, s.indices)
+def catenary_outputs(t, x, u, y, points, lateral, mesh, watched, gusts, stagger, profile, hung):
+    """Outputs for the state x at the time t and the present inputs u, (m,)."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
-    x, u, y, points, watched = s.x, s.u[0], s.y, s.points, p.first_watched_support
     q, v = x[:N], x[N : 2 * N]
     for k in range(points.shape[0]):
         position, i, next_one, wire = u[points[k, 0]], points[k, 2], points[k, 3], points[k, 4]
@@ -568,19 +513,16 @@ def catenary_outputs(t, s, p, e):
         y[UPLIFT + k] = q[j]
         if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
             y[UPLIFT + k] = max(q[j], q[j + 2])
-    if s.gusts is not None:
+    if gusts is not None:
         position = u[points[0, 0]]
-        y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)
-    if e.stagger is not None:
+        y[gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, gusts)
+    if stagger is not None:
         for wire in range(2):
-            y[e.stagger.y + wire] = lateral_position(u[POSITION], wire, s.lateral)
-    if e.wire_profile is not None:
-        first = e.wire_profile.y
-        heights_around(u[POSITION], q, mesh, y[first : first + PROFILE])
-    if e.line_profile is not None:
-        first = e.line_profile.y
-        hung_around(u[POSITION], q, mesh, y[first : first + PROFILE], y[first + PROFILE : first + 2 * PROFILE])
-    return DONE
+            y[stagger.y + wire] = lateral_position(u[POSITION], wire, lateral)
+    if profile is not None:
+        heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
+    if hung is not None:
+        hung_around(u[POSITION], q, mesh, y[hung.y : hung.y + PROFILE], y[hung.y + PROFILE : hung.y + 2 * PROFILE])
 
 
 @kernel
@@ -603,19 +545,30 @@ def follow_contacts(h, x, u, points, mesh):
 
 
 @kernel
-def catenary_step(t, h, s, p, e):
-    """One macro step of equal internal ones, then the outputs."""
-    mesh, status = unpacked(s.numbers, s.indices), DONE
-    n = max(1, math.ceil(h / s.limits[SUBSTEP] * (1.0 - 1e-9)))
-    motion = Motion(s.x, s.u, s.points, s.work, s.counts)
-    laws = Laws(e.dropper_slackening, e.bending_stiffness, e.damping, s.window, s.gusts)
-    if s.diagonals is not None:
-        status = explicit_steps(t, h, n, motion, mesh, s.diagonals, laws)
-    if s.solver is not None:
-        status = implicit_steps(t, h, n, motion, mesh, s.solver, p.spectral_radius, laws)
-    follow_contacts(h, s.x, s.u, s.points, mesh)
-    catenary_outputs(t + h, s, p, e)
+def refresh_outputs(t, x, u, y, points, lateral, numbers, indices, watched, gusts, stagger, profile, hung):
+    """`catenary_outputs` for a packed mesh."""
+    catenary_outputs(t, x, u, y, points, lateral, unpacked(numbers, indices), watched, gusts, stagger, profile, hung)
+
+
+@kernel
+def advance_explicit(t, h, n, x, u, y, points, lateral, numbers, indices, stiffness, work, counts, watched, slack, bending,
+                     damping, window, gusts, stagger, profile, hung):
+    """One macro step with the explicit method, then the outputs."""
+    mesh = unpacked(numbers, indices)
+    status = explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window,
+                            gusts)
+    follow_contacts(h, x, u, points, mesh)
+    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
     return status
 
 
-Catenary.kernels = Kernels(catenary_initialize, catenary_step, catenary_outputs)
+@kernel
+def advance_implicit(t, h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness,
+                     band, factors, factored, slack, bending, damping, gusts, stagger, profile, hung):
+    """One macro step with the implicit method, then the outputs."""
+    mesh = unpacked(numbers, indices)
+    status = implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored,
+                            slack, bending, damping, gusts)
+    follow_contacts(h, x, u, points, mesh)
+    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
+    return status

@@ -162,13 +162,13 @@ class WireOnMesh(NamedTuple):
     gradient: float  # N m⁴, E6 = EI h²/6
     time_error: float  # s², share that the step in time adds to a squared frequency, over its omega²/12
     sharpness: float  # of the contact's shape function
+    alpha: float  # 1/s
+    beta: float  # s
 
 
 @kernel
-def compliance_table(wire, alpha, beta, table):
+def compliance_table(wire, table):
     """Mean compliance that a mesh leaves out under a force that moves, m/N, for SPEEDS speeds from 0 to FASTEST c; table (n,).
-
-    alpha, beta: of the damping, 1/s, s.
 
     In the frame of a force that moves at v, averaged over its place within an element,
 
@@ -183,7 +183,7 @@ def compliance_table(wire, alpha, beta, table):
     for j in range(table.size):
         v = FASTEST * c * j / (table.size - 1)
         # A trace of damping: undamped, the mesh's slow waves make a pole, whose principal value is meant.
-        lag = max(beta * v, 0.02 * h * v / c)
+        lag = max(wire.beta * v, 0.02 * h * v / c)
         total = 0.0
         for i in range(n):
             z = end * (i + 0.5) / n
@@ -192,7 +192,7 @@ def compliance_table(wire, alpha, beta, table):
             W = sinc * sinc * (1.0 + wire.sharpness * math.cos(z) * (sinc - math.cos(z)))
             stiffness = T * k**2 + EI * k**4
             on_mesh = T * q**2 + (EI + wire.curvature) * q**4 + wire.gradient * q**6
-            inertia, drag = m * (v * k) ** 2, alpha * m * v * k
+            inertia, drag = m * (v * k) ** 2, wire.alpha * m * v * k
             re, im = stiffness - inertia, stiffness * lag * k + drag
             re_h, im_h = on_mesh - inertia * (1.0 + wire.time_error * (v * k) ** 2 / 12.0), on_mesh * lag * k + drag
             total += re / (re**2 + im**2) - W * W * re_h / (re_h**2 + im_h**2)

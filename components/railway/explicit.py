@@ -7,40 +7,21 @@ import math
 from ..core.kernels import DONE, NOT_FINITE, OUT_OF_RANGE, kernel
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_state
-from .moving_window import AHEAD, BEHIND
 from .wires import WHISPER, dropper_tension, first_at_or_after
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
 
 
 @kernel
-def explicit_limit(omega2, dashpots, damped):
-    """Longest stable step, s: (omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of all and of the wires.
-
-    omega2: 1/s²; dashpots: c/m, damped: beta omega_w², 1/s.
-    """
-    b = 2.0 * dashpots
-    b += 2.0 * damped
-    return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
-
-
-@kernel
-def three_digits(x):
-    """A positive number rounded to three digits, as messages show it."""
-    unit = 10.0 ** (math.floor(math.log10(x)) - 2)
-    return math.floor(x / unit + 0.5) * unit
-
-
-@kernel
 def move_window(front, rear, x, mesh, window):
     """First and last moving node for the contact points at `front` and `rear`; nodes left behind go to equilibrium.
 
-    x: its last two elements hold the window of the step before.  window: its lengths, see `moving_window`.
+    x: its last two elements hold the window of the step before.
     """
     n, N, W = mesh.position.size, mesh.mass.size, mesh.bending_gradient.size
     before = int(x[x.size - 2])
-    lo = max(element_at(max(rear - window[BEHIND], 0.0), mesh), max(before, 1))
-    hi = min(element_at(min(front + window[AHEAD], mesh.position[n - 1]), mesh) + 1, n - 2)
+    lo = max(element_at(max(rear - window.behind, 0.0), mesh), max(before, 1))
+    hi = min(element_at(min(front + window.ahead, mesh.position[n - 1]), mesh) + 1, n - 2)
     for part in range(3):
         for j in range(W * max(before, 1), W * lo):
             x[part * N + j] = 0.0
@@ -106,23 +87,22 @@ def follow_clamped(values, first, end, mesh):
 
 
 @kernel
-def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
-    """n equal velocity-Verlet steps over h from the time t; motion, laws: see `wires`.
+def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window, gusts):
+    """n equal velocity-Verlet steps over h from the time t.
 
-    motion.x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].
-    stiffness: as of `diagonals_of_wires`.
+    x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].  work: (2, N + 2 PAD W).
+    points: (p, 5), as of `contact_points`.  stiffness: as of `diagonals_of_wires`.
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
     Source: Verlet in kick-drift-kick form.
     """
     N, nodes, W = mesh.mass.size, mesh.position.size, mesh.bending_gradient.size
-    x, u, points = motion.x, motion.u, motion.points
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    padded, force = motion.work[0], motion.work[1, :N]
+    padded, force = work[0], work[1, :N]
     z = padded[PAD * W : PAD * W + N]
     alpha, beta = 0.0, 0.0
-    if laws.damping is not None:
-        alpha, beta = laws.damping.alpha, laws.damping.beta
+    if damping is not None:
+        alpha, beta = damping.alpha, damping.beta
     lo, hi = 1, nodes - 2
     first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
     first_clamp, end_clamp = 0, mesh.clamped.size
@@ -136,8 +116,8 @@ def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
             if not in_range(position, mesh):
                 return OUT_OF_RANGE
             front, rear = max(front, position), min(rear, position)
-        if laws.window is not None:
-            lo, hi = move_window(front, rear, x, mesh, laws.window)
+        if window is not None:
+            lo, hi = move_window(front, rear, x, mesh, window)
             if rear < mesh.position[lo]:  # the wire there was left behind and does not move any more
                 return OUT_OF_RANGE
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
@@ -150,7 +130,7 @@ def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
         follow_clamped(q, first_clamp, end_clamp, mesh)
         follow_clamped(v, first_clamp, end_clamp, mesh)
         follow_clamped(z, first_clamp, end_clamp, mesh)
-        if laws.window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
+        if window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
             for j in range(W):
                 if lo > 1:
                     for i in range(1, PAD + 1):
@@ -161,7 +141,7 @@ def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
                         padded[W * (PAD + hi + i) + j] = z[W * hi + j]
                     force[W * hi + j] -= mesh.impedance[W * hi + j] * v[W * hi + j]
         for k in range(first_dropper, end_dropper):
-            change = dropper_tension(k, q, mesh, laws.slack) - mesh.preload[k]
+            change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
             force[mesh.lower[k]] += change
             force[mesh.upper[k]] -= change
         for k in range(first_support, end_support):
@@ -172,15 +152,15 @@ def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
             position = u[0, i] + s * (u[1, i] + s * u[2, i])
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(position, load, force, points[k, 4], mesh)
-        if laws.gusts is not None:
+        if gusts is not None:
             moving, loads = slice(W * lo, W * hi + W), x[gust_state(points, mesh) :]
-            share = follow_gusts(t + s, lo, hi, loads, mesh, laws.gusts)
+            share = follow_gusts(t + s, lo, hi, loads, mesh, gusts)
             add_gusts(share, loads[LOADS : LOADS + N][moving], loads[LOADS + N : LOADS + 2 * N][moving], force[moving])
-            add_air_damping(d, v[moving], a[moving], laws.gusts.push[0][moving], force[moving])
+            add_air_damping(d, v[moving], a[moving], gusts.push[0][moving], force[moving])
         add_clamped(padded, force, first_clamp, end_clamp, stiffness, mesh)
-        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, laws.bending)
-    motion.counts[0] += n
-    motion.counts[1] += n
+        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, bending)
+    counts[0] += n
+    counts[1] += n
     if not math.isfinite(q[W * element_at(position, mesh)]):
         return NOT_FINITE
     return DONE

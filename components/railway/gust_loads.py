@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import kernel, kernel_tuple
+from .mesh import Mesh, unpacked
 
 BEYOND = 32  # nodes that are kept ready on either side of those that move
-INTERVAL, DISTANCE = 0, 1  # of `Buffeting.grid`
 UNREADY = -1e9  # number of a sample that is never asked for
 SAMPLE, FIRST, LAST, LOADS = 0, 1, 2, 3  # of the state: number of the sample, nodes with loads, the loads of two samples
 
@@ -19,7 +19,9 @@ SAMPLE, FIRST, LAST, LOADS = 0, 1, 2, 3  # of the state: number of the sample, n
 class Buffeting(NamedTuple):
     """Waves of the wind's fields and what they do to the mesh; r fields: vertical, then across the line where that lifts."""
 
-    grid: np.ndarray  # (2,) s between samples and m between stations; straight in between
+    y: int  # position of the output
+    interval: float  # s, between samples; straight in between
+    distance: float  # m, between stations; straight in between
     omega: np.ndarray  # (n,) 1/s
     amplitude: np.ndarray  # (r, n) m/s
     wave: np.ndarray  # (r, n) 1/m
@@ -36,20 +38,20 @@ def load_nodes(t, first, last, mesh, gusts, out):
     for j in range(W * first, W * last + W):
         out[j] = 0.0
     for r in range(gusts.wave.shape[0]):
-        station = int(mesh.position[first] / gusts.grid[DISTANCE])
+        station = int(mesh.position[first] / gusts.distance)
         left = 0.0
         for i in range(gusts.omega.size):
-            angle = gusts.omega[i] * t + gusts.wave[r, i] * station * gusts.grid[DISTANCE] + gusts.phase[r, i]
+            angle = gusts.omega[i] * t + gusts.wave[r, i] * station * gusts.distance + gusts.phase[r, i]
             gusts.at_station[r, 0, i] = gusts.amplitude[r, i] * math.cos(angle)
             gusts.at_station[r, 1, i] = gusts.amplitude[r, i] * math.sin(angle)
             left += gusts.at_station[r, 0, i]
         right = next_station(r, gusts)
         for node in range(first, last + 1):
-            while mesh.position[node] >= (station + 1) * gusts.grid[DISTANCE]:
+            while mesh.position[node] >= (station + 1) * gusts.distance:
                 station += 1
                 left = right
                 right = next_station(r, gusts)
-            share = mesh.position[node] / gusts.grid[DISTANCE] - station
+            share = mesh.position[node] / gusts.distance - station
             speed = left + share * (right - left)
             for j in range(W * node, W * node + W):
                 out[j] += gusts.push[r, j] * speed
@@ -82,32 +84,40 @@ def follow_gusts(t, lo, hi, state, mesh, gusts):
     state: number of the first sample, first and last node with loads, loads of both samples (N,) each.
     """
     N, nodes = mesh.mass.size, mesh.position.size
-    sample = math.floor(t / gusts.grid[INTERVAL])
+    sample = math.floor(t / gusts.interval)
     before, after = state[LOADS : LOADS + N], state[LOADS + N : LOADS + 2 * N]
     ready = state[FIRST] <= lo and hi <= state[LAST]
     if sample == state[SAMPLE] + 1.0 and ready:
         for j in range(N):
             before[j] = after[j]
-        load_nodes((sample + 1.0) * gusts.grid[INTERVAL], int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
+        load_nodes((sample + 1.0) * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
     elif sample != state[SAMPLE] or not ready:
         state[FIRST], state[LAST] = max(lo - BEYOND, 0), min(hi + BEYOND, nodes - 1)
-        load_nodes(sample * gusts.grid[INTERVAL], int(state[FIRST]), int(state[LAST]), mesh, gusts, before)
-        load_nodes((sample + 1.0) * gusts.grid[INTERVAL], int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
+        load_nodes(sample * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, before)
+        load_nodes((sample + 1.0) * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
     state[SAMPLE] = sample
-    return t / gusts.grid[INTERVAL] - sample
+    return t / gusts.interval - sample
 
 
 @kernel
-def start_gusts(t, lo, hi, state, mesh, gusts):
-    """The state of `follow_gusts` at the start, with loads on the nodes lo to hi."""
-    state[SAMPLE], state[FIRST], state[LAST] = UNREADY, 0.0, -1.0
-    follow_gusts(t, lo, hi, state, mesh, gusts)
+def start_gusts(t, points, x, numbers, indices, window, gusts):
+    """Loads at the start, of the nodes that move; the mesh packed. x: at its end the window, where there is one."""
+    mesh = unpacked(numbers, indices)
+    lo, hi = 0, mesh.position.size - 1
+    if window is not None:
+        lo, hi = int(x[x.size - 2]), int(x[x.size - 1])
+    follow_gusts(t, lo, hi, x[gust_state(points, mesh) :], mesh, gusts)
 
 
 @kernel
 def gust_state(points, mesh):
     """Where in the catenary's state that of `follow_gusts` begins: behind that of the contact points."""
     return 3 * mesh.mass.size + 2 * points.shape[0]
+
+
+def empty_gust_state(mesh: Mesh) -> np.ndarray:
+    """The state of `follow_gusts` before the start."""
+    return np.concatenate(([UNREADY, 0.0, -1.0], np.zeros(2 * mesh.mass.size)))
 
 
 @kernel
@@ -128,7 +138,7 @@ def add_air_damping(d, v, a, push, force):
 def load_at(t, position, i, state, mesh, gusts):
     """Lift per length of the gusts on the first contact wire at a position of element i, N/m."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
-    share = t / gusts.grid[INTERVAL] - state[SAMPLE]
+    share = t / gusts.interval - state[SAMPLE]
     s = (position - mesh.position[i]) / mesh.length[i]
     total = 0.0
     for node, weight in ((i, 1.0 - s), (i + 1, s)):

@@ -28,7 +28,6 @@ from .mesh import Mesh, node_at
 from .sines import TURN, random_bands
 from .statics import Statics
 
-LAID_OUT = "waves and mean wind are laid out where a catenary is made"  # why a parameter is structural
 PER_WAVE = 8.0  # samples in the shortest period, stations in the shortest wave
 ACROSS = {"gusts.intensity", "gusts.length"}  # parameters of the wind across the line
 
@@ -44,23 +43,21 @@ class Gusts(Effect):
 
     explicit_only = True
 
-    speed = parameter(15.0, "m/s", "mean speed of the wind across the line", low=1e-3, high=100.0, structural=LAID_OUT)
-    density = parameter(1.225, "kg/m3", "density of the air", low=0.0, structural=LAID_OUT)
-    intensity = parameter(0.18, "1", "standard deviation across the line over the mean speed", low=0.0, high=1.0,
-                          structural=LAID_OUT)
-    vertical_intensity = parameter(0.09, "1", "standard deviation of the vertical speed over the mean speed", low=0.0, high=1.0,
-                                   structural=LAID_OUT)
-    length = parameter(100.0, "m", "length scale of the gusts across the line", low=1e-3, structural=LAID_OUT)
-    vertical_length = parameter(2.5, "m", "length scale of the vertical gusts", low=1e-3, structural=LAID_OUT)
-    decay = parameter(10.0, "1", "decay C of the coherence along the line, exp(-C n distance / U)", low=1e-3, structural=LAID_OUT)
-    contact_wire_diameter = parameter(0.0145, "m", "diameter of a contact wire", low=0.0, structural=LAID_OUT)
-    messenger_diameter = parameter(0.014, "m", "diameter of a messenger", low=0.0, structural=LAID_OUT)
-    drag_coefficient = parameter(1.0, "1", "drag coefficient of the wires", low=0.0, structural=LAID_OUT)
-    lift_coefficient = parameter(0.0, "1", "lift coefficient of a contact wire in a level wind", structural=LAID_OUT)
-    lift_slope = parameter(0.0, "1/rad", "slope of that coefficient over the angle of the wind", structural=LAID_OUT)
-    lowest = parameter(0.02, "Hz", "lowest frequency", low=1e-4, structural=LAID_OUT)
-    highest = parameter(5.0, "Hz", "highest frequency", low=1e-3, structural=LAID_OUT)
-    shortest = parameter(12.0, "m", "shortest wave along the line", low=0.1, structural=LAID_OUT)
+    speed = parameter(15.0, "m/s", "mean speed of the wind across the line", low=1e-3, high=100.0)
+    density = parameter(1.225, "kg/m3", "density of the air", low=0.0)
+    intensity = parameter(0.18, "1", "standard deviation across the line over the mean speed", low=0.0, high=1.0)
+    vertical_intensity = parameter(0.09, "1", "standard deviation of the vertical speed over the mean speed", low=0.0, high=1.0)
+    length = parameter(100.0, "m", "length scale of the gusts across the line", low=1e-3)
+    vertical_length = parameter(2.5, "m", "length scale of the vertical gusts", low=1e-3)
+    decay = parameter(10.0, "1", "decay C of the coherence along the line, exp(-C n distance / U)", low=1e-3)
+    contact_wire_diameter = parameter(0.0145, "m", "diameter of a contact wire", low=0.0)
+    messenger_diameter = parameter(0.014, "m", "diameter of a messenger", low=0.0)
+    drag_coefficient = parameter(1.0, "1", "drag coefficient of the wires", low=0.0)
+    lift_coefficient = parameter(0.0, "1", "lift coefficient of a contact wire in a level wind")
+    lift_slope = parameter(0.0, "1/rad", "slope of that coefficient over the angle of the wind")
+    lowest = parameter(0.02, "Hz", "lowest frequency", low=1e-4)
+    highest = parameter(5.0, "Hz", "highest frequency", low=1e-3)
+    shortest = parameter(12.0, "m", "shortest wave along the line", low=0.1)
     components = integer(200, "number of waves", low=1, high=2000)
     seed = integer(1, "of the random frequencies, wave numbers and phases", low=0, high=2**31 - 1)
 
@@ -127,7 +124,7 @@ def buffeting(values: Any, mesh: Mesh, layout: Layout, where: str) -> Buffeting:
     amplitude = np.sqrt(2.0 * np.array(spectra) * width * angle * 2.0 / np.pi) / carried
     r = len(push)
     turn = np.stack((np.cos(wave[:r] * distance), np.sin(wave[:r] * distance)), axis=1)
-    return Buffeting(np.array([interval, distance]), TURN * number, amplitude[:r].copy(), wave[:r].copy(), phase[:r].copy(), turn,
+    return Buffeting(g.y, interval, distance, TURN * number, amplitude[:r].copy(), wave[:r].copy(), phase[:r].copy(), turn,
                      np.zeros((r, 2, n)), np.array(push))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import BadInput
 from ..core.kernels import kernel, kernel_tuple
-from .contact import FASTEST, SPEEDS, WireOnMesh, node_compliance
+from .contact import FASTEST, SPEEDS, WireOnMesh, compliance_table, node_compliance
 from .line.layout import GRAVITY, Layout, Wire
 
 
@@ -103,11 +103,8 @@ def node_positions(fixed: np.ndarray, element: float) -> np.ndarray:
     return np.concatenate((*parts, fixed[-1:]))
 
 
-def build_mesh(layout: Layout, element: float, slack, gravity_sag, time_error: float, reading_error: float
-               ) -> tuple[Mesh, tuple[WireOnMesh, ...]]:
-    """(mesh with the static equilibrium of a layout, kinds of its contact wires); effects of `Catenary` are NamedTuples or None.
-
-    The tables of the mesh's compliance are room for `compliance_table`.
+def build_mesh(layout: Layout, element: float, slack, gravity_sag, damping, time_error: float, reading_error: float) -> Mesh:
+    """Mesh and static equilibrium of a layout; effects of `Catenary` are NamedTuples or None.
 
     element: m, the longest.  time_error: s², the share that the time integration adds to the squared frequency omega² of a wave,
     over omega²/12.  reading_error: s², what it adds to the contact's sharpness, over c²/h²; taken back there.
@@ -119,7 +116,7 @@ def build_mesh(layout: Layout, element: float, slack, gravity_sag, time_error: f
     lower, upper = layout.droppers.lower, layout.droppers.upper
     around = 0.5 * (L + np.roll(L, 1))
     mean_element = float(L @ L / L.sum())
-    wires = [wire_on_mesh(w, mean_element, time_error, reading_error) for w in layout.wires]
+    wires = [wire_on_mesh(w, damping, mean_element, time_error, reading_error) for w in layout.wires]
 
     mass, tension, curvature, fourth_order, impedance, ground, ground_damping, lift = (np.zeros((n, W)) for _ in range(8))
     exists = np.zeros((n, W), dtype=bool)
@@ -218,17 +215,19 @@ def build_mesh(layout: Layout, element: float, slack, gravity_sag, time_error: f
     node_of = np.searchsorted(x, cell * np.arange(math.ceil(x[-1] / cell) + 1), side="right") - 1
     stiffness = 1.0 / (1.0 / layout.droppers.stiffness + (unresolved[at_dropper, lower] + unresolved[at_dropper, upper]))
     inverse_length = np.repeat(np.append(1.0 / L[:-1], 0.0), W)
+    tables = np.zeros((len(kinds), SPEEDS))
+    for row, one in zip(tables, kinds, strict=True):
+        compliance_table(one, row)
     fastest = np.array([FASTEST * math.sqrt(w.tension / w.mass) for w in kinds])
     jumps.sort()
     clamps.sort()
-    mesh = Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), inverse_mass.ravel(), tension.ravel(),
+    return Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), inverse_mass.ravel(), tension.ravel(),
                 (curvature + fourth_order).ravel(), np.where(np.isinf(gradient), 0.0, gradient), impedance.ravel(),
                 ground.ravel(), ground_damping.ravel(), at_dropper, W * at_dropper + lower, W * at_dropper + upper, stiffness,
-                preload, at_support, height.ravel(), bow.ravel(), kind.ravel(), np.zeros(SPEEDS * len(kinds)), fastest,
+                preload, at_support, height.ravel(), bow.ravel(), kind.ravel(), tables.ravel(), fastest,
                 np.array([w.sharpness for w in kinds]),
                 np.array([j for j, _ in jumps], dtype=np.int64), np.array([c for _, c in jumps], dtype=float),
                 np.array([a for a, _ in clamps], dtype=np.int64), np.array([b for _, b in clamps], dtype=np.int64))
-    return mesh, tuple(kinds)
 
 
 def node_at(x: np.ndarray, positions: np.ndarray) -> np.ndarray:
@@ -252,11 +251,12 @@ def fourth_order_term(tension, mass, element, time_error):
     return np.maximum(tension * element**2 + time_error * tension**2 / mass, 0.0) / 12.0
 
 
-def wire_on_mesh(wire: Wire, element: float, time_error: float, reading_error: float) -> WireOnMesh:
-    """A wire on elements of one length, m, undamped."""
+def wire_on_mesh(wire: Wire, damping, element: float, time_error: float, reading_error: float) -> WireOnMesh:
+    """A wire on elements of one length, m."""
+    alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
     T, m, B = wire.tension, wire.mass, wire.bending
     return WireOnMesh(T, m, B, element, float(fourth_order_term(T, m, element, time_error)), B * element**2 / 6.0, time_error,
-                      1.0 + reading_error * T / m / element**2)
+                      1.0 + reading_error * T / m / element**2, alpha, beta)
 
 
 def contact_wire_shape(stiffness, weight, held_at, heights) -> np.ndarray:

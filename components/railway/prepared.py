@@ -1,4 +1,4 @@
-"""What follows from the structure of a catenary alone, computed once for all with the same: line, mesh, matrices, frequencies."""
+"""What follows from the parameters of a catenary alone, computed once for all with the same: line, mesh, limit of the step."""
 
 from __future__ import annotations
 
@@ -15,16 +15,11 @@ from .explicit import PAD
 from .gusts import buffeting, in_mean_wind
 from .line.layout import Layout
 from .mesh import Mesh, add_droppers, build_mesh, diagonals_of_wires, packed, stiffness_of_wires
-from .statics import rest_of
-
-EVERYTHING, WIRES, DASHPOTS = range(3)  # of `PreparedLine.highest`
+from .statics import Statics
 
 
 class PreparedLine:
-    """A line on its mesh. Nothing of it may be changed: catenaries share it. p, e: parameters and effects of `Catenary`.
-
-    highest: (3,) squared frequency of everything and of the wires alone, 1/s², dashpots over masses, 1/s.
-    """
+    """A line on its mesh. Nothing of it may be changed: catenaries share it. p, e: parameters and effects of `Catenary`."""
 
     def __init__(self, layout: Layout, p: Any, e: Any, implicit: bool, name: str) -> None:
         # Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force
@@ -33,23 +28,23 @@ class PreparedLine:
         h2 = min(p.substep**2, 0.7 * element_time**2)
         time_errors = (2.0 * h2, 1.125 * h2) if implicit else (-h2, -0.75 * h2)
         self.layout = layout
-        mesh, kinds = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, *time_errors)
-        self.kinds = np.array(kinds)
+        self.mesh = build_mesh(layout, p.element, e.dropper_slackening, e.gravity_sag, e.damping, *time_errors)
         self.buffeting = None
         if e.gusts is not None:
-            mesh = in_mean_wind(e.gusts, mesh, layout, e.dropper_slackening is not None)
-            self.buffeting = buffeting(e.gusts, mesh, layout, name)
-        self.mesh, self.packed, self.rest = mesh, packed(mesh), rest_of(mesh)
+            self.mesh = in_mean_wind(e.gusts, self.mesh, layout, e.dropper_slackening is not None)
+            self.buffeting = buffeting(e.gusts, self.mesh, layout, name)
+        self.packed = packed(self.mesh)
+        self.statics = Statics(self.mesh)
         reach = 3 if e.bending_stiffness is not None else 2  # nodes
-        self.wires = stiffness_of_wires(mesh, reach) if implicit else diagonals_of_wires(mesh, reach, PAD)
-        self.highest = np.zeros(3) if implicit else _highest(mesh, e.damping is not None, self.buffeting)
+        self.wires = stiffness_of_wires(self.mesh, reach) if implicit else diagonals_of_wires(self.mesh, reach, PAD)
+        self.limit = math.inf if implicit else _explicit_limit(self.mesh, e.damping, self.buffeting)  # s
 
 
 _PREPARED: WeakValueDictionary[Hashable, PreparedLine] = WeakValueDictionary()
 
 
 def prepared_line(key: Hashable, layout: Callable[[], Layout], p: Any, e: Any, implicit: bool, name: str) -> PreparedLine:
-    """The prepared line of a structure, `key`: that of a living catenary if one has it. name: for messages."""
+    """The prepared line of parameters and effects, `key`: that of a living catenary if one has it. name: for messages."""
     line = _PREPARED.get(key)
     if line is None:
         laid_out = layout()
@@ -60,14 +55,18 @@ def prepared_line(key: Hashable, layout: Callable[[], Layout], p: Any, e: Any, i
     return line
 
 
-def _highest(mesh: Mesh, damped: bool, gusts: Any) -> np.ndarray:
+def _explicit_limit(mesh: Mesh, damping: Any, gusts: Any) -> float:
+    """(omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies of everything and of the wires alone."""
     wires = stiffness_of_wires(mesh, 3)
     taut = wires.copy()
     taut[:, 0] += mesh.ground
     add_droppers(taut, mesh, 1.0)
+    omega2 = _highest_eigenvalue(taut, mesh)
     dashpots = mesh.ground_damping if gusts is None else mesh.ground_damping + gusts.push[0]
-    return np.array([_highest_eigenvalue(taut, mesh), _highest_eigenvalue(wires, mesh) if damped else 0.0,
-                     float(np.max(dashpots * mesh.inverse_mass))])
+    b = 2.0 * float(np.max(dashpots * mesh.inverse_mass))
+    if damping is not None:
+        b += 2.0 * damping.beta * _highest_eigenvalue(wires, mesh)
+    return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
 
 
 def _highest_eigenvalue(stiffness: np.ndarray, mesh: Mesh) -> float:

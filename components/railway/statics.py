@@ -2,128 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import factor_band, solve_band
+from ..core.banded import banded_product, factor_band, solve_band
 from ..core.errors import StepFailed
-from ..core.kernels import kernel, kernel_tuple
 from .contact import add_contact, contact_compliance, wire_height
 from .implicit import RIGID_CLAMP
 from .line.layout import GRAVITY
-from .mesh import Mesh, add_springs, stiffness_band, stiffness_of_wires
-
-MAX_SETS = 100  # of taut droppers that are tried
-NO_REST, CHECK_FORCE = "the slack droppers of the static equilibrium do not converge", "Check the contact force"
-
-
-@kernel_tuple
-class Rest(NamedTuple):
-    """Stiffness of a mesh of N degrees of freedom and d droppers, and the factors of two sets of taut droppers."""
-
-    stiffness: np.ndarray  # (N, 3 W + 1) N/m, of all but droppers
-    factors: np.ndarray  # (2, N, 3 W + 1): all taut, with which every search begins, and the last other set
-    factored: np.ndarray  # (2, d) 1 where a dropper is taut in these sets, -1 before there are factors
-    taut: np.ndarray  # (d,) of the equilibrium
-
-
-def rest_of(mesh: Mesh) -> Rest:
-    """Stiffness of a mesh; nothing is factored."""
-    stiffness = stiffness_of_wires(mesh, 3)
-    stiffness[:, 0] += mesh.ground
-    add_springs(stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
-    return Rest(stiffness, np.zeros((2, *stiffness.shape)), np.full((2, mesh.dropper.size), -1.0), np.ones(mesh.dropper.size))
-
-
-@kernel
-def factor_rest(which, mesh, rest):
-    """Factors number `which` with the stiffness of the present taut droppers, unless they are there."""
-    band, factored, N, W = rest.factors[which], rest.factored[which], mesh.mass.size, mesh.bending_gradient.size
-    same = True
-    for k in range(factored.size):
-        same = same and factored[k] == rest.taut[k]
-    if same:
-        return
-    for j in range(N):
-        for i in range(band.shape[1]):
-            band[j, i] = rest.stiffness[j, i]
-    for k in range(factored.size):
-        factored[k] = rest.taut[k]
-        one, other, stiffness = mesh.lower[k], mesh.upper[k], mesh.dropper_stiffness[k] * factored[k]
-        band[one, 0] += stiffness
-        band[other, 0] += stiffness
-        band[min(one, other), abs(one - other)] -= stiffness
-    factor_band(band, W, W, N - W)
-
-
-@kernel
-def product_at(i, band, x):
-    """Element i of the product of a symmetric matrix, as its upper band, with x."""
-    value = band[i, 0] * x[i]
-    for k in range(1, band.shape[1]):
-        if i + k < x.size:
-            value += band[i, k] * x[i + k]
-        if i >= k:
-            value += band[i - k, k] * x[i - k]
-    return value
-
-
-@kernel
-def find_rest(force, unilateral, q, mesh, rest):
-    """Displacements q (N,) m under forces on the nodes (N,) N; with `unilateral` droppers do not push.
-
-    Returns the largest unbalanced nodal force over the largest dropper preload, or NaN where the set of taut droppers does not
-    converge. The forces become the unbalanced ones.
-    """
-    N, W, taut = mesh.mass.size, mesh.bending_gradient.size, rest.taut
-    for k in range(taut.size):
-        taut[k] = 1.0
-    for _ in range(MAX_SETS):
-        for j in range(N):
-            q[j] = force[j]
-        slack = 0
-        for k in range(taut.size):
-            q[mesh.lower[k]] -= mesh.preload[k] * (1.0 - taut[k])
-            q[mesh.upper[k]] += mesh.preload[k] * (1.0 - taut[k])
-            if taut[k] == 0.0:
-                slack += 1
-        for j in range(W):
-            q[j], q[N - 1 - j] = 0.0, 0.0
-        which = 0 if slack == 0 else 1
-        factor_rest(which, mesh, rest)
-        solve_band(rest.factors[which], q, W, N - W)
-        changed = 0
-        for k in range(taut.size):
-            tension = mesh.preload[k] + mesh.dropper_stiffness[k] * (q[mesh.upper[k]] - q[mesh.lower[k]])
-            now = 1.0 if tension > 0.0 or not unilateral else 0.0
-            if now != taut[k]:
-                taut[k] = now
-                changed += 1
-        if changed > 0:
-            continue
-        for j in range(N):
-            force[j] -= product_at(j, rest.stiffness, q)
-        largest, most = 0.0, 0.0
-        for k in range(taut.size):
-            tension = mesh.preload[k] + mesh.dropper_stiffness[k] * (q[mesh.upper[k]] - q[mesh.lower[k]])
-            change = (tension if taut[k] > 0.0 else 0.0) - mesh.preload[k]
-            force[mesh.lower[k]] += change
-            force[mesh.upper[k]] -= change
-            most = max(most, abs(mesh.preload[k]))
-        for j in range(W, N - W):
-            largest = max(largest, abs(force[j]))
-        return largest / most
-    return math.nan
+from .mesh import Mesh, add_droppers, add_springs, stiffness_band, stiffness_of_wires
 
 
 class Statics:
-    """Static equilibrium of a mesh under point loads."""
+    """Static equilibrium of a mesh under point loads. Keeps the stiffness, and the factors of two sets of taut droppers."""
 
     def __init__(self, mesh: Mesh) -> None:
-        self.mesh, self.rest = mesh, rest_of(mesh)
+        self.mesh = mesh
+        self.stiffness = stiffness_of_wires(mesh, 3)
+        self.stiffness[:, 0] += mesh.ground
+        add_springs(self.stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
+        self._by_column = np.asfortranarray(self.stiffness)  # of which `banded_product` takes column by column
+        self._factors: dict[bytes, np.ndarray] = {}
 
     def under(self, loads: Sequence[tuple], unilateral: bool,
               nodal: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
@@ -132,13 +32,43 @@ class Statics:
         Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
         largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
         """
-        force, q = np.zeros(self.mesh.mass.size) + nodal, np.zeros(self.mesh.mass.size)
+        mesh = self.mesh
+        N, W = mesh.mass.size, mesh.bending_gradient.size
+        force = np.zeros(N) + nodal
         for position, load, *wire in loads:
-            add_contact(float(position), float(load), force, wire[0] if wire else 0, self.mesh)
-        residual = find_rest(force, unilateral, q, self.mesh, self.rest)
-        if math.isnan(residual):
-            raise StepFailed("Catenary", 0.0, NO_REST, CHECK_FORCE)
-        return q, self.rest.taut.copy(), residual
+            add_contact(position, load, force, wire[0] if wire else 0, mesh)
+        low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness
+        taut = np.ones(low.size)
+        for _ in range(100):
+            q = force.copy()
+            np.subtract.at(q, low, mesh.preload * (1.0 - taut))
+            np.add.at(q, up, mesh.preload * (1.0 - taut))
+            q[:W], q[-W:] = 0.0, 0.0
+            solve_band(self._factors_with(taut), q, W, N - W)
+            tension = mesh.preload + k * (q[up] - q[low])
+            now = (tension > 0.0).astype(float) if unilateral else taut
+            if np.array_equal(now, taut):
+                change = np.where(taut > 0.0, tension, 0.0) - mesh.preload
+                unbalanced = force - banded_product(self._by_column, q)
+                np.add.at(unbalanced, low, change)
+                np.subtract.at(unbalanced, up, change)
+                return q, taut, float(np.abs(unbalanced[W:-W]).max() / np.abs(mesh.preload).max())
+            taut = now
+        raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge",
+                         "Check the contact force")
+
+    def _factors_with(self, taut: np.ndarray) -> np.ndarray:
+        """Factors with the taut droppers' stiffness. Kept: all taut, with which every search begins, and the last other set."""
+        key = taut.tobytes()
+        if key not in self._factors:
+            band = self.stiffness.copy()
+            add_droppers(band, self.mesh, taut)
+            N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
+            factor_band(band, W, W, N - W)
+            if len(self._factors) > 1:
+                self._factors.popitem()
+            self._factors[key] = band
+        return self._factors[key]
 
 
 def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True, wire: int = 0) -> np.ndarray:

@@ -2,37 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
-
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import kernel
 
 # N; every nodal force starts from this instead of 0. Ahead of the wave front displacements would otherwise shrink into
 # the subnormal numbers, where each operation takes a hundred times as long. It lifts the wires by less than 1e-25 m.
 WHISPER = 1e-27
-
-
-@kernel_tuple
-class Motion(NamedTuple):
-    """What a step changes, and the inputs that move the wires."""
-
-    x: np.ndarray  # state
-    u: np.ndarray  # (3, m) inputs
-    points: np.ndarray  # (p, 5) int, as of `contact_points`
-    work: np.ndarray  # (2, N + 2 PAD W), or (5, N) of the implicit method
-    counts: np.ndarray
-
-
-@kernel_tuple
-class Laws(NamedTuple):
-    """What decides how wires and droppers move, each None where it is off."""
-
-    slack: Any
-    bending: Any
-    damping: Any
-    window: Any  # lengths of the moving window, m
-    gusts: Any  # `Buffeting`
 
 
 @kernel

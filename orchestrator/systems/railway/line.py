@@ -46,7 +46,7 @@ def read(path: Path, values: Mapping[str, Any], droppers: Path | None = None, te
     change = {} if temperature is None else {"temperature.change": temperature}
     catenary = Catenary(["line_table", *(["temperature"] if change else [])], {**values, **tables, **change})
     catenary.refuse_unused(values)
-    p, title = catenary._parameters()[0], line.title or path.stem
+    p, title = catenary._declared_arguments()[0], line.title or path.stem
     if temperature is None:
         return find_form(line, p), title
     return line_at(line, p, temperature)[1], f"{title}, {temperature:+g} K"

@@ -43,7 +43,7 @@ spans = [{ length = 65.0, repeat = 9 }]
 
 
 def parameters():
-    return Catenary()._parameters()[0]
+    return Catenary()._declared_arguments()[0]
 
 
 def form(text):

@@ -25,7 +25,7 @@ spans = {spans}
 
 
 def at(text, change):
-    return line_at(read_line(text), Catenary()._parameters()[0], change)
+    return line_at(read_line(text), Catenary()._declared_arguments()[0], change)
 
 
 def root(function, low, high):

@@ -33,7 +33,7 @@ def catenary(element):
 
 def networks():
     """Both sections, with the cut lengths, rest heights and arms' forces of form finding. Heights count from 5.30 m."""
-    found = find_form(read_line(table()), Catenary()._parameters()[0])
+    found = find_form(read_line(table()), Catenary()._declared_arguments()[0])
     d, sections, inner = found.layout.droppers, [], 0
     for number, section in enumerate(resolved_sections(read_line(table()))):
         net, x = Network(), section.x

@@ -102,11 +102,11 @@ def test_catenaries_of_the_same_parameters_share_a_line():
     first, same, other = (Catenary(parameters={"spans": 2, "element": e, "method": "implicit"}) for e in (2.0, 2.0, 1.0))
     for made in (first, same, other):
         made.initialize(0.0)
-    assert same._prepared_line is first._prepared_line
-    assert other._prepared_line is not first._prepared_line
+    assert same.mesh is first.mesh
+    assert other.mesh is not first.mesh
     same.set("contact_wire_tension", 21e3)
     same.initialize(0.0)
-    assert same._prepared_line is not first._prepared_line
+    assert same.mesh is not first.mesh
 
 
 def test_sag_between_droppers_is_a_parabola():
@@ -148,7 +148,7 @@ def test_droppers_carry_the_weight_and_the_pre_sag():
 def test_messenger_carries_everything_to_its_supports():
     catenary = Catenary(["dropper_slackening"])
     catenary.initialize(0.0)
-    p, mesh = catenary.arguments[1], catenary.mesh
+    p, mesh = catenary.arguments[0], catenary.mesh
     y = messenger_shape(p, None, mesh)
     reaction = -p.support_stiffness * y[mesh.support[5]]  # the spring under a support in the middle
     assert reaction == pytest.approx(GRAVITY * (1.35 + 1.07) * 60.0, rel=1e-6)  # the ends' influence decays over the spans

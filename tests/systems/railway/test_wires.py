@@ -51,8 +51,8 @@ def frequencies(element: float, bending=None) -> np.ndarray:
     catenary = Catenary(["bending_stiffness"] if bending else [], values)
     if bending:
         catenary.set("bending_stiffness.contact_wire", bending)
-    p, e = catenary._parameters()
-    mesh, _ = build_mesh(uniform(p, e.bending_stiffness, None, None, None), p.element, None, None, 0.0, 0.0)
+    p, e = catenary._declared_arguments()
+    mesh = build_mesh(uniform(p, e.bending_stiffness, None, None, None), p.element, None, None, None, 0.0, 0.0)
     stiffness, inner = full(stiffness_of_wires(mesh, 3)[::2, ::2]), slice(1, -1)
     return np.sqrt(scipy.linalg.eigh(stiffness[inner, inner], np.diag(mesh.mass[::2][inner]), eigvals_only=True))
 
@@ -146,11 +146,11 @@ def test_order_in_the_step_is_two(method):
         catenary = Catenary(effects, values | {"damping.alpha": 0.1, "damping.beta": 1e-3})
         catenary.initialize(0.0)
         # the mesh depends on the nominal substep; the same mesh for all isolates the time integration
-        s, p, _ = catenary.arguments
-        mesh, _ = build_mesh(uniform(p, None, None, None, None), p.element, None, None, 0.0, 0.0)
-        s.numbers[:] = packed(mesh)[0]
+        p = catenary.arguments[0]
+        catenary.mesh = build_mesh(uniform(p, None, None, None, None), p.element, None, None, None, 0.0, 0.0)
+        catenary._packed = packed(catenary.mesh)
         if method == "implicit":
-            s.solver.stiffness[:] = stiffness_of_wires(mesh, 2)
+            catenary._stiffness = stiffness_of_wires(catenary.mesh, 2)
         for i in range(10):
             catenary.u[:, 0] = 40.0, 0.0, 0.0
             catenary.u[:, 1] = 100.0 * (i * 0.02) ** 2, 200.0 * i * 0.02, 100.0  # a force growing as t²
