@@ -72,7 +72,8 @@ class KernelComponent(Component):
             cls.Present = _tuple_type(cls, "Present", ["none"])
 
     def shapes(self) -> dict[str, Any]:
-        """What `s` holds besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None.
+        """What `s` holds besides inputs, outputs and counters: name -> shape, of zeros, or an array with its contents, or None; or a
+        NamedTuple of arrays.
 
         `x` is the state. It depends on the structural parameters and the effects that are on; its names are always the same.
         """
@@ -103,7 +104,8 @@ class KernelComponent(Component):
         cls = type(self)
         shapes = self.shapes()
         contents = {"u": self.u, "y": self.y, "x": np.zeros(0), "counts": np.zeros_like(self.counts)}
-        contents |= {n: v if isinstance(v, np.ndarray) or v is None else np.zeros(v) for n, v in shapes.items()}
+        contents |= {n: v if isinstance(v, np.ndarray) or v is None or hasattr(v, "_fields") else np.zeros(v)
+                     for n, v in shapes.items()}
         if vars(cls).get("Memory") is None or cls.Memory._fields != tuple(contents):
             cls.Memory = self._memory_type(tuple(contents))
         p, e = self._parameters()
