@@ -123,9 +123,14 @@ class Layout:
     droppers: Droppers
     holds: Holds
     contact_lanes: tuple[int, ...] = (0,)
-    # (k, 5): contact wire, position, stagger, kink, and the number of the wire whose tension times the kink is the lateral force
+    # (k, 5): contact wire, position, stagger, kink, and the number of the wire whose tension times the kink is the force there
     lateral: np.ndarray = field(default_factory=lambda: np.zeros((0, 5)))
     reference: float = 0.0  # m, level in the line's table that heights count from
+
+    @property
+    def lateral_force(self) -> np.ndarray:
+        """Of each row of `lateral` the force by which a steady arm pulls the contact wire, (k,) N. Source: statics of a string."""
+        return np.array([w.tension for w in self.wires])[self.lateral[:, 4].astype(int)] * self.lateral[:, 3]
 
     @property
     def places(self) -> np.ndarray:
