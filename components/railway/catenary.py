@@ -5,27 +5,58 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
 from ..core.banded import banded_product
-from ..core.component import Component, Effect, Preset
+from ..core.component import Effect, Preset
+from ..core.contract import KernelComponent, Kernels, Refusal
 from ..core.errors import BadInput
-from ..core.kernels import DONE, OUT_OF_RANGE, hold_inputs, kernel
+from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter, text
-from .contact import at_contact, contact_compliance, element_at, heights_around, hung_around, in_range, wire_height
-from .explicit import PAD, explicit_steps, move_window
-from .gust_loads import empty_gust_state, gust_state, load_at, start_gusts
-from .gusts import ACROSS, Gusts
-from .implicit import implicit_steps
+from . import gusts as wind
+from . import mesh as meshes
+from .contact import add_contact, at_contact, contact_compliance, element_at, heights_around, hung_around, in_range, wire_height
+from .explicit import (
+    AHEAD,
+    BEHIND,
+    COST_AHEAD,
+    COST_BEHIND,
+    PAD,
+    WANTED,
+    explicit_limit,
+    explicit_steps,
+    fill_diagonals,
+    move_window,
+)
+from .gust_loads import FIRST, LAST, SAMPLE, UNREADY, follow_gusts, gust_state, load_at
+from .gusts import ACROSS, Gusts, blow, empty_buffeting, raise_wind
+from .implicit import Solver, implicit_steps, start_solver
+from .line import plan as plans
 from .line.dropper_table import line_of
-from .line.form import Form, form_of
-from .line.from_table import support_positions, unused_by
+from .line.form import Form, Found, empty_network, find_form_at_rest, form_of
+from .line.from_table import lay_out, support_positions, unused_by
 from .line.layout import Layout, uniform
-from .line.temperature import formed_layout
-from .mesh import NO_WIRE, stiffness_of_wires, unpacked
+from .line.plan import Given, empty_settled, plan_of, settle, settle_droppers, settled_layout
+from .line.temperature import find_form_at, fixed_wires
+from .mesh import (
+    NO_WIRE,
+    Discretisation,
+    Mesh,
+    Space,
+    add_fittings,
+    empty_mesh,
+    find_pushed,
+    hang_contact_wires,
+    packed,
+    spread_wires,
+    unpacked,
+)
 from .moving_window import ENOUGH, echo, width
-from .prepared import PreparedLine, prepared_line
+from .statics import PRESENT, add_ground, empty_balance, find_balance, put_droppers
+from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
+from .wires import Laws, Motion
 
 MAX_DROPPERS = 14  # in a span; the simple DC catenary of EN 50318:2018 has 14
 WATCHED = 5  # supports whose uplift is an output
@@ -34,6 +65,10 @@ FURTHER = 6  # contact points that `further_pantographs` can have
 LINE = ("contact_wire_tension", "contact_wire_mass", "messenger_tension", "messenger_mass", "dropper_stiffness", "dropper_mass",
         "contact_clamp_mass", "messenger_clamp_mass", "support_stiffness", "support_damping")
 PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
+SUBSTEP_TOO_LONG, UNBALANCED = OWN, OWN + 11  # statuses of `initialize`, beside those of its parts
+
+
+PLACED = "it decides where nodes are, and how many"
 
 
 class DropperSlackening(Effect):
@@ -223,7 +258,7 @@ class LineProfile(Effect):
                              "without any", nominal=100.0, size=PROFILE, feedthrough=("contact_position",))
 
 
-class Catenary(Component):
+class Catenary(KernelComponent):
     """Contact wire and messenger wire as tensioned strings or beams, coupled by droppers, in the vertical plane.
 
         m u'' = T u'' (x) - EI u'''' - alpha m u' + beta (T u'' - EI u'''')' + droppers + supports + contact
@@ -265,7 +300,7 @@ class Catenary(Component):
     line_profile = LineProfile
 
     spans = integer(10, "number of spans", low=1, high=1000)
-    span_length = parameter(60.0, "m", "length of a span", low=1.0)
+    span_length = parameter(60.0, "m", "length of a span", low=1.0, structural=PLACED)
     contact_wire_tension = parameter(20e3, "N", "tension of the contact wire", low=1.0)
     contact_wire_mass = parameter(1.35, "kg/m", "mass of the contact wire per length", low=1e-6)
     messenger_tension = parameter(16e3, "N", "tension of the messenger wire", low=1.0)
@@ -273,7 +308,8 @@ class Catenary(Component):
     droppers = integer(9, "droppers in a span", low=1, high=MAX_DROPPERS)
     dropper_position = parameter(
         (5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0, *(0.0,) * (MAX_DROPPERS - 9)), "m",
-        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS)
+        "position of a dropper within the span; elements beyond the number of droppers do not count", size=MAX_DROPPERS,
+        structural=PLACED)
     dropper_stiffness = parameter(100e3, "N/m", "stiffness of a dropper", low=1.0)
     dropper_mass = parameter(0.0, "kg", "mass of a dropper, half of it at either wire", low=0.0)
     contact_clamp_mass = parameter(0.0, "kg", "mass of a dropper clamp on the contact wire", low=0.0)
@@ -283,7 +319,7 @@ class Catenary(Component):
     first_watched_support = integer(4, "number of the first support whose uplift is an output; 0 is the start", low=0)
 
     method = choice("explicit", ("explicit", "implicit"), "time integration")
-    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0)
+    element = parameter(0.4, "m", "longest element", low=0.01, high=30.0, structural="it decides how many nodes there are")
     substep = parameter(1e-3, "s", "longest internal step", low=1e-7, high=0.1)
     spectral_radius = parameter(1.0, "1", "generalised-alpha: spectral radius at infinite frequency", low=0.0, high=1.0)
 
@@ -316,75 +352,86 @@ class Catenary(Component):
             ("dropper_slackening", "gravity_sag", "pre_sag", "bending_stiffness", "damping")),
     }
 
-    def _initialize(self, t: float) -> int:
-        self.arguments = self._declared_arguments()
-        p, e = self.arguments
+    refusals = {
+        SUBSTEP_TOO_LONG: Refusal("substep = {substep} s", "at most {limits[0]} s, the explicit method's limit",
+                                  "Reduce substep, enlarge element, or set method = 'implicit'."),
+        UNBALANCED: Refusal("slack droppers of the static equilibrium that do not converge", "a set of them that does",
+                            "Check the contact force."),
+        **plans.REFUSALS, **meshes.REFUSALS, **wind.REFUSALS}
+
+    # -- memory ------------------------------------------------------------------------------------------------------
+    def shapes(self) -> dict[str, Any]:
+        """Geometry, the numbers that follow from parameters, and workspace.
+
+        `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `settled`, `network`:
+        the line without and with the numbers of parameters, and its form finding.  `points`: see `contact_points`.  `lateral`:
+        rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s.
+        `refused`: numbers of a refusal.  `window`: of what moves, see `explicit`.  `gusts`: the wind.  `diagonals`: stiffness of
+        the wires for the explicit method; `solver`: the implicit one.
+        """
+        _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
         if implicit and e.moving_window is not None:
             raise BadInput(self.name, "effect 'moving_window' with method 'implicit'", "method 'explicit'",
                            "The window moves through the wires; a factorised matrix does not.")
-        line = self._line(p, e)
-        self.mesh, self._packed = line.mesh, line.packed
-        if line.buffeting is not None:  # with a workspace of its own
-            gusts = line.buffeting._replace(at_station=np.zeros_like(line.buffeting.at_station))
-            self.arguments = p, e = p, e._replace(gusts=gusts)
-        if p.substep > line.limit:
-            raise BadInput(self.name, f"substep = {p.substep:g} s", f"at most {line.limit:.3g} s, the explicit method's limit",
-                           "Reduce substep, enlarge element, or set method = 'implicit'.")
-        if e.moving_window is not None:
-            self.arguments = p, e = p, e._replace(moving_window=self._window(p, e))
-        N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
-        rows = line.layout.lateral[:, :3]
-        self._points = contact_points(e, len(line.layout.contact_lanes))
-        self._lateral = rows.copy() if rows.size else np.zeros((1, 3))
-        loads = [(self.u[0, position], self.u[0, force], wire) for position, force, _, _, wire in self._points]
-        for position, *_ in loads:
-            if not in_range(position, self.mesh):
-                return OUT_OF_RANGE
-        q, taut, residual = line.statics.under(loads, e.dropper_slackening is not None)
-        # displacement, velocity, acceleration; place and speed of each contact; then what only one method or effect remembers
-        contacts = [value for position, *_ in loads for value in (position, 0.0)]
-        edges = [1.0, N // W - 2.0] if e.moving_window is not None else []
-        of_gusts = empty_gust_state(self.mesh) if e.gusts is not None else np.zeros(0)
-        self.x = np.concatenate((q, np.zeros(2 * N), contacts, of_gusts, taut if implicit else [], edges))
-        if e.moving_window is not None:
-            positions = [position for position, *_ in loads]
-            _, hi = move_window(max(positions), min(positions), self.x, self.mesh, e.moving_window)
-            self.x[W * hi + W : N] = 0.0
-        self.y[STATIC_RESIDUAL] = residual
-        if e.second_wire is not None:  # where it is not touched
-            self.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
-        self._stiffness = line.wires
-        self._work = np.zeros((5, N) if implicit else (2, N + 2 * PAD * W))
-        if implicit:
-            self._band, self._factors = np.zeros((2, *self._stiffness.shape))
-            self._factored = np.full(taut.size, -1.0)
-            self._prepared = np.zeros(1)
-        return DONE
+        layout, fixed = self._layout()
+        if len(layout.contact_lanes) > 1 and e.second_wire is None:
+            raise BadInput(self.name, "a line with two contact wires, or sections that overlap, without 'second_wire'",
+                           "the effect second_wire", "Switch it on, here and at the pantographs.")
+        plan = plan_of(layout, fixed)
+        mesh, grid = empty_mesh(layout, plan, self.parameters["element"])
+        numbers, indices = packed(mesh)
+        n, N, W, d = mesh.position.size, mesh.mass.size, layout.lanes, mesh.dropper.size
+        points = contact_points(e, len(layout.contact_lanes))
+        reach = 3 if e.bending_stiffness is not None else 2  # nodes
+        parts = [3 * N, 2 * len(points), 0 if e.gusts is None else 3 + 2 * N, d if implicit else 0,
+                 0 if e.moving_window is None else 2]
+        cut = bool(np.isnan(layout.droppers.height).any()) or e.temperature is not None
+        band = (N, reach * W + 1)
+        return {
+            "x": sum(parts), "numbers": numbers, "indices": indices, "grid": grid, "plan": plan,
+            "settled": empty_settled(len(layout.wires), d, layout.holds.position.size),
+            "network": empty_network(plan, cut) if e.line_table is not None else None, "points": points,
+            "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None, "balance": empty_balance(mesh),
+            "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))), "limits": 1, "refused": 4,
+            "window": 5 if e.moving_window is not None else None,
+            "gusts": empty_buffeting(mesh, e.gusts.components, e.gusts.seed) if e.gusts is not None else None,
+            "work": (5, N) if implicit else (2, N + 2 * PAD * W),
+            "diagonals": None if implicit else (reach + 1, N + PAD * W),
+            "solver": Solver(*np.zeros((3, *band)), np.zeros(d), np.zeros(1)) if implicit else None}
 
-    def _start(self, t: float) -> int:
-        _, e = self.arguments
-        if e.gusts is not None:
-            start_gusts(t, self._points, self.x, *self._packed, e.moving_window, e.gusts)
-        return DONE
+    def _layout(self) -> tuple[Layout, tuple[tuple[int, float, float], ...]]:
+        """The line with NaN where parameters decide, and the wires whose tension a temperature changes, see `fixed_wires`."""
+        values = self.parameters
+        if "line_table" in self.on:
+            line = line_of(values, self.name)
+            layout = lay_out(line, "bending_stiffness" in self.on)
+            return layout, tuple(fixed_wires(line, layout)) if "temperature" in self.on else ()
+        within = np.array([values[f"dropper_position[{i + 1}]"] for i in range(values["droppers"])])
+        on = ("pre_sag" in self.on, "steady_arm" in self.on, "level_support" in self.on)
+        return uniform(values["spans"], values["span_length"], within, *on), ()
 
-    def _step(self, t: float, h: float) -> int:
-        p, e = self.arguments
-        n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
-        watched = p.first_watched_support
-        if self.parameters["method"] == "explicit":
-            return advance_explicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed,
-                                    self._stiffness, self._work, self.counts, watched, e.dropper_slackening, e.bending_stiffness,
-                                    e.damping, e.moving_window, e.gusts, e.stagger, e.wire_profile, e.line_profile)
-        return advance_implicit(t, h, n, self.x, self.u, self.y, self._points, self._lateral, *self._packed, self._work,
-                                self.counts, watched, p.spectral_radius, self._prepared, self._stiffness, self._band,
-                                self._factors, self._factored, e.dropper_slackening, e.bending_stiffness, e.damping,
-                                e.gusts, e.stagger, e.wire_profile, e.line_profile)
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh as it is after `initialize`."""
+        s = self.arguments[0]
+        return getattr(unpacked, "py_func", unpacked)(s.numbers, s.indices)
 
-    def _outputs(self, t: float) -> None:
-        p, e = self.arguments
-        refresh_outputs(t, self.x, self.u[0], self.y, self._points, self._lateral, *self._packed, p.first_watched_support,
-                        e.gusts, e.stagger, e.wire_profile, e.line_profile)
+    # -- the run -----------------------------------------------------------------------------------------------------
+    def _initialize(self, t: float) -> int:
+        status = super()._initialize(t)
+        if status == DONE and "moving_window" in self.on:
+            self._warn_of_narrow_window()
+        return status
+
+    def _warn_of_narrow_window(self) -> None:
+        window, whole = self.arguments[0].window, float(self.mesh.position[-1])
+        for name, cost in (("ahead", window[COST_AHEAD]), ("behind", window[COST_BEHIND])):
+            wanted, given = float(window[WANTED]), self.parameters[f"moving_window.{name}"]
+            if 0.0 < given < min(wanted, whole):
+                takes = "the whole line" if wanted >= whole else f"{wanted:.0f} m"
+                warnings.warn(f"{self.name}: moving_window.{name} = {given:g} m may cost {100.0 * cost:.2g} % of the contact "
+                              f"force: {100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes", stacklevel=3)
 
     def energy(self) -> float:
         """Energy above the static equilibrium without contact force, J: motion, wires, droppers, supports."""
@@ -397,25 +444,9 @@ class Catenary(Component):
             tension = np.maximum(tension, 0.0)
         return float(total + np.sum((tension**2 - mesh.preload**2) / (2.0 * mesh.dropper_stiffness) - mesh.preload * stretch))
 
-    def _window(self, p, e):
-        """The effect's values with the widths that are not given; warns of a given one that is too narrow for the error."""
-        mesh, window = self.mesh, e.moving_window
-        wires = mesh.impedance > 0.0
-        wave = float((mesh.tension[wires] / mesh.impedance[wires]).max())
-        alpha, beta = (e.damping.alpha, e.damping.beta) if e.damping is not None else (0.0, 0.0)
-        span = float(np.diff(mesh.position[mesh.support]).max()) if mesh.support.size > 1 else p.span_length
-        line = wave, span, alpha, beta, window.speed
-        wanted, whole = width(*line), float(mesh.position[-1])
-        for name in ("ahead", "behind"):
-            if 0.0 < (given := getattr(window, name)) < min(wanted, whole):
-                cost, takes = 100.0 * echo(given, *line), "the whole line" if wanted >= whole else f"{wanted:.0f} m"
-                warnings.warn(f"{self.name}: moving_window.{name} = {given:g} m may cost {cost:.2g} % of the contact force: "
-                              f"{100.0 * ENOUGH:g} % takes {takes}; 0 is as much as it takes", stacklevel=2)
-        return window._replace(ahead=window.ahead or min(wanted, whole), behind=window.behind or min(wanted, whole))
-
     def left_range(self) -> str:
         """The contact points, their speeds, and the part of the wire on which they may be."""
-        columns = dict.fromkeys(self._points[:, 0].tolist())
+        columns = dict.fromkeys(self.arguments[0].points[:, 0].tolist())
         points = [f"{self.inputs[i]} = {self.u[0, i]:g} m moving at {self.u[1, i]:g} m/s" for i in columns]
         first = int(self.x[-2]) if "moving_window" in self.on and self.x.size else 1
         low, high = self.mesh.position[[first, -2]]
@@ -424,11 +455,22 @@ class Catenary(Component):
 
     def stable_step(self) -> float:
         """Limit of the explicit method, s; inf if implicit."""
-        return self._line(*self._declared_arguments()).limit
+        return math.inf if self.parameters["method"] == "implicit" else self.of_initialization("limits", 0)
 
     def form(self) -> Form:
         """The line at rest, for the present parameters; of a uniform catenary the messenger's supports are at the height 0."""
-        return form_of(self._layout_for(*self._declared_arguments()))
+        layout, fixed = self._layout()
+        given = getattr(given_by, "py_func", given_by)(*self._declared_arguments())
+        if "line_table" not in self.on:
+            return form_of(layout, given)
+        found = Found(layout, given, fixed)
+        if "temperature" in self.on:
+            change = self.parameters["temperature.change"]
+            found.check(find_form_at(change, found.plan, given, found.settled, found.net))
+        else:
+            found.check(find_form_at_rest(found.plan, given, found.settled, found.net))
+            settle_droppers(found.plan.dropper_numbers, given, found.settled.dropper)
+        return form_of(settled_layout(layout, given, found.settled))
 
     def unused(self, names: Iterable[str]) -> dict[str, str]:
         """See `Component.unused`; also what a line's table or the method has no use for, and a support beyond the end."""
@@ -445,24 +487,9 @@ class Catenary(Component):
                 reasons["first_watched_support"] = f"the last support of the line is number {last}"
         rest = [n for n in names if n in LINE or n.startswith("bending_stiffness.")]
         if "line_table" in self.on and rest:
-            p, e = self._declared_arguments()
-            unused = unused_by(line_of(self.parameters, self.name), p, e.bending_stiffness, rest)
-            reasons |= dict.fromkeys(unused, "line_table.table has it in every place")
+            layout = lay_out(line_of(self.parameters, self.name), "bending_stiffness" in self.on)
+            reasons |= dict.fromkeys(unused_by(layout, rest), "line_table.table has it in every place")
         return reasons
-
-    def _line(self, p, e) -> PreparedLine:
-        """What the present parameters make, for all catenaries with the same; kept, for initialization is repeated."""
-        key = (type(self), self.on, tuple(self.parameters.values()))
-        if getattr(self, "_line_key", None) != key:
-            self._prepared_line = prepared_line(key, lambda: self._layout_for(p, e), p, e,
-                                                self.parameters["method"] == "implicit", self.name)
-            self._line_key = key
-        return self._prepared_line
-
-    def _layout_for(self, p, e) -> Layout:
-        if e.line_table is not None:
-            return formed_layout(line_of(self.parameters, self.name), p, e.bending_stiffness, e.temperature)
-        return uniform(p, e.bending_stiffness, e.pre_sag, e.steady_arm, e.level_support)
 
 
 POSITION, FORCE = Catenary.input_indices("contact_position", "contact_force")
@@ -499,9 +526,10 @@ def lateral_position(position, wire, lateral):
 
 
 @kernel
-def catenary_outputs(t, x, u, y, points, lateral, mesh, watched, gusts, stagger, profile, hung):
-    """Outputs for the state x at the time t and the present inputs u, (m,)."""
+def put_outputs(t, mesh, s, p, e):
+    """Outputs for the present state and inputs at the time t."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
+    x, u, y, points = s.x, s.u[0], s.y, s.points
     q, v = x[:N], x[N : 2 * N]
     for k in range(points.shape[0]):
         position, i, next_one, wire = u[points[k, 0]], points[k, 2], points[k, 3], points[k, 4]
@@ -509,20 +537,21 @@ def catenary_outputs(t, x, u, y, points, lateral, mesh, watched, gusts, stagger,
         y[i + next_one] = at_contact(position, v, wire, mesh)
         y[i + 2 * next_one] = contact_compliance(x[3 * N + 2 * k + 1], position, wire, mesh)
     for k in range(WATCHED):
-        j = W * mesh.support[min(watched + k, mesh.support.size - 1)]
+        j = W * mesh.support[min(p.first_watched_support + k, mesh.support.size - 1)]
         y[UPLIFT + k] = q[j]
         if mesh.height.size > mesh.position.size:  # of the second contact wire, where that rises further
             y[UPLIFT + k] = max(q[j], q[j + 2])
-    if gusts is not None:
+    if e.gusts is not None:
         position = u[points[0, 0]]
-        y[gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, gusts)
-    if stagger is not None:
+        y[e.gusts.y] = load_at(t, position, element_at(position, mesh), x[gust_state(points, mesh) :], mesh, s.gusts)
+    if e.stagger is not None:
         for wire in range(2):
-            y[stagger.y + wire] = lateral_position(u[POSITION], wire, lateral)
-    if profile is not None:
-        heights_around(u[POSITION], q, mesh, y[profile.y : profile.y + PROFILE])
-    if hung is not None:
-        hung_around(u[POSITION], q, mesh, y[hung.y : hung.y + PROFILE], y[hung.y + PROFILE : hung.y + 2 * PROFILE])
+            y[e.stagger.y + wire] = lateral_position(u[POSITION], wire, s.lateral)
+    if e.wire_profile is not None:
+        heights_around(u[POSITION], q, mesh, y[e.wire_profile.y : e.wire_profile.y + PROFILE])
+    if e.line_profile is not None:
+        hung = y[e.line_profile.y : e.line_profile.y + 2 * PROFILE]
+        hung_around(u[POSITION], q, mesh, hung[:PROFILE], hung[PROFILE:])
 
 
 @kernel
@@ -544,31 +573,177 @@ def follow_contacts(h, x, u, points, mesh):
             x[i + 1] = speed
 
 
+# -- initialization ----------------------------------------------------------------------------------------------------
 @kernel
-def refresh_outputs(t, x, u, y, points, lateral, numbers, indices, watched, gusts, stagger, profile, hung):
-    """`catenary_outputs` for a packed mesh."""
-    catenary_outputs(t, x, u, y, points, lateral, unpacked(numbers, indices), watched, gusts, stagger, profile, hung)
+def given_by(p, e):
+    """Parameters for what the line does not say."""
+    contact_wire_bending, messenger_bending, arm_stiffness, arm_mass, sag = 0.0, 0.0, 0.0, 0.0, 0.0
+    if e.bending_stiffness is not None:
+        contact_wire_bending, messenger_bending = e.bending_stiffness.contact_wire, e.bending_stiffness.messenger
+    if e.steady_arm is not None:
+        arm_stiffness, arm_mass = e.steady_arm.stiffness, e.steady_arm.mass
+    if e.pre_sag is not None:
+        sag = e.pre_sag.depth
+    return Given(p.contact_wire_tension, p.contact_wire_mass, p.messenger_tension, p.messenger_mass, p.dropper_stiffness,
+                 p.dropper_mass, p.contact_clamp_mass, p.messenger_clamp_mass, p.support_stiffness, p.support_damping,
+                 contact_wire_bending, messenger_bending, arm_stiffness, arm_mass, sag)
 
 
 @kernel
-def advance_explicit(t, h, n, x, u, y, points, lateral, numbers, indices, stiffness, work, counts, watched, slack, bending,
-                     damping, window, gusts, stagger, profile, hung):
-    """One macro step with the explicit method, then the outputs."""
-    mesh = unpacked(numbers, indices)
-    status = explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window,
-                            gusts)
-    follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
+def discretisation(alpha, beta, implicit, settled, p):
+    """How waves run along the mesh with the time integration.
+
+    Verlet makes waves too fast by (omega h)²/24, the midpoint rule too slow by twice that; what each does to a force that moves
+    at v and to the height read there goes with v²/c², taken at 1/2. Beyond 0.7 the series says nothing.
+    """
+    element_time = p.element * math.sqrt(settled.mass[0] / settled.tension[0])
+    h2 = min(p.substep**2, 0.7 * element_time**2)
+    if implicit:
+        return Discretisation(2.0 * h2, 1.125 * h2, alpha, beta)
+    return Discretisation(-h2, -0.75 * h2, alpha, beta)
+
+
+@kernel
+def open_window(alpha, beta, mesh, window, given):
+    """Lengths of the window that moves, where they are not given; given: of `MovingWindow`."""
+    wave, span, whole = 0.0, 0.0, mesh.position[mesh.position.size - 1]
+    for j in range(mesh.impedance.size):
+        if mesh.impedance[j] > 0.0:
+            wave = max(wave, mesh.tension[j] / mesh.impedance[j])
+    for k in range(mesh.support.size - 1):
+        span = max(span, mesh.position[mesh.support[k + 1]] - mesh.position[mesh.support[k]])
+    wanted = width(wave, span, alpha, beta, given.speed)
+    window[WANTED] = wanted
+    window[AHEAD] = given.ahead if given.ahead > 0.0 else min(wanted, whole)
+    window[BEHIND] = given.behind if given.behind > 0.0 else min(wanted, whole)
+    window[COST_AHEAD] = echo(window[AHEAD], wave, span, alpha, beta, given.speed)
+    window[COST_BEHIND] = echo(window[BEHIND], wave, span, alpha, beta, given.speed)
+
+
+# -- the kernels -------------------------------------------------------------------------------------------------------
+@kernel
+def catenary_initialize(t, s, p, e):
+    """The line and its mesh for the present parameters, and their static equilibrium under the present contact forces.
+
+    One kernel: Numba would compile all that stands below another one once more.
+    """
+    mesh, given, refused = unpacked(s.numbers, s.indices), given_by(p, e), s.settled.refused
+    alpha, beta = 0.0, 0.0
+    if e.damping is not None:
+        alpha, beta = e.damping.alpha, e.damping.beta
+
+    # what hangs where
+    if e.temperature is not None:
+        status = find_form_at(e.temperature.change, s.plan, given, s.settled, s.network)
+    elif e.line_table is not None:
+        status = find_form_at_rest(s.plan, given, s.settled, s.network)
+        settle_droppers(s.plan.dropper_numbers, given, s.settled.dropper)
+    else:
+        status = settle(s.plan, given, s.settled)
+
+    # its mesh
+    if status == DONE:
+        way = discretisation(alpha, beta, s.solver is not None, s.settled, p)
+        status = spread_wires(mesh, s.plan, s.settled, s.grid, way, s.space)
+    if status == DONE:
+        add_fittings(mesh, s.plan, s.settled, s.grid, s.space)
+        hang_contact_wires(mesh, s.plan, s.settled, s.grid, s.space, e.gravity_sag is not None)
+        if e.dropper_slackening is not None:
+            status = find_pushed(mesh, refused)
+
+    # stiffness, equilibrium in the wind, longest stable step
+    x, nodal, unilateral = s.x, s.space.nodal, e.dropper_slackening is not None
+    s.limits[0] = math.inf
+    if status == DONE:
+        omega2, damped = 0.0, 0.0
+        fill_stiffness(mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.length, s.balance.stiffness)
+        if s.solver is not None:
+            start_solver(s.balance.stiffness, s.solver)
+        if s.diagonals is not None:
+            fill_diagonals(s.balance.stiffness, mesh.bending_gradient.size, s.diagonals)
+            if beta > 0.0:
+                damped = beta * highest_eigenvalue(s.balance.stiffness, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0],
+                                                   nodal[1])
+            nodal[2] = 1.0
+            taut = s.balance.factors[0]  # as long as nothing is factored
+            put_droppers(nodal[2, : mesh.dropper.size], mesh.lower, mesh.upper, mesh.dropper_stiffness, s.balance.stiffness, taut)
+            for j in range(taut.shape[0]):
+                taut[j, 0] += mesh.ground[j]
+            omega2 = highest_eigenvalue(taut, mesh.inverse_mass, mesh.clamped, mesh.clamp, nodal[0], nodal[1])
+        add_ground(mesh, s.balance)
+        if e.gusts is not None:
+            if e.gusts.lift_coefficient != 0.0:
+                status = blow(e.gusts, unilateral, mesh, s.plan, s.grid, s.balance, s.space, refused)
+            if status == DONE:
+                status = raise_wind(e.gusts, mesh, s.plan, s.grid, s.gusts)
+        if s.diagonals is not None and status == DONE:
+            for j in range(nodal.shape[1]):
+                nodal[0, j] = mesh.ground_damping[j]
+                if e.gusts is not None:
+                    nodal[0, j] += s.gusts.push[0, j]
+            s.limits[0] = explicit_limit(omega2, damped, nodal[0], mesh.inverse_mass)
+            if p.substep > s.limits[0]:
+                status = SUBSTEP_TOO_LONG
+    for k in range(s.refused.size):
+        s.refused[k] = refused[k]
+    if status != DONE:
+        return status
+
+    # equilibrium under the contact forces
+    u, points, N, W, lo, hi = s.u, s.points, mesh.mass.size, mesh.bending_gradient.size, 0, mesh.position.size - 1
+    front, rear = -math.inf, math.inf
+    nodal[0] = 0.0
+    for k in range(points.shape[0]):
+        position = u[0, points[k, 0]]
+        if not in_range(position, mesh):
+            return OUT_OF_RANGE
+        front, rear = max(front, position), min(rear, position)
+        add_contact(position, u[0, points[k, 1]], nodal[0], points[k, 4], mesh)
+        x[3 * N + 2 * k] = position
+    s.y[STATIC_RESIDUAL] = find_balance(nodal[0], unilateral, x[:N], mesh, s.balance)
+    if math.isnan(s.y[STATIC_RESIDUAL]):
+        return UNBALANCED
+
+    # what only one method or effect remembers
+    if s.solver is not None:
+        for k in range(mesh.dropper.size):
+            x[x.size - mesh.dropper.size + k] = s.balance.taut[PRESENT, k]
+    if e.moving_window is not None:
+        open_window(alpha, beta, mesh, s.window, e.moving_window)
+        x[x.size - 2], x[x.size - 1] = 1.0, mesh.position.size - 2.0
+        lo, hi = move_window(front, rear, x, mesh, s.window)
+        x[W * hi + W : N] = 0.0
+    if e.gusts is not None:
+        loads = x[gust_state(points, mesh) :]
+        loads[SAMPLE], loads[FIRST], loads[LAST] = UNREADY, 0.0, -1.0
+        follow_gusts(t, lo, hi, loads, mesh, s.gusts)
+    if e.second_wire is not None:  # where it is not touched
+        s.y[e.second_wire.y : e.second_wire.y + 2 + FURTHER] = NO_WIRE
+    return DONE
+
+
+@kernel
+def catenary_step(t, h, s, p, e):
+    """Equal internal steps over h, then the outputs."""
+    mesh = unpacked(s.numbers, s.indices)
+    n = max(1, math.ceil(h / p.substep * (1.0 - 1e-9)))
+    motion = Motion(s.x, s.u, s.points, s.work, s.counts, s.window, s.gusts)
+    laws = Laws(e.dropper_slackening, e.bending_stiffness, e.damping)
+    status = DONE
+    if s.solver is not None:
+        status = implicit_steps(t, h, n, motion, mesh, s.solver, p.spectral_radius, laws)
+    if s.diagonals is not None:
+        status = explicit_steps(t, h, n, motion, mesh, s.diagonals, laws)
+    follow_contacts(h, s.x, s.u, s.points, mesh)
+    put_outputs(t + h, mesh, s, p, e)
     return status
 
 
 @kernel
-def advance_implicit(t, h, n, x, u, y, points, lateral, numbers, indices, work, counts, watched, radius, prepared, stiffness,
-                     band, factors, factored, slack, bending, damping, gusts, stagger, profile, hung):
-    """One macro step with the implicit method, then the outputs."""
-    mesh = unpacked(numbers, indices)
-    status = implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored,
-                            slack, bending, damping, gusts)
-    follow_contacts(h, x, u, points, mesh)
-    catenary_outputs(t + h, x, u[0], y, points, lateral, mesh, watched, gusts, stagger, profile, hung)
-    return status
+def catenary_outputs(t, s, p, e):
+    """Outputs for the present state and inputs."""
+    put_outputs(t, unpacked(s.numbers, s.indices), s, p, e)
+    return DONE
+
+
+Catenary.kernels = Kernels(catenary_initialize, catenary_step, catenary_outputs)

@@ -14,8 +14,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from ..core.kernels import kernel, kernel_tuple
 from .wires import dropper_tension, first_at_or_after
 
@@ -207,16 +205,18 @@ def compliance_table(wire, table):
         table[j] = total / math.pi
 
 
-def node_compliance(wire: WireOnMesh) -> float:
+@kernel
+def node_compliance(wire):
     """Compliance that a mesh leaves out at a node under a force at rest, m/N.
 
     For strings linear elements are exact at their nodes: 1/(T q²) over the mesh's waves is 1/(T k²) over all of them. Bending
     takes sqrt(EI / T) / (2 T) off the wire.
     """
-    T, EI = wire.tension, wire.bending
-    q = 2.0 * np.sin(0.5 * np.pi * (np.arange(1000) + 0.5) / 1000.0) / wire.element
-    on_mesh = np.mean(1.0 / (T * q**2) - 1.0 / (T * q**2 + (EI + wire.curvature) * q**4 + wire.gradient * q**6)) / wire.element
-    return float(on_mesh) - 0.5 * math.sqrt(EI / T) / T
+    T, EI, on_mesh, n = wire.tension, wire.bending, 0.0, 1000
+    for i in range(n):
+        q = 2.0 * math.sin(0.5 * math.pi * (i + 0.5) / n) / wire.element
+        on_mesh += 1.0 / (T * q**2) - 1.0 / (T * q**2 + (EI + wire.curvature) * q**4 + wire.gradient * q**6)
+    return on_mesh / n / wire.element - 0.5 * math.sqrt(EI / T) / T
 
 
 @kernel

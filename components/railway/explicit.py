@@ -10,18 +10,41 @@ from .gust_loads import LOADS, add_air_damping, add_gusts, follow_gusts, gust_st
 from .wires import WHISPER, dropper_tension, first_at_or_after
 
 PAD = 3  # nodes beyond either end: so far the stiffness of a wire reaches
+AHEAD, BEHIND, WANTED, COST_AHEAD, COST_BEHIND = range(5)  # of a moving window: lengths in use and wanted, m, and their `echo`
+
+
+@kernel
+def fill_diagonals(band, W, diagonals):
+    """Upper band (N, 3 W + 1) of all wires by diagonals, (3 or 4, N + PAD W): row k has K[j, j + k W] at j + PAD W; before, 0."""
+    diagonals[:] = 0.0
+    for k in range(diagonals.shape[0]):
+        for j in range(band.shape[0]):
+            diagonals[k, j + PAD * W] = band[j, k * W]
+
+
+@kernel
+def explicit_limit(omega2, damped, dashpots, inverse_mass):
+    """Longest stable step, s: (omega h)² + 4 (beta omega_w² + c/m) h = 4 with the highest frequencies.
+
+    omega2: omega², 1/s², of everything.  damped: beta omega_w², 1/s, of the wires alone.  dashpots: c (N,) N.s/m.
+    """
+    most = 0.0
+    for j in range(dashpots.size):
+        most = max(most, dashpots[j] * inverse_mass[j])
+    b = 2.0 * most + 2.0 * damped
+    return (math.sqrt(b * b + 4.0 * omega2) - b) / omega2
 
 
 @kernel
 def move_window(front, rear, x, mesh, window):
     """First and last moving node for the contact points at `front` and `rear`; nodes left behind go to equilibrium.
 
-    x: its last two elements hold the window of the step before.
+    x: its last two elements hold the window of the step before.  window: its lengths, m.
     """
     n, N, W = mesh.position.size, mesh.mass.size, mesh.bending_gradient.size
     before = int(x[x.size - 2])
-    lo = max(element_at(max(rear - window.behind, 0.0), mesh), max(before, 1))
-    hi = min(element_at(min(front + window.ahead, mesh.position[n - 1]), mesh) + 1, n - 2)
+    lo = max(element_at(max(rear - window[BEHIND], 0.0), mesh), max(before, 1))
+    hi = min(element_at(min(front + window[AHEAD], mesh.position[n - 1]), mesh) + 1, n - 2)
     for part in range(3):
         for j in range(W * max(before, 1), W * lo):
             x[part * N + j] = 0.0
@@ -43,7 +66,7 @@ def drift(d, q, v, a, z, force, beta):
 def kick(j, end, d, v, a, z, force, inverse_mass, stiffness, alpha, W, bending):
     """New acceleration from what the wires pull and the other forces, second half of the kick; degrees of freedom j to end - 1.
 
-    z: (N + 2 PAD W,), stiffness: (3 or 4, N + PAD W), see `diagonals_of_wires`. One sum over five nodes, or seven of beams: with
+    z: (N + 2 PAD W,), stiffness: (3 or 4, N + PAD W), see `fill_diagonals`. One sum over five nodes, or seven of beams: with
     slopes and bending moments kept in between, the processor would load and store numbers for twice as long.
     """
     m, i = end - j, j + PAD * W
@@ -87,22 +110,23 @@ def follow_clamped(values, first, end, mesh):
 
 
 @kernel
-def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, bending, damping, window, gusts):
-    """n equal velocity-Verlet steps over h from the time t.
+def explicit_steps(t, h, n, motion, mesh, stiffness, laws):
+    """n equal velocity-Verlet steps over h from the time t; motion, laws: see `wires`.
 
-    x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].  work: (2, N + 2 PAD W).
-    points: (p, 5), as of `contact_points`.  stiffness: as of `diagonals_of_wires`.
+    motion.x: displacement, velocity, acceleration, (N,) each, contacts[, gusts][, window (2,)].  motion.work: (2, N + 2 PAD W).
+    stiffness: as of `fill_diagonals`.
 
     The damping force uses the predicted velocity v + d/2 a: the step stays explicit and of second order.
     Source: Verlet in kick-drift-kick form.
     """
     N, nodes, W = mesh.mass.size, mesh.position.size, mesh.bending_gradient.size
+    x, u, points = motion.x, motion.u, motion.points
     q, v, a = x[:N], x[N : 2 * N], x[2 * N : 3 * N]
-    padded, force = work[0], work[1, :N]
+    padded, force = motion.work[0], motion.work[1, :N]
     z = padded[PAD * W : PAD * W + N]
     alpha, beta = 0.0, 0.0
-    if damping is not None:
-        alpha, beta = damping.alpha, damping.beta
+    if laws.damping is not None:
+        alpha, beta = laws.damping.alpha, laws.damping.beta
     lo, hi = 1, nodes - 2
     first_dropper, end_dropper, first_support, end_support = 0, mesh.dropper.size, 1, mesh.support.size - 1
     first_clamp, end_clamp = 0, mesh.clamped.size
@@ -116,8 +140,8 @@ def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, 
             if not in_range(position, mesh):
                 return OUT_OF_RANGE
             front, rear = max(front, position), min(rear, position)
-        if window is not None:
-            lo, hi = move_window(front, rear, x, mesh, window)
+        if motion.window is not None:
+            lo, hi = move_window(front, rear, x, mesh, motion.window)
             if rear < mesh.position[lo]:  # the wire there was left behind and does not move any more
                 return OUT_OF_RANGE
             first_dropper, end_dropper = first_at_or_after(mesh.dropper, lo), first_at_or_after(mesh.dropper, hi + 1)
@@ -130,7 +154,7 @@ def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, 
         follow_clamped(q, first_clamp, end_clamp, mesh)
         follow_clamped(v, first_clamp, end_clamp, mesh)
         follow_clamped(z, first_clamp, end_clamp, mesh)
-        if window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
+        if motion.window is not None:  # an edge inside the wire: level beyond it, a dashpot that lets waves out
             for j in range(W):
                 if lo > 1:
                     for i in range(1, PAD + 1):
@@ -141,7 +165,7 @@ def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, 
                         padded[W * (PAD + hi + i) + j] = z[W * hi + j]
                     force[W * hi + j] -= mesh.impedance[W * hi + j] * v[W * hi + j]
         for k in range(first_dropper, end_dropper):
-            change = dropper_tension(k, q, mesh, slack) - mesh.preload[k]
+            change = dropper_tension(k, q, mesh, laws.slack) - mesh.preload[k]
             force[mesh.lower[k]] += change
             force[mesh.upper[k]] -= change
         for k in range(first_support, end_support):
@@ -152,15 +176,15 @@ def explicit_steps(t, h, n, x, u, points, mesh, stiffness, work, counts, slack, 
             position = u[0, i] + s * (u[1, i] + s * u[2, i])
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(position, load, force, points[k, 4], mesh)
-        if gusts is not None:
+        if motion.gusts is not None:
             moving, loads = slice(W * lo, W * hi + W), x[gust_state(points, mesh) :]
-            share = follow_gusts(t + s, lo, hi, loads, mesh, gusts)
+            share = follow_gusts(t + s, lo, hi, loads, mesh, motion.gusts)
             add_gusts(share, loads[LOADS : LOADS + N][moving], loads[LOADS + N : LOADS + 2 * N][moving], force[moving])
-            add_air_damping(d, v[moving], a[moving], gusts.push[0][moving], force[moving])
+            add_air_damping(d, v[moving], a[moving], motion.gusts.push[0][moving], force[moving])
         add_clamped(padded, force, first_clamp, end_clamp, stiffness, mesh)
-        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, bending)
-    counts[0] += n
-    counts[1] += n
+        kick(W * lo, W * hi + W, d, v, a, padded, force, mesh.inverse_mass, stiffness, alpha, W, laws.bending)
+    motion.counts[0] += n
+    motion.counts[1] += n
     if not math.isfinite(q[W * element_at(position, mesh)]):
         return NOT_FINITE
     return DONE

@@ -8,27 +8,28 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.kernels import kernel, kernel_tuple
-from .mesh import Mesh, unpacked
 
 BEYOND = 32  # nodes that are kept ready on either side of those that move
 UNREADY = -1e9  # number of a sample that is never asked for
 SAMPLE, FIRST, LAST, LOADS = 0, 1, 2, 3  # of the state: number of the sample, nodes with loads, the loads of two samples
 
 
+INTERVAL, DISTANCE, FIELDS = 0, 1, 2  # of `Buffeting.grid`
+
+
 @kernel_tuple
 class Buffeting(NamedTuple):
-    """Waves of the wind's fields and what they do to the mesh; r fields: vertical, then across the line where that lifts."""
+    """Waves of the wind's fields and what they do to the mesh: the vertical field, then the one across the line if it lifts."""
 
-    y: int  # position of the output
-    interval: float  # s, between samples; straight in between
-    distance: float  # m, between stations; straight in between
+    grid: np.ndarray  # (3,) s between samples, m between stations, straight in between; number of fields
+    random: np.ndarray  # (5, n) what is random: place of each frequency within its band, wave numbers and phases of both fields
     omega: np.ndarray  # (n,) 1/s
-    amplitude: np.ndarray  # (r, n) m/s
-    wave: np.ndarray  # (r, n) 1/m
-    phase: np.ndarray  # (r, n)
-    turn: np.ndarray  # (r, 2, n) cosine and sine of a wave from station to station
-    at_station: np.ndarray  # (r, 2, n) workspace: amplitude times cosine and sine
-    push: np.ndarray  # (r, N) N.s/m, force on a node over the wind's speed; that of the vertical field also damps
+    amplitude: np.ndarray  # (2, n) m/s
+    wave: np.ndarray  # (2, n) 1/m
+    phase: np.ndarray  # (2, n)
+    turn: np.ndarray  # (2, 2, n) cosine and sine of a wave from station to station
+    at_station: np.ndarray  # (2, 2, n) workspace: amplitude times cosine and sine
+    push: np.ndarray  # (2, N) N.s/m, force on a node over the wind's speed; that of the vertical field also damps
 
 
 @kernel
@@ -37,21 +38,22 @@ def load_nodes(t, first, last, mesh, gusts, out):
     W = mesh.bending_gradient.size
     for j in range(W * first, W * last + W):
         out[j] = 0.0
-    for r in range(gusts.wave.shape[0]):
-        station = int(mesh.position[first] / gusts.distance)
+    for r in range(int(gusts.grid[FIELDS])):
+        distance = gusts.grid[DISTANCE]
+        station = int(mesh.position[first] / distance)
         left = 0.0
         for i in range(gusts.omega.size):
-            angle = gusts.omega[i] * t + gusts.wave[r, i] * station * gusts.distance + gusts.phase[r, i]
+            angle = gusts.omega[i] * t + gusts.wave[r, i] * station * distance + gusts.phase[r, i]
             gusts.at_station[r, 0, i] = gusts.amplitude[r, i] * math.cos(angle)
             gusts.at_station[r, 1, i] = gusts.amplitude[r, i] * math.sin(angle)
             left += gusts.at_station[r, 0, i]
         right = next_station(r, gusts)
         for node in range(first, last + 1):
-            while mesh.position[node] >= (station + 1) * gusts.distance:
+            while mesh.position[node] >= (station + 1) * distance:
                 station += 1
                 left = right
                 right = next_station(r, gusts)
-            share = mesh.position[node] / gusts.distance - station
+            share = mesh.position[node] / distance - station
             speed = left + share * (right - left)
             for j in range(W * node, W * node + W):
                 out[j] += gusts.push[r, j] * speed
@@ -84,40 +86,26 @@ def follow_gusts(t, lo, hi, state, mesh, gusts):
     state: number of the first sample, first and last node with loads, loads of both samples (N,) each.
     """
     N, nodes = mesh.mass.size, mesh.position.size
-    sample = math.floor(t / gusts.interval)
+    interval = gusts.grid[INTERVAL]
+    sample = math.floor(t / interval)
     before, after = state[LOADS : LOADS + N], state[LOADS + N : LOADS + 2 * N]
     ready = state[FIRST] <= lo and hi <= state[LAST]
     if sample == state[SAMPLE] + 1.0 and ready:
         for j in range(N):
             before[j] = after[j]
-        load_nodes((sample + 1.0) * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
+        load_nodes((sample + 1.0) * interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
     elif sample != state[SAMPLE] or not ready:
         state[FIRST], state[LAST] = max(lo - BEYOND, 0), min(hi + BEYOND, nodes - 1)
-        load_nodes(sample * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, before)
-        load_nodes((sample + 1.0) * gusts.interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
+        load_nodes(sample * interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, before)
+        load_nodes((sample + 1.0) * interval, int(state[FIRST]), int(state[LAST]), mesh, gusts, after)
     state[SAMPLE] = sample
-    return t / gusts.interval - sample
-
-
-@kernel
-def start_gusts(t, points, x, numbers, indices, window, gusts):
-    """Loads at the start, of the nodes that move; the mesh packed. x: at its end the window, where there is one."""
-    mesh = unpacked(numbers, indices)
-    lo, hi = 0, mesh.position.size - 1
-    if window is not None:
-        lo, hi = int(x[x.size - 2]), int(x[x.size - 1])
-    follow_gusts(t, lo, hi, x[gust_state(points, mesh) :], mesh, gusts)
+    return t / interval - sample
 
 
 @kernel
 def gust_state(points, mesh):
     """Where in the catenary's state that of `follow_gusts` begins: behind that of the contact points."""
     return 3 * mesh.mass.size + 2 * points.shape[0]
-
-
-def empty_gust_state(mesh: Mesh) -> np.ndarray:
-    """The state of `follow_gusts` before the start."""
-    return np.concatenate(([UNREADY, 0.0, -1.0], np.zeros(2 * mesh.mass.size)))
 
 
 @kernel
@@ -138,7 +126,7 @@ def add_air_damping(d, v, a, push, force):
 def load_at(t, position, i, state, mesh, gusts):
     """Lift per length of the gusts on the first contact wire at a position of element i, N/m."""
     N, W = mesh.mass.size, mesh.bending_gradient.size
-    share = t / gusts.interval - state[SAMPLE]
+    share = t / gusts.grid[INTERVAL] - state[SAMPLE]
     s = (position - mesh.position[i]) / mesh.length[i]
     total = 0.0
     for node, weight in ((i, 1.0 - s), (i + 1, s)):

@@ -15,21 +15,28 @@ over it.
 
 from __future__ import annotations
 
-from typing import Any
+import math
 
 import numpy as np
 
 from ..core.component import Effect
-from ..core.errors import BadInput
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel
 from ..core.variables import integer, output, parameter
-from .gust_loads import Buffeting
-from .line.layout import Layout
-from .mesh import Mesh, node_at
-from .sines import TURN, random_bands
-from .statics import Statics
+from .gust_loads import DISTANCE, FIELDS, INTERVAL, Buffeting
+from .line.plan import CLAMPED_TO, CONTACT, FROM, LANE, TO
+from .mesh import Mesh, around
+from .sines import TURN
+from .statics import PRESENT, find_balance
 
 PER_WAVE = 8.0  # samples in the shortest period, stations in the shortest wave
 ACROSS = {"gusts.intensity", "gusts.length"}  # parameters of the wind across the line
+SLACK_IN_WIND, NO_BAND = OWN + 9, OWN + 10  # statuses of `initialize`
+REFUSALS = {
+    SLACK_IN_WIND: Refusal("gusts: a mean wind of {gusts.speed} m/s whose lift leaves {refused[0]} droppers slack at rest",
+                           "tension in every dropper", "Reduce speed, lift_coefficient or contact_wire_diameter."),
+    NO_BAND: Refusal("gusts: frequencies from {gusts.lowest} to {gusts.highest} Hz", "a lowest one below the highest"),
+}
 
 
 class Gusts(Effect):
@@ -65,76 +72,100 @@ class Gusts(Effect):
                   feedthrough=("contact_position",))
 
 
-def von_karman(n, deviation: float, length: float, speed: float, lateral: bool):
-    """One-sided spectrum S of a wind's speed over the frequency n (k,) in Hz, m²/s; lateral: of a component across the wind.
+def empty_buffeting(mesh: Mesh, components: int, seed: int) -> Buffeting:
+    """Room for the waves on a mesh, with what is random of them."""
+    n, random = components, np.random.default_rng(seed)
+    place, share, turn = random.random(n), random.uniform(-1.0, 1.0, (2, n)), random.random((2, n))
+    return Buffeting(np.zeros(3), np.vstack((place, share, turn)), np.zeros(n), *np.zeros((3, 2, n)), *np.zeros((2, 2, 2, n)),
+                     np.zeros((2, mesh.mass.size)))
+
+
+@kernel
+def von_karman(n, deviation, length, speed, lateral):
+    """One-sided spectrum S of a wind's speed over the frequency n in Hz, m²/s; lateral: of a component across the wind.
 
     S = 4 s² L/U / (1 + 70.8 f²)^(5/6), or 4 s² L/U (1 + 755.2 f²) / (1 + 283.2 f²)^(11/6),  f = n L / U, L of that component.
     """
     f2 = (n * length / speed) ** 2
-    shape = (1.0 + 755.2 * f2) / (1.0 + 283.2 * f2) ** (11 / 6) if lateral else (1.0 + 70.8 * f2) ** (-5 / 6)
+    shape = (1.0 + 755.2 * f2) / (1.0 + 283.2 * f2) ** (11.0 / 6.0) if lateral else (1.0 + 70.8 * f2) ** (-5.0 / 6.0)
     return 4.0 * deviation**2 * length / speed * shape
 
 
-def mean_lift(values: Any, mesh: Mesh, layout: Layout) -> np.ndarray:
-    """Lift of the mean wind on the nodes, (N,) N; values: of `Gusts`."""
-    lift = _over_wires(mesh, layout, values.contact_wire_diameter * values.lift_coefficient, 0.0)
-    return 0.5 * values.density * values.speed**2 * lift
-
-
-def in_mean_wind(values: Any, mesh: Mesh, layout: Layout, unilateral: bool) -> Mesh:
-    """The mesh with the equilibrium in the mean wind as the one that displacements count from.
-
-    `BadInput` where a dropper would be slack there. What lift takes off the sag within an element, micrometres, is neglected.
-    """
-    lift = mean_lift(values, mesh, layout)
-    if not lift.any():
-        return mesh
-    q, taut, _ = Statics(mesh).under((), unilateral, lift)
-    if not taut.all():
-        raise BadInput("Catenary", f"gusts: a mean wind of {values.speed:g} m/s whose lift leaves "
-                       f"{int(taut.size - taut.sum())} droppers slack at rest", "tension in every dropper",
-                       "Reduce speed, lift_coefficient or contact_wire_diameter.")
-    shape = q.reshape(mesh.position.size, -1)[:, list(layout.contact_lanes)].T.ravel()
-    preload = mesh.preload + mesh.dropper_stiffness * (q[mesh.upper] - q[mesh.lower])
-    return mesh._replace(height=mesh.height + shape, preload=preload)
-
-
-def buffeting(values: Any, mesh: Mesh, layout: Layout, where: str) -> Buffeting:
-    """Waves and their push on the mesh; values: of `Gusts`."""
-    if values.lowest >= values.highest:
-        raise BadInput(f"{where}: gusts", f"frequencies from {values.lowest:g} to {values.highest:g} Hz",
-                       "a lowest one below the highest")
-    g, U, n = values, values.speed, int(values.components)
-    per_angle = g.lift_slope + g.drag_coefficient
-    push = [0.5 * g.density * U * _over_wires(mesh, layout, g.contact_wire_diameter * per_angle,
-                                              g.messenger_diameter * g.drag_coefficient)]
-    if g.lift_coefficient != 0.0:
-        push.append(g.density * U * _over_wires(mesh, layout, g.contact_wire_diameter * g.lift_coefficient, 0.0))
-    random = np.random.default_rng(int(g.seed))
-    number, middle, width = random_bands(g.lowest, g.highest, n, random)
-    spectra = (von_karman(middle, g.vertical_intensity * U, g.vertical_length, U, True),
-               von_karman(middle, g.intensity * U, g.length, U, False))
-    spread, k_max = g.decay * number / U, TURN / g.shortest
-    angle = np.arctan(k_max / spread)
-    wave = spread * np.tan(angle * random.uniform(-1.0, 1.0, (2, n)))
-    phase = TURN * random.random((2, n))
-    interval, distance = 1.0 / (PER_WAVE * g.highest), g.shortest / PER_WAVE
-    # straight lines between samples and stations carry the share sinc² of a sine, in time and along the line
-    carried = np.sinc(number * interval) ** 2 * np.sinc(wave * distance / TURN) ** 2
-    amplitude = np.sqrt(2.0 * np.array(spectra) * width * angle * 2.0 / np.pi) / carried
-    r = len(push)
-    turn = np.stack((np.cos(wave[:r] * distance), np.sin(wave[:r] * distance)), axis=1)
-    return Buffeting(g.y, interval, distance, TURN * number, amplitude[:r].copy(), wave[:r].copy(), phase[:r].copy(), turn,
-                     np.zeros((r, 2, n)), np.array(push))
-
-
-def _over_wires(mesh: Mesh, layout: Layout, contact_wire: float, messenger: float) -> np.ndarray:
-    """A value per length of contact wires and messengers times the length around each node, (N,); 0 at fixed ends."""
+@kernel
+def put_over_wires(contact_wire, messenger, mesh, plan, grid, out):
+    """A value per length of contact wires and messengers times the length around each node, into out (N,); 0 at fixed ends."""
     W = mesh.bending_gradient.size
-    around = 0.5 * (mesh.length + np.roll(mesh.length, 1))
-    total = np.zeros((around.size, W))
-    for wire in layout.wires:
-        if wire.clamped_to is None:
-            a, b = node_at(mesh.position, np.array([wire.start, wire.end]))
-            total[a + 1 : b, wire.lane] = contact_wire if wire.lane in layout.contact_lanes else messenger
-    return (around[:, None] * total).ravel()
+    out[:] = 0.0
+    for k in range(plan.wires.shape[0]):
+        if plan.wires[k, CLAMPED_TO] < 0:
+            value = contact_wire if plan.wires[k, CONTACT] >= 0 else messenger
+            for i in range(grid.node[plan.wires[k, FROM]] + 1, grid.node[plan.wires[k, TO]]):
+                out[W * i + plan.wires[k, LANE]] = around(i, mesh.length) * value
+
+
+@kernel
+def blow(g, unilateral, mesh, plan, grid, balance, space, refused):
+    """Put the equilibrium in the mean wind into the mesh, as the one that displacements count from; g: `Gusts`; a status.
+
+    It is refused where a dropper would be slack there. What lift takes off the sag within an element, micrometres, is neglected.
+    """
+    n, W = mesh.position.size, mesh.bending_gradient.size
+    lift, q = space.nodal[0], space.nodal[1]
+    put_over_wires(g.contact_wire_diameter * g.lift_coefficient, 0.0, mesh, plan, grid, lift)
+    for j in range(lift.size):
+        lift[j] = 0.5 * g.density * g.speed**2 * lift[j]
+    find_balance(lift, unilateral, q, mesh, balance)
+    slack = 0
+    for k in range(mesh.preload.size):
+        slack += 1 if balance.taut[PRESENT, k] == 0.0 else 0
+    if slack > 0:
+        refused[0] = slack
+        return SLACK_IN_WIND
+    for j in range(mesh.height.size):
+        mesh.height[j] += q[W * (j % n) + 2 * (j // n)]
+    for k in range(mesh.preload.size):
+        mesh.preload[k] += mesh.dropper_stiffness[k] * (q[mesh.upper[k]] - q[mesh.lower[k]])
+    return DONE
+
+
+@kernel
+def raise_wind(g, mesh, plan, grid, gusts):
+    """Waves of the wind and their push on the mesh, into `gusts`; g: `Gusts`; a status."""
+    if g.lowest >= g.highest:
+        return NO_BAND
+    U, n, across = g.speed, gusts.omega.size, g.lift_coefficient != 0.0
+    put_over_wires(g.contact_wire_diameter * (g.lift_slope + g.drag_coefficient), g.messenger_diameter * g.drag_coefficient,
+                   mesh, plan, grid, gusts.push[0])
+    put_over_wires(g.contact_wire_diameter * g.lift_coefficient, 0.0, mesh, plan, grid, gusts.push[1])
+    for j in range(gusts.push.shape[1]):
+        gusts.push[0, j] *= 0.5 * g.density * U
+        gusts.push[1, j] *= g.density * U
+    interval, distance = 1.0 / (PER_WAVE * g.highest), g.shortest / PER_WAVE
+    gusts.grid[INTERVAL], gusts.grid[DISTANCE], gusts.grid[FIELDS] = interval, distance, 2.0 if across else 1.0
+    first, step = math.log10(g.lowest), (math.log10(g.highest) - math.log10(g.lowest)) / n
+    edge = g.lowest
+    for i in range(n):  # a random frequency in each of n bands of equal ratio
+        end = 10.0 ** (step * (i + 1) + first) if i < n - 1 else g.highest
+        number, middle = edge * (end / edge) ** gusts.random[0, i], math.sqrt(end * edge)
+        gusts.omega[i] = TURN * number
+        spread = g.decay * number / U
+        angle = math.atan(TURN / g.shortest / spread)
+        for r in range(2):
+            if r == 0:
+                spectrum = von_karman(middle, g.vertical_intensity * U, g.vertical_length, U, True)
+            else:
+                spectrum = von_karman(middle, g.intensity * U, g.length, U, False)
+            wave = spread * math.tan(angle * gusts.random[1 + r, i])
+            # straight lines between samples and stations carry the share sinc² of a sine, in time and along the line
+            carried = sinc(number * interval) ** 2 * sinc(wave * distance / TURN) ** 2
+            gusts.amplitude[r, i] = math.sqrt(2.0 * spectrum * (end - edge) * angle * 2.0 / math.pi) / carried
+            gusts.wave[r, i], gusts.phase[r, i] = wave, TURN * gusts.random[3 + r, i]
+            gusts.turn[r, 0, i], gusts.turn[r, 1, i] = math.cos(wave * distance), math.sin(wave * distance)
+        edge = end
+    return DONE
+
+
+@kernel
+def sinc(x):
+    """sin(pi x) / (pi x)."""
+    return math.sin(math.pi * x) / (math.pi * x) if x != 0.0 else 1.0

@@ -3,16 +3,40 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from ..core.banded import factor_band, solve_band
 from ..core.generalized_alpha import generalized_alpha
-from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel
+from ..core.kernels import DONE, NOT_CONVERGED, NOT_FINITE, OUT_OF_RANGE, kernel, kernel_tuple
 from .contact import add_contact, element_at, in_range
 from .gust_loads import LOADS, add_gusts, follow_gusts, gust_state
 from .wires import WHISPER, add_jumps, tension_and_bending
 
 RIGID_CLAMP = 1e10  # N/m, of a clamp between two wires; 1e5 times the stiffness of an element
 MAX_ITERATIONS = 50  # of the active set in one step; 1 to 3 are usual
+
+
+@kernel_tuple
+class Solver(NamedTuple):
+    """Matrices of the method; stiffness of the wires, (N, w) N/m."""
+
+    stiffness: np.ndarray
+    band: np.ndarray  # (N, w) the matrix that every step solves with, without droppers
+    factors: np.ndarray  # (N, w)
+    factored: np.ndarray  # (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet
+    prepared: np.ndarray  # (1,) the step that `band` was computed for, s
+
+
+@kernel
+def start_solver(band, solver):
+    """Nothing is factored yet; band: of all wires, (N, 3 W + 1) N/m."""
+    for j in range(band.shape[0]):
+        for k in range(solver.stiffness.shape[1]):
+            solver.stiffness[j, k] = band[j, k]
+    solver.factored[:] = -1.0
+    solver.prepared[0] = 0.0
 
 
 @kernel
@@ -53,29 +77,27 @@ def factor_with_droppers(band, factors, taut, weight, first, mesh):
 
 
 @kernel
-def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, stiffness, band, factors, factored, slack,
-                   bending, damping, gusts):
-    """n equal generalised-alpha steps over h from the time t.
+def implicit_steps(t, h, n, motion, mesh, solver, radius, laws):
+    """n equal generalised-alpha steps over h from the time t; motion, laws: see `wires`.
 
-    x: displacement, velocity, acceleration, (N,) each, contacts[, gusts], taut (d,).
-
-    points: as of `contact_points`.  radius: spectral, of `generalized_alpha`.
-    prepared: (1,) the step that `band` was computed for, s.
-    factored: (d,) the droppers that `factors` holds as taut, or -1 where nothing is factored yet.
+    motion.x: displacement, velocity, acceleration, (N,) each, contacts[, gusts], taut (d,).  motion.work: (5, N or more).
+    radius: spectral, of `generalized_alpha`.
     The equation of motion holds at t + (1 - alpha_f) h for the displacement; a dropper is taut if its tension is positive there.
     """
     N, droppers, W = mesh.mass.size, mesh.dropper.size, mesh.bending_gradient.size
+    x, u, points, work = motion.x, motion.u, motion.points, motion.work
+    band, factors, factored = solver.band, solver.factors, solver.factored
     q, v, a, taut = x[:N], x[N : 2 * N], x[2 * N : 3 * N], x[x.size - droppers :]
-    z, base, w, kink, b = work[0], work[1], work[2], work[3], work[4]
+    z, base, w, kink, b = work[0, :N], work[1, :N], work[2, :N], work[3, :N], work[4, :N]
     d = h / n
     method = generalized_alpha(d, radius)
     am, af, gamma, beta_n = method.alpha_m, method.alpha_f, method.gamma, method.beta
     alpha, beta = 0.0, 0.0
-    if damping is not None:
-        alpha, beta = damping.alpha, damping.beta
-    if d != prepared[0]:
-        effective_band(method, stiffness, mesh, alpha, beta, gusts, band)
-        prepared[0] = d
+    if laws.damping is not None:
+        alpha, beta = laws.damping.alpha, laws.damping.beta
+    if d != solver.prepared[0]:
+        effective_band(method, solver.stiffness, mesh, alpha, beta, motion.gusts, band)
+        solver.prepared[0] = d
         factored[:] = -1.0
     v_v, v_a = af + (1.0 - af) * (1.0 - gamma / beta_n), (1.0 - af) * d * (1.0 - 0.5 * gamma / beta_n)
     a_v, a_a = -(1.0 - am) / (beta_n * d), am - (1.0 - am) * (0.5 / beta_n - 1.0)
@@ -90,10 +112,10 @@ def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, 
             velocity = v_v * v[j] + v_a * a[j]
             inertia = mesh.mass[j] * (a_v * v[j] + a_a * a[j] + alpha * velocity)
             base[j] = WHISPER - inertia - mesh.ground[j] * q[j] - mesh.ground_damping[j] * velocity
-            if gusts is not None:
-                base[j] -= gusts.push[0, j] * velocity
+            if motion.gusts is not None:
+                base[j] -= motion.gusts.push[0, j] * velocity
             z[j] = q[j] + beta * velocity
-        tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
+        tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, laws.bending)
         for j in range(W, N - W):
             base[j] += mesh.inverse_length[j] * (w[j + W] - w[j]) - mesh.inverse_length[j - W] * (w[j] - w[j - W])
         add_jumps(z, base, 0, mesh.jump.size, mesh)
@@ -106,9 +128,9 @@ def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, 
             load = u[0, f] + s * (u[1, f] + s * u[2, f])
             add_contact(u[0, i] + s * (u[1, i] + s * u[2, i]), load, base, points[k, 4], mesh)
 
-        if gusts is not None:
+        if motion.gusts is not None:
             loads = x[gust_state(points, mesh) :]
-            share = follow_gusts(t + s, 0, N // W - 1, loads, mesh, gusts)
+            share = follow_gusts(t + s, 0, N // W - 1, loads, mesh, motion.gusts)
             add_gusts(share, loads[LOADS : LOADS + N], loads[LOADS + N : LOADS + 2 * N], base)
 
         for _ in range(MAX_ITERATIONS):
@@ -119,7 +141,7 @@ def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, 
                     factored[k] = taut[k]
             if first < N:
                 factor_with_droppers(band, factors, taut, 1.0 - af, first, mesh)
-                counts[2] += 1
+                motion.counts[2] += 1
             for j in range(W, N - W):
                 b[j] = base[j]
             for k in range(droppers):
@@ -128,9 +150,9 @@ def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, 
                 b[i] += change
                 b[j] -= change
             solve_band(factors, b, W, N - W)
-            counts[1] += 1
+            motion.counts[1] += 1
             changed = 0
-            if slack is not None:
+            if laws.slack is not None:
                 for k in range(droppers):
                     i, j = mesh.lower[k], mesh.upper[k]
                     stretch = q[j] - q[i] + (1.0 - af) * (b[j] - b[i])
@@ -147,9 +169,9 @@ def implicit_steps(t, h, n, x, u, points, mesh, work, counts, radius, prepared, 
             q[j] += b[j]
             v[j] = gamma / (beta_n * d) * b[j] + (1.0 - gamma / beta_n) * v_old + d * (1.0 - 0.5 * gamma / beta_n) * a_old
             a[j] = b[j] / (beta_n * d * d) - v_old / (beta_n * d) - (0.5 / beta_n - 1.0) * a_old
-    counts[0] += n
-    if gusts is not None:  # the outputs are those at t + h
-        follow_gusts(t + h, 0, N // W - 1, x[gust_state(points, mesh) :], mesh, gusts)
+    motion.counts[0] += n
+    if motion.gusts is not None:  # the outputs are those at t + h
+        follow_gusts(t + h, 0, N // W - 1, x[gust_state(points, mesh) :], mesh, motion.gusts)
     if not math.isfinite(q[W * element_at(position, mesh)]):
         return NOT_FINITE
     return DONE

@@ -13,11 +13,41 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import banded_product, factor_band, solve_band
-from ..core.errors import BadInput
-from ..core.kernels import kernel, kernel_tuple
+from ..core.banded import factor_band, solve_band
+from ..core.contract import Refusal
+from ..core.kernels import DONE, OWN, kernel, kernel_tuple
 from .contact import FASTEST, SPEEDS, WireOnMesh, compliance_table, node_compliance
-from .line.layout import GRAVITY, Layout, Wire
+from .line.layout import GRAVITY, Layout
+from .line.plan import (
+    ADDED,
+    CLAMPED_TO,
+    CONTACT,
+    DAMPING,
+    FACTOR,
+    FIRST,
+    FROM,
+    HEIGHT,
+    HEIGHT_FROM,
+    HEIGHT_TO,
+    HOLD_HEIGHT,
+    HOLD_MASS,
+    LANE,
+    LAST,
+    LIFT,
+    LOWER,
+    MASS_ABOVE,
+    MASS_BELOW,
+    NO_TENSION,
+    PLACE,
+    SPRING_LANE,
+    SPRING_PLACE,
+    STIFFNESS,
+    TO,
+    WIRE,
+    WORN,
+    Plan,
+)
+from .stiffness import add_wire, product_at
 
 
 @kernel_tuple
@@ -62,6 +92,47 @@ INTEGERS = ("node_of", "dropper", "lower", "upper", "support", "kind", "jump", "
 NUMBERS = tuple(f for f in Mesh._fields if f not in INTEGERS)
 RIGID = 1e18  # N/m
 NO_WIRE = 10.0  # m, height of a contact wire where there is none: out of reach
+PUSHED = OWN + 8  # status of `initialize`
+REFUSALS = {PUSHED: Refusal("dropper at {refused[0]} m would carry {refused[1]} N at rest", "tension in every dropper",
+                            "Reduce the pre-sag or move the droppers.")}
+
+
+@kernel_tuple
+class Grid(NamedTuple):
+    """What else of a mesh follows from structure, to fill it with numbers; f places, k kinds of contact wire, j jumps."""
+
+    node: np.ndarray  # (f,) int, of the places of a plan
+    kind_of: np.ndarray  # (w,) int, kind of each wire, -1 of those that are no contact wires
+    jump_side: np.ndarray  # (j,) int, -1 where a clamped wire begins, 1 where it ends, 0 within a wire
+    element: np.ndarray  # (2,) m, m³, mean element
+
+
+@kernel_tuple
+class Discretisation(NamedTuple):
+    """What decides how waves run along the mesh.
+
+    time_error: s², the share that the time integration adds to the squared frequency omega² of a wave, over omega²/12.
+    reading_error: s², what it adds to the contact's sharpness, over c²/h²; taken back there.
+    """
+
+    time_error: float
+    reading_error: float
+    alpha: float  # 1/s, damping
+    beta: float  # s
+
+
+@kernel_tuple
+class Space(NamedTuple):
+    """Workspace to fill a mesh of n nodes and N degrees of freedom."""
+
+    nodal: np.ndarray  # (8, N)
+    bands: np.ndarray  # (2, n, 4) of one wire
+
+
+# rows of `nodal`: of the element to the right of the node its tension, N, and its mass, kg; weight on the node, N; lift of arms,
+# N; compliance that the mesh leaves out, m/N; and of the nodes of one wire curvature, N m, height, m, and whether it is held
+OVER_RIGHT, ELEMENT_MASS, WEIGHT, LIFTED, UNRESOLVED, CURVATURE, SHAPE, HELD = range(8)
+CLAMPED = 2.0  # in `HELD`, at the ends of the wire and at droppers
 
 
 def packed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -103,235 +174,234 @@ def node_positions(fixed: np.ndarray, element: float) -> np.ndarray:
     return np.concatenate((*parts, fixed[-1:]))
 
 
-def build_mesh(layout: Layout, element: float, slack, gravity_sag, damping, time_error: float, reading_error: float) -> Mesh:
-    """Mesh and static equilibrium of a layout; effects of `Catenary` are NamedTuples or None.
 
-    element: m, the longest.  time_error: s², the share that the time integration adds to the squared frequency omega² of a wave,
-    over omega²/12.  reading_error: s², what it adds to the contact's sharpness, over c²/h²; taken back there.
-    """
+
+def empty_mesh(layout: Layout, plan: Plan, element: float) -> tuple[Mesh, Grid]:
+    """What of a mesh follows from structure; its numbers are 0. element: m, the longest."""
     x = node_positions(layout.places, element)
-    n, W = x.size, layout.lanes
+    n, W, wires = x.size, layout.lanes, layout.wires
     L = np.append(np.diff(x), 0.0)
-    at_support, at_dropper = node_at(x, layout.supports), node_at(x, layout.droppers.position)
-    lower, upper = layout.droppers.lower, layout.droppers.upper
-    around = 0.5 * (L + np.roll(L, 1))
-    mean_element = float(L @ L / L.sum())
-    wires = [wire_on_mesh(w, damping, mean_element, time_error, reading_error) for w in layout.wires]
-
-    mass, tension, curvature, fourth_order, impedance, ground, ground_damping, lift = (np.zeros((n, W)) for _ in range(8))
-    exists = np.zeros((n, W), dtype=bool)
-    over_right = np.zeros((n, W))  # N, tension of the element to the right
-    gradient = np.full(W, np.inf)
-    jumps, clamps = [], []
-    for wire, on_mesh in zip(layout.wires, wires, strict=True):
-        j, (a, b) = wire.lane, node_at(x, np.array([wire.start, wire.end]))
-        exists[a + 1 : b, j] = True
-        part = slice(a, b + 1)
-        mass[part, j] += own_mass(wire, x[part], L[part], around[part] if (a, b) == (0, n - 1) else None)
-        T = np.full(b - a, wire.tension)
-        for change in wire.tension_changes:
-            T[slice(*(node_at(x, np.array([change.start, change.end])) - a))] += change.value
-        if np.any(T <= 0.0):
-            raise BadInput("Catenary", f"a tension of {T.min():g} N in a wire from {wire.start:g} to {wire.end:g} m",
-                           "a positive one", "Reduce what the stitch wires take off the messenger.")
-        tension[a + 1 : b + 1, j] = T
-        over_right[a:b, j] = T
-        if a == 0:
-            tension[0, j] = T[0]
-        least = np.minimum(T[:-1], T[1:])
-        impedance[a + 1 : b, j] = np.sqrt(least * wire.mass)
-        inside = around[a + 1 : b]
-        curvature[a + 1 : b, j] = wire.bending / inside
-        fourth_order[a + 1 : b, j] = fourth_order_term(least, wire.mass, inside, time_error) / inside
-        gradient[j] = min(gradient[j], on_mesh.gradient / on_mesh.element**3)
-        if wire.clamped_to is not None:
-            mass[[a, b], wire.clamped_to] += mass[[a, b], j]
-            mass[[a, b], j] = 0.0
-            clamps += [(W * i + j, W * i + wire.clamped_to) for i in (a, b)]
-        jumps += [(W * i + j, T[i - a - 1] - T[i - a]) for i in range(a + 1, b) if T[i - a - 1] != T[i - a]]
-        if wire.clamped_to is not None:
-            jumps += [(W * a + j, -T[0]), (W * b + j, T[-1])]
-    weight = GRAVITY * mass
-    np.add.at(mass, (at_dropper, lower), layout.droppers.mass_below)
-    np.add.at(mass, (at_dropper, upper), layout.droppers.mass_above)
-    np.add.at(weight, (at_dropper, lower), GRAVITY * layout.droppers.mass_below)
-    np.add.at(weight, (at_dropper, upper), GRAVITY * layout.droppers.mass_above)
-
-    unresolved = np.zeros((n, W))
-    for wire, on_mesh in zip(layout.wires, wires, strict=True):
-        a, b = node_at(x, np.array([wire.start, wire.end]))
-        unresolved[a : b + 1, wire.lane] = node_compliance(on_mesh)
-    holds = layout.holds
-    at_hold = node_at(x, holds.position), holds.lane
-    share = np.where(np.isin(holds.lane, layout.contact_lanes), 1.0, 1.0 / (1.0 + unresolved[at_hold] * holds.stiffness))
-    np.add.at(ground, at_hold, share * holds.stiffness)
-    np.add.at(ground_damping, at_hold, share**2 * holds.damping)
-    np.add.at(mass, at_hold, holds.mass)
-    np.add.at(lift, at_hold, holds.lift)
-
-    tied = np.zeros((n, W), dtype=bool)
-    tied.ravel()[[c for c, _ in clamps]] = True
-    absent = ~exists & ~tied
-    absent[[0, -1]] = False
-    mass[~exists] = 0.0
-    ground[absent] = RIGID
-    inverse_mass = np.divide(1.0, mass, out=np.zeros((n, W)), where=mass > 0.0)
-    mass[[0, -1]], inverse_mass[[0, -1]] = np.inf, 0.0
-
-    contacts = len(layout.contact_lanes)
-    height, bow, kind = np.full((contacts, n), NO_WIRE), np.zeros((contacts, n)), np.zeros((contacts, n), dtype=np.int64)
-    preload = np.zeros(at_dropper.size)
-    kinds: list[WireOnMesh] = []
-    for wire, on_mesh in zip(layout.wires, wires, strict=True):
-        if wire.lane not in layout.contact_lanes:
-            continue
-        a, b = node_at(x, np.array([wire.start, wire.end]))
-        part, lane, c = slice(a, b + 1), wire.lane, wire.lane // 2
-        mine = (lower == lane) & (at_dropper >= a) & (at_dropper <= b)
-        on, clamp_height = at_dropper[mine], layout.droppers.height[mine]
-        own = np.append(L[a:b], 0.0)
-        band = stiffness_band(over_right[part, lane], curvature[part, lane], 0.0, own)  # exact at the nodes of a string
-        hold = (holds.lane == lane) & (at_hold[0] > a) & (at_hold[0] < b) & ~np.isnan(holds.height)
-        held = np.concatenate(([a, b], at_hold[0][hold], on)) - a
-        values = np.concatenate((wire.heights, holds.height[hold], clamp_height))
-        down = weight[part, lane] - lift[part, lane]
-        y = contact_wire_shape(band, down, held, values)
-        preload[mine] = (down + banded_product(band, y))[on - a]
-        height[c, part] = y
-        bow[c, a:b] = 4.0 * wire.mass * GRAVITY * L[a:b] ** 2 / (8.0 * over_right[a:b, lane])
-        if gravity_sag is None:  # straight lines between the clamps
-            height[c, part] = np.interp(x[part], x[np.concatenate(([a], on, [b]))],
-                                        np.concatenate((wire.heights[:1], clamp_height, wire.heights[1:])))
-            bow[c] = 0.0
-        if on_mesh not in kinds:
-            kinds.append(on_mesh)
-        kind[c, part] = kinds.index(on_mesh)
-    if slack is not None and np.any(preload <= 0.0):
-        k = int(np.argmin(preload))
-        actual = f"dropper at {layout.droppers.position[k]:g} m would carry {preload[k]:.3g} N at rest"
-        raise BadInput("Catenary", actual, "tension in every dropper", "Reduce the pre-sag or move the droppers.")
-
+    node = np.searchsorted(x, plan.place - 1e-6)
+    at_dropper, (_, lower, upper) = node[plan.droppers[:, PLACE]], plan.droppers.T
     cell = float(L[:-1].min())
     node_of = np.searchsorted(x, cell * np.arange(math.ceil(x[-1] / cell) + 1), side="right") - 1
-    stiffness = 1.0 / (1.0 / layout.droppers.stiffness + (unresolved[at_dropper, lower] + unresolved[at_dropper, upper]))
-    inverse_length = np.repeat(np.append(1.0 / L[:-1], 0.0), W)
-    tables = np.zeros((len(kinds), SPEEDS))
-    for row, one in zip(tables, kinds, strict=True):
-        compliance_table(one, row)
-    fastest = np.array([FASTEST * math.sqrt(w.tension / w.mass) for w in kinds])
-    jumps.sort()
-    clamps.sort()
-    return Mesh(x, L, inverse_length, cell, node_of, mass.ravel(), inverse_mass.ravel(), tension.ravel(),
-                (curvature + fourth_order).ravel(), np.where(np.isinf(gradient), 0.0, gradient), impedance.ravel(),
-                ground.ravel(), ground_damping.ravel(), at_dropper, W * at_dropper + lower, W * at_dropper + upper, stiffness,
-                preload, at_support, height.ravel(), bow.ravel(), kind.ravel(), tables.ravel(), fastest,
-                np.array([w.sharpness for w in kinds]),
-                np.array([j for j, _ in jumps], dtype=np.int64), np.array([c for _, c in jumps], dtype=float),
-                np.array([a for a, _ in clamps], dtype=np.int64), np.array([b for _, b in clamps], dtype=np.int64))
+    contacts = len(layout.contact_lanes)
+    kinds: list[tuple[float, ...]] = []
+    kind, kind_of, jumps, clamps = np.zeros((contacts, n), dtype=np.int64), np.full(len(wires), -1), set(), []
+    for row, (wire, (lane, a, b, clamped_to, contact, _)) in enumerate(zip(wires, plan.wires, strict=True)):
+        a, b = node[a], node[b]
+        if contact >= 0:
+            own = (wire.tension, wire.mass, wire.bending, row if row in plan.fixed else -1)
+            same = next((k for k, other in enumerate(kinds) if np.array_equal(own, other, equal_nan=True)), len(kinds))
+            kinds += [own] if same == len(kinds) else []
+            kind_of[row] = kind[contact, a : b + 1] = same
+        mine = plan.stretches[:, WIRE] == row
+        added = np.zeros(b - a)
+        for (_, first, last), (change, _) in zip(plan.stretches[mine], plan.stretch_numbers[mine], strict=True):
+            added[node[first] - a : node[last] - a] += change
+        jumps |= {(W * (a + i + 1) + lane, 0) for i in np.flatnonzero(np.diff(added))}
+        if clamped_to >= 0:
+            clamps += [(W * i + lane, W * i + clamped_to) for i in (a, b)]
+            jumps |= {(W * a + lane, -1), (W * b + lane, 1)}
+    jump, clamp = (np.array(sorted(rows), dtype=np.int64).reshape(-1, 2) for rows in (jumps, clamps))
+    N, d, numbers = W * n, at_dropper.size, np.zeros
+    mean = float(L @ L / L.sum())
+    mesh = Mesh(x, L, np.repeat(np.append(1.0 / L[:-1], 0.0), W), cell, node_of, numbers(N), numbers(N), numbers(N), numbers(N),
+                numbers(W), numbers(N), numbers(N), numbers(N), at_dropper, W * at_dropper + lower, W * at_dropper + upper,
+                numbers(d), numbers(d), np.searchsorted(x, layout.supports - 1e-6), numbers(kind.size), numbers(kind.size),
+                kind.ravel(), numbers(SPEEDS * len(kinds)), numbers(len(kinds)), numbers(len(kinds)), jump[:, 0],
+                numbers(len(jump)), clamp[:, 0], clamp[:, 1])
+    return mesh, Grid(node, kind_of, jump[:, 1].copy(), np.array([mean, mean**3]))
 
 
-def node_at(x: np.ndarray, positions: np.ndarray) -> np.ndarray:
-    """Nodes at positions that the mesh has, (k,) int."""
-    return np.searchsorted(x, positions - 1e-6)
+# -- kernels -----------------------------------------------------------------------------------------------------------
+@kernel
+def around(i, length):
+    """Mean length of the elements about node i, m."""
+    return 0.5 * (length[i] + length[i - 1]) if i > 0 else 0.5 * length[i]
 
 
-def own_mass(wire: Wire, x: np.ndarray, L: np.ndarray, around: np.ndarray | None) -> np.ndarray:
-    """Mass of a wire at its nodes x (k,) m, kg: half of the elements to either side. around: that length, of a whole line."""
-    if around is not None and not wire.masses:
-        return wire.mass * around
-    element = wire.mass * L[:-1]
-    middle = 0.5 * (x[:-1] + x[1:])
-    for part in wire.masses:
-        element = np.where((middle > part.start) & (middle < part.end), part.value * element, element)
-    return 0.5 * (np.append(element, 0.0) + np.append(0.0, element))
-
-
+@kernel
 def fourth_order_term(tension, mass, element, time_error):
     """E4 = T h²/12, N m²: u_xx from five nodes is (1 - h² d²/12) d² u, d² the second difference. Less what the time step adds."""
-    return np.maximum(tension * element**2 + time_error * tension**2 / mass, 0.0) / 12.0
+    return max(tension * element**2 + time_error * tension**2 / mass, 0.0) / 12.0
 
 
-def wire_on_mesh(wire: Wire, damping, element: float, time_error: float, reading_error: float) -> WireOnMesh:
-    """A wire on elements of one length, m."""
-    alpha, beta = (damping.alpha, damping.beta) if damping is not None else (0.0, 0.0)
-    T, m, B = wire.tension, wire.mass, wire.bending
-    return WireOnMesh(T, m, B, element, float(fourth_order_term(T, m, element, time_error)), B * element**2 / 6.0, time_error,
-                      1.0 + reading_error * T / m / element**2, alpha, beta)
+@kernel
+def wire_on_mesh(k, settled, element, way):
+    """Wire k on elements of one length, m; way: `Discretisation`."""
+    T, m, B = settled.tension[k], settled.mass[k], settled.bending[k]
+    return WireOnMesh(T, m, B, element, fourth_order_term(T, m, element, way.time_error), B * element**2 / 6.0, way.time_error,
+                      1.0 + way.reading_error * T / m / element**2, way.alpha, way.beta)
 
 
-def contact_wire_shape(stiffness, weight, held_at, heights) -> np.ndarray:
-    """Height of a contact wire under its own weight, held at some nodes at given heights, (n,) m; stiffness: its band, (n, 4)."""
-    n = weight.size
-    held = np.zeros(n, dtype=bool)
-    y = np.zeros(n)
-    held[held_at] = True
-    y[held_at] = heights
-    load = np.where(held, 0.0, -banded_product(stiffness, y) - weight)
-    band = stiffness.copy()
-    band[held, 0] = 1.0  # rows and columns of held nodes become those of the identity
-    for offset in (1, 2, 3):
-        band[held, offset] = 0.0
-        band[:-offset, offset][held[offset:]] = 0.0
-    factor_band(band, 0, 0, n)
-    solve_band(band, load, 0, n)
-    return y + load
+@kernel
+def spread_wires(mesh, plan, settled, grid, way, space):
+    """Tensions, masses and stiffnesses of the wires along the mesh; a status."""
+    n, W, L = mesh.position.size, mesh.bending_gradient.size, mesh.length
+    over_right, element_mass, unresolved = space.nodal[OVER_RIGHT], space.nodal[ELEMENT_MASS], space.nodal[UNRESOLVED]
+    over_right[:], element_mass[:], unresolved[:] = 0.0, 0.0, 0.0
+    for values in (mesh.mass, mesh.inverse_mass, mesh.tension, mesh.curvature, mesh.impedance, mesh.ground, mesh.ground_damping):
+        values[:] = 0.0
+    mesh.bending_gradient[:] = math.inf
+    for k in range(plan.wires.shape[0]):
+        lane, a, b = plan.wires[k, LANE], grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]]
+        for i in range(a, b):
+            over_right[W * i + lane], element_mass[W * i + lane] = settled.tension[k], settled.mass[k] * L[i]
+    for k in range(plan.stretches.shape[0]):
+        lane = plan.wires[plan.stretches[k, WIRE], LANE]
+        for i in range(grid.node[plan.stretches[k, FIRST]], grid.node[plan.stretches[k, LAST]]):
+            over_right[W * i + lane] += plan.stretch_numbers[k, ADDED]
+            element_mass[W * i + lane] *= plan.stretch_numbers[k, FACTOR]
+    for k in range(plan.wires.shape[0]):
+        lane, a, b = plan.wires[k, LANE], grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]]
+        wire = wire_on_mesh(k, settled, grid.element[0], way)
+        left_out = node_compliance(wire)
+        mesh.bending_gradient[lane] = min(mesh.bending_gradient[lane], wire.gradient / grid.element[1])
+        least = math.inf
+        for i in range(a, b + 1):
+            j, here = W * i + lane, around(i, L)
+            unresolved[j] = left_out
+            if a == 0 and b == n - 1 and plan.wires[k, WORN] == 0:
+                mesh.mass[j] += wire.mass * here
+            else:
+                mesh.mass[j] += 0.5 * ((element_mass[j] if i < b else 0.0) + (element_mass[j - W] if i > a else 0.0))
+            if i > a:
+                mesh.tension[j] = over_right[j - W]
+                least = min(least, over_right[j - W])
+            if a < i < b:
+                smaller = min(over_right[j - W], over_right[j])
+                mesh.inverse_mass[j] = 1.0  # there is a wire
+                mesh.impedance[j] = math.sqrt(smaller * wire.mass)
+                mesh.curvature[j] = (wire.bending / here
+                                     + fourth_order_term(smaller, wire.mass, here, way.time_error) / here)
+        if least <= 0.0:
+            settled.refused[0] = least
+            settled.refused[1], settled.refused[2] = mesh.position[a], mesh.position[b]
+            return NO_TENSION
+        if a == 0:
+            mesh.tension[lane] = over_right[lane]
+        if plan.wires[k, CLAMPED_TO] >= 0:
+            for i in (W * a, W * b):
+                mesh.mass[i + plan.wires[k, CLAMPED_TO]] += mesh.mass[i + lane]
+                mesh.mass[i + lane] = 0.0
+        if grid.kind_of[k] >= 0:
+            kind = grid.kind_of[k]
+            mesh.fastest[kind], mesh.sharpness[kind] = FASTEST * math.sqrt(wire.tension / wire.mass), wire.sharpness
+            if mesh.compliance[SPEEDS * kind] == 0.0:
+                compliance_table(wire, mesh.compliance[SPEEDS * kind : SPEEDS * kind + SPEEDS])
+    for lane in range(W):
+        if math.isinf(mesh.bending_gradient[lane]):
+            mesh.bending_gradient[lane] = 0.0
+    for k in range(mesh.jump.size):
+        j = mesh.jump[k]
+        before = over_right[j - W] if grid.jump_side[k] >= 0 else 0.0
+        mesh.jump_change[k] = before - (over_right[j] if grid.jump_side[k] <= 0 else 0.0)
+    return DONE
 
 
-def stiffness_band(tension: np.ndarray, curvature: np.ndarray, gradient: float, L: np.ndarray) -> np.ndarray:
-    """Upper band of one wire's stiffness matrix, band[i, k] = K[i, i + k], (n, 4) N/m.
+@kernel
+def add_fittings(mesh, plan, settled, grid, space):
+    """Droppers, supports and arms on the wires."""
+    N, W = mesh.mass.size, mesh.bending_gradient.size
+    weight, lifted, unresolved = space.nodal[WEIGHT], space.nodal[LIFTED], space.nodal[UNRESOLVED]
+    for j in range(N):
+        weight[j], lifted[j] = GRAVITY * mesh.mass[j], 0.0
+    for ends, row in ((mesh.lower, MASS_BELOW), (mesh.upper, MASS_ABOVE)):
+        for k in range(ends.size):
+            mesh.mass[ends[k]] += settled.dropper[row, k]
+            weight[ends[k]] += GRAVITY * settled.dropper[row, k]
+    for k in range(mesh.dropper.size):
+        left_out = unresolved[mesh.lower[k]] + unresolved[mesh.upper[k]]
+        mesh.dropper_stiffness[k] = 1.0 / (1.0 / settled.dropper[STIFFNESS, k] + left_out)
+    for k in range(plan.holds.shape[0]):
+        own, lane = settled.hold[:, k], plan.holds[k, SPRING_LANE]
+        j = W * grid.node[plan.holds[k, SPRING_PLACE]] + lane
+        share = 1.0 if plan.lanes[lane] > 0 else 1.0 / (1.0 + unresolved[j] * own[STIFFNESS])
+        mesh.ground[j] += share * own[STIFFNESS]
+        mesh.ground_damping[j] += share**2 * own[DAMPING]
+        mesh.mass[j] += own[HOLD_MASS]
+        lifted[j] += own[LIFT]
+    for k in range(mesh.clamped.size):
+        mesh.inverse_mass[mesh.clamped[k]] = -1.0  # it moves with the wire that it is clamped to
+    for j in range(N):
+        exists, at_end = mesh.inverse_mass[j] > 0.0, j < W or j >= N - W
+        if not exists:
+            mesh.mass[j] = 0.0
+            if mesh.inverse_mass[j] == 0.0 and not at_end:
+                mesh.ground[j] = RIGID
+        mesh.inverse_mass[j] = 1.0 / mesh.mass[j] if mesh.mass[j] > 0.0 else 0.0
+        if at_end:
+            mesh.mass[j], mesh.inverse_mass[j] = math.inf, 0.0
 
-    tension: (n,) N, curvature: (n,) N m, L: (n,) m; tension and length of the element to the right of the node.
 
-    K = T times that of linear elements + the sum of c[i] kink[i]² + gradient (kink[i + 1] - kink[i])² over the inner nodes, where
-    kink[i] = u[i-1]/l - u[i] (1/l + 1/r) + u[i+1]/r; the end nodes have none.
+@kernel
+def hang_contact_wires(mesh, plan, settled, grid, space, sag):
+    """Heights of the contact wires under their own weight, held by droppers and arms, and the tensions of the droppers.
+
+    sag: whether heights keep it; else they are straight lines between clamps.
     """
-    n, over = L.size, 1.0 / L[:-1]
-    band = np.zeros((n, 4))
-    band[:-1, 0] += tension[:-1] * over
-    band[1:, 0] += tension[:-1] * over
-    band[:-1, 1] -= tension[:-1] * over
-    kink = np.stack((over[:-1], -over[:-1] - over[1:], over[1:]))  # (3, n - 2), of the nodes to the left, here, to the right
-    c = curvature[1:-1] + 2.0 * gradient
-    for i in range(3):
-        for j in range(3):
-            if j >= i:
-                band[i : n - 2 + i, j - i] += c * kink[i] * kink[j]
-            shift = j + 1 - i  # with the kink of the next node
-            first = min(i, j + 1)
-            count = 2.0 if shift == 0 else 1.0
-            band[first : n - 3 + first, abs(shift)] -= count * gradient * kink[i, :-1] * kink[j, 1:]
-    return band
+    n, W, L, held, y = mesh.position.size, mesh.bending_gradient.size, mesh.length, space.nodal[HELD], space.nodal[SHAPE]
+    mesh.height[:] = NO_WIRE
+    mesh.bow[:] = 0.0
+    for k in range(plan.wires.shape[0]):
+        lane, contact = plan.wires[k, LANE], plan.wires[k, CONTACT]
+        a, size = grid.node[plan.wires[k, FROM]], grid.node[plan.wires[k, TO]] - grid.node[plan.wires[k, FROM]] + 1
+        if contact < 0:
+            continue
+        y[:size], held[:size] = 0.0, 0.0
+        y[0], y[size - 1] = plan.wire_numbers[k, HEIGHT_FROM], plan.wire_numbers[k, HEIGHT_TO]
+        held[0], held[size - 1] = CLAMPED, CLAMPED
+        for m in range(plan.holds.shape[0]):
+            i, height = grid.node[plan.holds[m, SPRING_PLACE]] - a, settled.hold[HOLD_HEIGHT, m]
+            if plan.holds[m, SPRING_LANE] == lane and 0 < i < size - 1 and not math.isnan(height):
+                y[i], held[i] = height, 1.0
+        for m in range(mesh.dropper.size):
+            i = mesh.dropper[m] - a
+            if plan.droppers[m, LOWER] == lane and 0 <= i < size:
+                y[i], held[i] = settled.dropper[HEIGHT, m], CLAMPED
+        weight, lifted = space.nodal[WEIGHT, W * a + lane :: W], space.nodal[LIFTED, W * a + lane :: W]
+        over_right, curvature = space.nodal[OVER_RIGHT, W * a + lane :: W], space.nodal[CURVATURE]
+        for i in range(size):
+            curvature[i] = settled.bending[k] / around(a + i, L) if 0 < i < size - 1 else 0.0
+        band = space.bands[0, :size:1, ::1]
+        band[:] = 0.0
+        add_wire(over_right, curvature[::1], 0.0, L[a::1], band)  # exact at the nodes of a string
+        work, load = space.bands[1], held[size : 2 * size]  # behind the nodes of the wire
+        for i in range(size):
+            load[i] = 0.0 if held[i] > 0.0 else -product_at(i, band, y[:size]) - (weight[i] - lifted[i])
+            for m in range(4):  # rows and columns of held nodes become those of the identity
+                bound = held[i] > 0.0 or (m > 0 and i + m < size and held[i + m] > 0.0)
+                work[i, m] = (1.0 if m == 0 else 0.0) if bound else band[i, m]
+        factor_band(work, 0, 0, size)
+        solve_band(work, load, 0, size)
+        for i in range(size):
+            y[i] += load[i]
+        for m in range(mesh.dropper.size):
+            i = mesh.dropper[m] - a
+            if plan.droppers[m, LOWER] == lane and 0 <= i < size:
+                mesh.preload[m] = (weight[i] - lifted[i]) + product_at(i, band, y[:size])
+        at, before = contact * n + a, 0
+        for i in range(size):
+            mesh.height[at + i] = y[i]
+            if sag and i < size - 1:
+                mesh.bow[at + i] = 4.0 * settled.mass[k] * GRAVITY * L[a + i] ** 2 / (8.0 * over_right[i])
+            if not sag and held[i] == CLAMPED:
+                left = mesh.position[a + before]
+                for m in range(before + 1, i):
+                    slope = (y[i] - y[before]) / (mesh.position[a + i] - left)
+                    mesh.height[at + m] = slope * (mesh.position[a + m] - left) + y[before]
+                before = i
 
 
-def stiffness_of_wires(mesh: Mesh, reach: int) -> np.ndarray:
-    """Upper band of the stiffness of all wires, interleaved, without droppers, clamps, supports and arms, (N, reach W + 1) N/m.
-
-    reach: 2, or 3 nodes with bending stiffness.
-    """
-    W = mesh.bending_gradient.size
-    stiffness = np.zeros((mesh.mass.size, reach * W + 1))
-    for wire in range(W):
-        tension = np.append(mesh.tension[wire::W][1:], 0.0)
-        band = stiffness_band(tension, mesh.curvature[wire::W], mesh.bending_gradient[wire], mesh.length)
-        stiffness[wire::W, ::W] = band[:, : reach + 1]
-    return stiffness
-
-
-def diagonals_of_wires(mesh: Mesh, reach: int, pad: int) -> np.ndarray:
-    """The same matrix by diagonals: row k has K[j, j + k W] at j + pad W, behind zeros, (reach + 1, N + pad W) N/m."""
-    W, N = mesh.bending_gradient.size, mesh.mass.size
-    diagonals = np.zeros((reach + 1, N + pad * W))
-    diagonals[:, pad * W :] = stiffness_of_wires(mesh, reach)[:, ::W].T
-    return diagonals
-
-
-def add_droppers(band: np.ndarray, mesh: Mesh, taut) -> None:
-    """Add the droppers' stiffness to a band of all wires; taut: 1 or (d,), 0 where a dropper is slack."""
-    add_springs(band, mesh.lower, mesh.upper, mesh.dropper_stiffness * taut)
-
-
-def add_springs(band: np.ndarray, one: np.ndarray, other: np.ndarray, stiffness) -> None:
-    """Add springs between degrees of freedom, (k,) each, to an upper band; stiffness: (k,) or one, N/m."""
-    np.add.at(band[:, 0], one, stiffness)
-    np.add.at(band[:, 0], other, stiffness)
-    np.subtract.at(band, (np.minimum(one, other), np.abs(one - other)), stiffness)
+@kernel
+def find_pushed(mesh, refused):
+    """Whether a dropper would push at rest: a status."""
+    worst = 0
+    for k in range(mesh.preload.size):
+        if mesh.preload[k] < mesh.preload[worst]:
+            worst = k
+    if mesh.preload[worst] > 0.0:
+        return DONE
+    refused[0], refused[1] = mesh.position[mesh.dropper[worst]], mesh.preload[worst]
+    return PUSHED

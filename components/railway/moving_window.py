@@ -13,12 +13,15 @@ from __future__ import annotations
 
 import math
 
+from ..core.kernels import kernel
+
 ENOUGH = 0.005  # error of the filtered contact force (rms) over its standard deviation
 STRENGTH = 0.5  # A
 HARMONIC = 4.4  # N
 
 
-def echo(length: float, wave: float, span: float, alpha: float, beta: float, speed: float) -> float:
+@kernel
+def echo(length, wave, span, alpha, beta, speed):
     """Error of the contact force that an edge at a length (m) makes, as share of its deviation.
 
     wave: speed of waves, m/s; span: m; alpha, beta: 1/s, s; speed: of the contact, m/s.
@@ -26,17 +29,21 @@ def echo(length: float, wave: float, span: float, alpha: float, beta: float, spe
     if speed >= wave:
         return 0.0  # no wave runs ahead of the contact, and none from behind reaches it
     back = 2.0 * length * wave / (wave**2 - speed**2)
-    return STRENGTH * math.exp(-_damping(span, alpha, beta, speed) * back)
+    return STRENGTH * math.exp(-wave_damping(span, alpha, beta, speed) * back)
 
 
-def width(wave: float, span: float, alpha: float, beta: float, speed: float) -> float:
+@kernel
+def width(wave, span, alpha, beta, speed):
     """Length to an edge, m, for an echo of `ENOUGH`, a span at least; infinite without damping. Arguments as of `echo`."""
     if speed >= wave:
         return span
-    if (rate := _damping(span, alpha, beta, speed)) == 0.0:
+    rate = wave_damping(span, alpha, beta, speed)
+    if rate == 0.0:
         return math.inf
     return max(math.log(STRENGTH / ENOUGH) / rate * (wave**2 - speed**2) / (2.0 * wave), span)
 
 
-def _damping(span: float, alpha: float, beta: float, speed: float) -> float:
+@kernel
+def wave_damping(span, alpha, beta, speed):
+    """Rayleigh damping at the frequency at which an echo counts, 1/s."""
     return 0.5 * (alpha + beta * (HARMONIC * 2.0 * math.pi * speed / span) ** 2)

@@ -2,73 +2,135 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.banded import banded_product, factor_band, solve_band
+from ..core.banded import factor_band, solve_band
 from ..core.errors import StepFailed
+from ..core.kernels import kernel, kernel_tuple
 from .contact import add_contact, contact_compliance, wire_height
 from .implicit import RIGID_CLAMP
 from .line.layout import GRAVITY
-from .mesh import Mesh, add_droppers, add_springs, stiffness_band, stiffness_of_wires
+from .mesh import Mesh
+from .stiffness import add_spring, add_wire, fill_stiffness, product_at
+
+MAX_SETS = 100  # of taut droppers that are tried
 
 
+@kernel_tuple
+class Balance(NamedTuple):
+    """Stiffness of a mesh of N degrees of freedom and d droppers, and the factors of two sets of taut droppers."""
+
+    stiffness: np.ndarray  # (N, 3 W + 1) N/m, of all but droppers
+    factors: np.ndarray  # (2, N, 3 W + 1): all taut, with which every search begins, and the last other set
+    taut: np.ndarray  # (3, d) 1 where a dropper is taut in these sets, -1 before there are factors; and in the last equilibrium
+
+
+PRESENT = 2  # row of `Balance.taut`
+
+
+def empty_balance(mesh: Mesh) -> Balance:
+    """Room for `balance` on a mesh."""
+    N, width = mesh.mass.size, 3 * mesh.bending_gradient.size + 1
+    return Balance(np.zeros((N, width)), np.zeros((2, N, width)), np.zeros((3, mesh.dropper.size)))
+
+
+@kernel
+def add_ground(mesh, balance):
+    """Springs to the ground and clamps, to the stiffness of the wires; nothing is factored."""
+    for j in range(mesh.mass.size):
+        balance.stiffness[j, 0] += mesh.ground[j]
+    for k in range(mesh.clamped.size):
+        add_spring(mesh.clamped[k], mesh.clamp[k], RIGID_CLAMP, balance.stiffness)
+    balance.taut[:] = -1.0
+
+
+@kernel
+def put_droppers(taut, lower, upper, dropper_stiffness, stiffness, band):
+    """A band of stiffness and of the droppers that are taut, 0 or 1 (d,), into band."""
+    for j in range(band.shape[0]):
+        for k in range(band.shape[1]):
+            band[j, k] = stiffness[j, k]
+    for k in range(taut.size):
+        add_spring(lower[k], upper[k], dropper_stiffness[k] * taut[k], band)
+
+
+@kernel
+def find_balance(force, unilateral, q, mesh, balance):
+    """Displacements q (N,) m under forces on the nodes (N,) N; with `unilateral` droppers do not push.
+
+    Returns the largest unbalanced nodal force over the largest dropper preload, or NaN where the set of taut droppers does not
+    converge. `force` becomes what is unbalanced.
+    """
+    N, W, lower, upper = mesh.mass.size, mesh.bending_gradient.size, mesh.lower, mesh.upper
+    preload, stiffness, taut, changed = mesh.preload, mesh.dropper_stiffness, balance.taut[PRESENT], 1
+    taut[:] = 1.0
+    for _ in range(MAX_SETS):
+        which, same = 0, True
+        for k in range(taut.size):
+            if taut[k] == 0.0:
+                which = 1
+        for k in range(taut.size):
+            same = same and balance.taut[which, k] == taut[k]
+            balance.taut[which, k] = taut[k]
+        if not same:
+            put_droppers(taut, lower, upper, stiffness, balance.stiffness, balance.factors[which])
+            factor_band(balance.factors[which], W, W, N - W)
+        for j in range(N):
+            q[j] = force[j]
+        for k in range(taut.size):
+            q[lower[k]] -= preload[k] * (1.0 - taut[k])
+            q[upper[k]] += preload[k] * (1.0 - taut[k])
+        q[:W], q[N - W :] = 0.0, 0.0
+        solve_band(balance.factors[which], q, W, N - W)
+        changed = 0
+        for k in range(taut.size):
+            now = 1.0 if not unilateral or preload[k] + stiffness[k] * (q[upper[k]] - q[lower[k]]) > 0.0 else 0.0
+            changed += 1 if now != taut[k] else 0
+            taut[k] = now
+        if changed == 0:
+            break
+    if changed > 0:
+        return math.nan
+    for j in range(N):
+        force[j] -= product_at(j, balance.stiffness, q)
+    largest, most = 0.0, 0.0
+    for k in range(taut.size):
+        change = (preload[k] + stiffness[k] * (q[upper[k]] - q[lower[k]])) * taut[k] - preload[k]
+        force[lower[k]] += change
+        force[upper[k]] -= change
+        most = max(most, abs(preload[k]))
+    for j in range(W, N - W):
+        largest = max(largest, abs(force[j]))
+    return largest / most
+
+
+# -- for Python --------------------------------------------------------------------------------------------------------
 class Statics:
-    """Static equilibrium of a mesh under point loads. Keeps the stiffness, and the factors of two sets of taut droppers."""
+    """Static equilibrium of a mesh under point loads."""
 
     def __init__(self, mesh: Mesh) -> None:
-        self.mesh = mesh
-        self.stiffness = stiffness_of_wires(mesh, 3)
-        self.stiffness[:, 0] += mesh.ground
-        add_springs(self.stiffness, mesh.clamped, mesh.clamp, RIGID_CLAMP)
-        self._by_column = np.asfortranarray(self.stiffness)  # of which `banded_product` takes column by column
-        self._factors: dict[bytes, np.ndarray] = {}
+        self.mesh, self.balance = mesh, empty_balance(mesh)
+        fill_stiffness(mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.length, self.balance.stiffness)
+        add_ground(mesh, self.balance)
 
-    def under(self, loads: Sequence[tuple], unilateral: bool,
-              nodal: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray, float]:
-        """Displacements under point loads (position in m, force in N, contact wire: 0 if left out) and forces on nodes (N,), N.
+    def under(self, loads: Sequence[tuple], unilateral: bool) -> tuple[np.ndarray, np.ndarray, float]:
+        """Displacements under point loads (position in m, force in N, contact wire: 0 if left out).
 
         Returns q (N,) m, taut (d,) 1 for every dropper under tension, and the largest unbalanced nodal force over the
         largest dropper preload. Raises `StepFailed` if the set of taut droppers does not converge.
         """
-        mesh = self.mesh
-        N, W = mesh.mass.size, mesh.bending_gradient.size
-        force = np.zeros(N) + nodal
+        force, q = np.zeros((2, self.mesh.mass.size))
         for position, load, *wire in loads:
-            add_contact(position, load, force, wire[0] if wire else 0, mesh)
-        low, up, k = mesh.lower, mesh.upper, mesh.dropper_stiffness
-        taut = np.ones(low.size)
-        for _ in range(100):
-            q = force.copy()
-            np.subtract.at(q, low, mesh.preload * (1.0 - taut))
-            np.add.at(q, up, mesh.preload * (1.0 - taut))
-            q[:W], q[-W:] = 0.0, 0.0
-            solve_band(self._factors_with(taut), q, W, N - W)
-            tension = mesh.preload + k * (q[up] - q[low])
-            now = (tension > 0.0).astype(float) if unilateral else taut
-            if np.array_equal(now, taut):
-                change = np.where(taut > 0.0, tension, 0.0) - mesh.preload
-                unbalanced = force - banded_product(self._by_column, q)
-                np.add.at(unbalanced, low, change)
-                np.subtract.at(unbalanced, up, change)
-                return q, taut, float(np.abs(unbalanced[W:-W]).max() / np.abs(mesh.preload).max())
-            taut = now
-        raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge",
-                         "Check the contact force")
-
-    def _factors_with(self, taut: np.ndarray) -> np.ndarray:
-        """Factors with the taut droppers' stiffness. Kept: all taut, with which every search begins, and the last other set."""
-        key = taut.tobytes()
-        if key not in self._factors:
-            band = self.stiffness.copy()
-            add_droppers(band, self.mesh, taut)
-            N, W = self.mesh.mass.size, self.mesh.bending_gradient.size
-            factor_band(band, W, W, N - W)
-            if len(self._factors) > 1:
-                self._factors.popitem()
-            self._factors[key] = band
-        return self._factors[key]
+            add_contact(float(position), float(load), force, wire[0] if wire else 0, self.mesh)
+        residual = find_balance(force, unilateral, q, self.mesh, self.balance)
+        if math.isnan(residual):
+            raise StepFailed("Catenary", 0.0, "the slack droppers of the static equilibrium do not converge",
+                             "Check the contact force")
+        return q, self.balance.taut[PRESENT].copy(), residual
 
 
 def elasticity(mesh: Mesh, positions, force: float, unilateral: bool = True, wire: int = 0) -> np.ndarray:
@@ -101,7 +163,8 @@ def messenger_shape(p, bending, mesh: Mesh) -> np.ndarray:
     weight = GRAVITY * p.messenger_mass * around
     weight[mesh.dropper] += GRAVITY * (p.messenger_clamp_mass + 0.5 * p.dropper_mass) + mesh.preload
     EI = bending.messenger if bending is not None else 0.0
-    band = stiffness_band(np.full(L.size, p.messenger_tension), EI / around, 0.0, L)
+    band = np.zeros((L.size, 4))
+    add_wire(np.full(L.size, p.messenger_tension), EI / around, 0.0, L, band)
     band[mesh.support[1:-1], 0] += p.support_stiffness
     y = -weight
     y[[0, -1]] = 0.0

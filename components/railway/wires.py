@@ -2,11 +2,37 @@
 
 from __future__ import annotations
 
-from ..core.kernels import kernel
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.kernels import kernel, kernel_tuple
 
 # N; every nodal force starts from this instead of 0. Ahead of the wave front displacements would otherwise shrink into
 # the subnormal numbers, where each operation takes a hundred times as long. It lifts the wires by less than 1e-25 m.
 WHISPER = 1e-27
+
+
+@kernel_tuple
+class Motion(NamedTuple):
+    """What a step changes and what moves the wires, of m inputs."""
+
+    x: np.ndarray  # state
+    u: np.ndarray  # (3, m)
+    points: np.ndarray  # (p, 5) int, as of `catenary.contact_points`
+    work: np.ndarray
+    counts: np.ndarray
+    window: Any  # lengths of the moving window, or None
+    gusts: Any  # `Buffeting` or None
+
+
+@kernel_tuple
+class Laws(NamedTuple):
+    """Effects of `Catenary` that decide how wires and droppers move, or None."""
+
+    slack: Any
+    bending: Any
+    damping: Any
 
 
 @kernel

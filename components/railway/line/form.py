@@ -7,15 +7,63 @@ bending stiffness changes heights within centimetres of a clamp only.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...core.banded import banded_product, factor_band, solve_band
+from ...core.banded import factor_band, factor_general, solve_band, solve_general
+from ...core.contract import filled
 from ...core.errors import BadInput
+from ...core.kernels import DONE, kernel, kernel_tuple
 from .from_table import lay_out
-from .layout import GRAVITY, Droppers, Layout
+from .layout import GRAVITY, Layout
+from .plan import (
+    ADDED,
+    CLAMPED_TO,
+    CUT_AT_REST,
+    CUT_LENGTH,
+    FACTOR,
+    FIRST,
+    FROM,
+    GIVEN_CUT,
+    GIVEN_LENGTH,
+    GIVEN_PRELOAD,
+    HEIGHT,
+    HEIGHT_FROM,
+    HEIGHT_TO,
+    HOLD_HEIGHT,
+    LANE,
+    LAST,
+    LENGTH,
+    LIFT,
+    LOWER,
+    MASS_ABOVE,
+    MASS_BELOW,
+    OTHER_CUT,
+    OTHER_LENGTH,
+    OTHER_PRELOAD,
+    PLACE,
+    PRELOAD,
+    REACTION,
+    REFUSALS,
+    SHORT_DROPPER,
+    SPRING_LANE,
+    SPRING_PLACE,
+    STIFFNESS,
+    TO,
+    UPPER,
+    WANTED,
+    WIRE,
+    Given,
+    Plan,
+    empty_settled,
+    plan_of,
+    settle,
+    settle_droppers,
+    settled_layout,
+)
 from .table import Line
 
 RIGID_CLAMP = 1e10  # N/m
@@ -23,6 +71,273 @@ AGREED_LENGTH, AGREED_FORCE = 1e-4, 0.1  # m, N: what a table says of a dropper 
 PASSES = 4  # masses depend on the lengths, which depend on them: an error of 1 mm leaves 1e-8 m after two
 
 
+@kernel_tuple
+class Network(NamedTuple):
+    """Workspace of form finding, F = W f nodes, W at each of f places: node W i + lane."""
+
+    stiffness: np.ndarray  # (F, W + 1) N/m, upper band
+    factors: np.ndarray  # (F, W + 1)
+    general: np.ndarray  # (F, 4 W - 1) where droppers have cut lengths
+    nodal: np.ndarray  # (8, F)
+
+
+# rows of `nodal`; of the element to the right of the node its tension, N, and its weight, N; weight on the node, N; other forces,
+# N; height, m; 1 where an anchor or a spring of given height holds the node and where a clamp does so besides; unknowns
+PULL, OWN_WEIGHT, WEIGHT, LOADS, Z, FIXED, PLACED, UNKNOWN = range(8)
+
+
+def empty_network(plan: Plan, cut_lengths: bool) -> Network:
+    """Room for the network of a plan."""
+    W = plan.lanes.size
+    F = W * plan.place.size
+    return Network(np.zeros((F, W + 1)), np.zeros((F, W + 1)), np.zeros((F if cut_lengths else 0, 4 * W - 1)), np.zeros((8, F)))
+
+
+@kernel
+def load_network(plan, settled, net):
+    """Weights and tensions of the network, and which of its nodes are held."""
+    W, x, nodal = plan.lanes.size, plan.place, net.nodal
+    nodal[:] = 0.0
+    nodal[Z] = math.nan
+    nodal[FIXED] = 1.0
+    for k in range(plan.wires.shape[0]):
+        lane, a, b = plan.wires[k, LANE], plan.wires[k, FROM], plan.wires[k, TO]
+        for i in range(a, b):
+            nodal[PULL, W * i + lane] = settled.tension[k]
+            nodal[OWN_WEIGHT, W * i + lane] = GRAVITY * settled.mass[k] * (x[i + 1] - x[i])
+            if i > a:
+                nodal[FIXED, W * i + lane] = 0.0
+        if plan.wires[k, CLAMPED_TO] < 0:
+            nodal[Z, W * a + lane], nodal[Z, W * b + lane] = plan.wire_numbers[k, HEIGHT_FROM], plan.wire_numbers[k, HEIGHT_TO]
+        else:
+            nodal[FIXED, W * a + lane], nodal[FIXED, W * b + lane] = 0.0, 0.0
+    for k in range(plan.stretches.shape[0]):
+        lane = plan.wires[plan.stretches[k, WIRE], LANE]
+        for i in range(plan.stretches[k, FIRST], plan.stretches[k, LAST]):
+            nodal[PULL, W * i + lane] += plan.stretch_numbers[k, ADDED]
+            nodal[OWN_WEIGHT, W * i + lane] *= plan.stretch_numbers[k, FACTOR]
+    for j in range(nodal.shape[1]):
+        nodal[WEIGHT, j] += 0.5 * nodal[OWN_WEIGHT, j]
+        if j >= W:
+            nodal[WEIGHT, j] += 0.5 * nodal[OWN_WEIGHT, j - W]
+    for end, mass in ((LOWER, MASS_BELOW), (UPPER, MASS_ABOVE)):
+        for k in range(plan.droppers.shape[0]):
+            nodal[WEIGHT, W * plan.droppers[k, PLACE] + plan.droppers[k, end]] += GRAVITY * settled.dropper[mass, k]
+    for j in range(nodal.shape[1]):
+        nodal[PLACED, j] = nodal[FIXED, j]
+    for k in range(plan.droppers.shape[0]):
+        nodal[PLACED, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = 1.0
+    for k in range(plan.holds.shape[0]):
+        j = W * plan.holds[k, SPRING_PLACE] + plan.holds[k, SPRING_LANE]
+        nodal[WEIGHT, j] -= settled.hold[LIFT, k]
+        if not math.isnan(settled.hold[HOLD_HEIGHT, k]):
+            nodal[PLACED, j], nodal[Z, j] = 1.0, settled.hold[HOLD_HEIGHT, k]
+    net.stiffness[:] = 0.0
+    for j in range(nodal.shape[1] - W):
+        k_right = nodal[PULL, j] * (1.0 / (x[j // W + 1] - x[j // W]))
+        net.stiffness[j, 0] += k_right
+        net.stiffness[j + W, 0] += k_right
+        net.stiffness[j, W] -= k_right
+    for j in range(nodal.shape[1]):
+        nodal[LOADS, j] = -nodal[WEIGHT, j]
+
+
+@kernel
+def held_by(j, net):
+    """Force of the wires on node j for the present heights, N, downwards; where there is no height it is 0."""
+    W, z, value = net.stiffness.shape[1] - 1, net.nodal[Z], 0.0
+    if not math.isnan(z[j]):
+        value = net.stiffness[j, 0] * z[j]
+    if j + W < z.size and not math.isnan(z[j + W]):
+        value += net.stiffness[j, W] * z[j + W]
+    if j >= W and not math.isnan(z[j - W]):
+        value += net.stiffness[j - W, W] * z[j - W]
+    return value
+
+
+@kernel
+def tie(plan, band):
+    """Add to an upper band what clamps the ends of wires to other wires."""
+    W = plan.lanes.size
+    for k in range(plan.wires.shape[0]):
+        lane, other = plan.wires[k, LANE], plan.wires[k, CLAMPED_TO]
+        for end in (FROM, TO):
+            if other >= 0:
+                i = W * plan.wires[k, end]
+                band[i + lane, 0] += RIGID_CLAMP
+                band[i + other, 0] += RIGID_CLAMP
+                band[i + min(lane, other), abs(lane - other)] -= RIGID_CLAMP
+
+
+@kernel
+def hang_wires(contact, plan, net):
+    """Heights of the contact wires, contact = 1, or of the others, 0, between the nodes at which they are placed."""
+    W, nodal, band = plan.lanes.size, net.nodal, net.factors
+    F, z, b, bound = nodal.shape[1], nodal[Z], nodal[UNKNOWN], nodal[OWN_WEIGHT]  # whose weights are those of nodes by now
+    for j in range(F):
+        mine = plan.lanes[j % W] == contact and nodal[PLACED, j] == 0.0
+        bound[j] = 0.0 if mine else 1.0
+        if mine:
+            z[j] = math.nan
+    for j in range(F):
+        b[j] = nodal[LOADS, j] - held_by(j, net) if bound[j] == 0.0 else 0.0
+        for k in range(W + 1):
+            band[j, k] = net.stiffness[j, k]
+    if contact == 0:
+        tie(plan, band)
+    for j in range(F):
+        for k in range(W + 1):
+            if bound[j] > 0.0 or (k > 0 and j + k < F and bound[j + k] > 0.0):
+                band[j, k] = 1.0 if k == 0 else 0.0
+    factor_band(band, 0, 0, F)
+    solve_band(band, b, 0, F)
+    for j in range(F):
+        if bound[j] == 0.0:
+            z[j] = b[j]
+
+
+@kernel
+def place_by_cut_lengths(plan, settled, net):
+    """Heights of the contact wires' clamps where droppers have a cut length and no height.
+
+    Such a dropper pulls with N = k (L - L0), so that all wires are solved together, node by node. One with a height is cut so
+    that its clamp is there: what the contact wire lacks at that place is a load of the wire above.
+    """
+    W, nodal, band, free = plan.lanes.size, net.nodal, net.general, net.nodal[OWN_WEIGHT]
+    F, m, b = nodal.shape[1], 2 * W - 1, nodal[UNKNOWN]  # m: column of the diagonal
+    band[:] = 0.0
+    for j in range(F):
+        b[j] = nodal[LOADS, j]
+        free[j] = 1.0 - nodal[PLACED, j]
+        band[j, m] = net.stiffness[j, 0]
+        if j + W < F:
+            band[j, m + W] = net.stiffness[j, W]
+        if j >= W:
+            band[j, m - W] = net.stiffness[j - W, W]
+    for k in range(plan.droppers.shape[0]):
+        own = settled.dropper[:, k]
+        i = W * plan.droppers[k, PLACE]
+        low, up = i + plan.droppers[k, LOWER], i + plan.droppers[k, UPPER]
+        if math.isnan(own[HEIGHT]):
+            for one, other in ((low, up), (up, low)):
+                band[one, m] += own[STIFFNESS]
+                band[one, m + other - one] -= own[STIFFNESS]
+            b[low] -= own[STIFFNESS] * own[CUT_LENGTH]
+            b[up] += own[STIFFNESS] * own[CUT_LENGTH]
+            free[low] = 1.0
+        else:
+            for c in range(max(i - W, 0), min(i + 2 * W, F)):
+                band[up, m + c - up] += band[low, m + c - low] if abs(c - low) <= m else 0.0
+            b[up] += nodal[LOADS, low]
+            nodal[Z, low] = own[HEIGHT]
+    for k in range(plan.wires.shape[0]):
+        lane, clamp = plan.wires[k, LANE], plan.wires[k, CLAMPED_TO]
+        for end in (FROM, TO):
+            i = W * plan.wires[k, end]
+            if clamp >= 0:
+                for one, other in ((i + lane, i + clamp), (i + clamp, i + lane)):
+                    band[one, m] += RIGID_CLAMP
+                    band[one, m + other - one] -= RIGID_CLAMP
+    for j in range(F):
+        if free[j] == 0.0:
+            band[j] = 0.0
+            band[j, m] = 1.0
+            b[j] = 0.0 if math.isnan(nodal[Z, j]) else nodal[Z, j]
+    factor_general(band)
+    solve_general(band, b)
+    for k in range(plan.droppers.shape[0]):
+        if math.isnan(settled.dropper[HEIGHT, k]):
+            settled.dropper[HEIGHT, k] = b[W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]]
+
+
+@kernel
+def hang(plan, settled, net):
+    """Form of a settled layout: the contact wires hang as their clamps are placed, the others as these load them.
+
+    Droppers whose height is NaN are cut to the present lengths. Heights, lengths, preloads and reactions become what follows.
+    """
+    W, nodal, by_length = plan.lanes.size, net.nodal, False
+    load_network(plan, settled, net)
+    for k in range(plan.droppers.shape[0]):
+        by_length = by_length or math.isnan(settled.dropper[HEIGHT, k])
+    if by_length:
+        place_by_cut_lengths(plan, settled, net)
+    for k in range(plan.droppers.shape[0]):
+        nodal[Z, W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]] = settled.dropper[HEIGHT, k]
+    hang_wires(1, plan, net)
+    for k in range(plan.droppers.shape[0]):
+        low = W * plan.droppers[k, PLACE] + plan.droppers[k, LOWER]
+        settled.dropper[PRELOAD, k] = nodal[WEIGHT, low] + held_by(low, net)
+    for k in range(plan.droppers.shape[0]):
+        nodal[LOADS, W * plan.droppers[k, PLACE] + plan.droppers[k, UPPER]] -= settled.dropper[PRELOAD, k]
+    hang_wires(0, plan, net)
+    upward = nodal[UNKNOWN]
+    for j in range(upward.size):
+        upward[j] = held_by(j, net) - nodal[LOADS, j]
+    for k in range(plan.wires.shape[0]):  # what a stitch pulls on its clamps is the messenger's load
+        lane, clamp = plan.wires[k, LANE], plan.wires[k, CLAMPED_TO]
+        for end in (FROM, TO):
+            if clamp >= 0:
+                upward[W * plan.wires[k, end] + clamp] += upward[W * plan.wires[k, end] + lane]
+    for k in range(plan.holds.shape[0]):
+        settled.hold[REACTION, k] = upward[W * plan.holds[k, SPRING_PLACE] + plan.holds[k, SPRING_LANE]]
+    for k in range(plan.droppers.shape[0]):
+        own, i = settled.dropper[:, k], W * plan.droppers[k, PLACE]
+        own[LENGTH] = nodal[Z, i + plan.droppers[k, UPPER]] - nodal[Z, i + plan.droppers[k, LOWER]]
+        own[CUT_LENGTH] = own[LENGTH] - own[PRELOAD] / own[STIFFNESS]
+
+
+@kernel
+def hang_as_planned(plan, settled, net):
+    """`hang` with the cut lengths of the plan, and a status: whether all droppers have a length."""
+    worst = -1
+    for k in range(plan.droppers.shape[0]):
+        settled.dropper[CUT_LENGTH, k] = plan.dropper_numbers[GIVEN_CUT, k]
+    hang(plan, settled, net)
+    for k in range(plan.droppers.shape[0]):
+        length = settled.dropper[LENGTH, k]
+        if length <= 0.0 and (worst < 0 or length < settled.dropper[LENGTH, worst]):
+            worst = k
+    if worst < 0:
+        return DONE
+    settled.refused[0], settled.refused[1] = plan.place[plan.droppers[worst, PLACE]], settled.dropper[LENGTH, worst]
+    return SHORT_DROPPER
+
+
+@kernel
+def find_form_at_rest(plan, given, settled, net):
+    """Form of a planned line with masses and stiffnesses that follow from the lengths of its droppers; a status."""
+    settled.dropper[LENGTH] = 1.0
+    status = settle(plan, given, settled)
+    if status == DONE:
+        status = hang_as_planned(plan, settled, net)
+    for _ in range(PASSES - 1):
+        if status != DONE or settle_droppers(plan.dropper_numbers, given, settled.dropper) == 0:
+            break
+        for k in range(plan.droppers.shape[0]):
+            if math.isnan(plan.dropper_numbers[WANTED, k]):
+                settled.dropper[HEIGHT, k] = math.nan
+        status = hang_as_planned(plan, settled, net)
+    if status != DONE:
+        return status
+    for k in range(plan.droppers.shape[0]):
+        settled.dropper[CUT_AT_REST, k] = settled.dropper[CUT_LENGTH, k]
+    for given_row, found, agreed, status in ((GIVEN_LENGTH, LENGTH, AGREED_LENGTH, OTHER_LENGTH),
+                                             (GIVEN_CUT, CUT_LENGTH, AGREED_LENGTH, OTHER_CUT),
+                                             (GIVEN_PRELOAD, PRELOAD, AGREED_FORCE, OTHER_PRELOAD)):
+        worst, most = -1, agreed
+        for k in range(plan.droppers.shape[0]):
+            off = abs(plan.dropper_numbers[given_row, k] - settled.dropper[found, k])
+            if off > most:  # not where nothing is given
+                worst, most = k, off
+        if worst >= 0:
+            settled.refused[0] = plan.place[plan.droppers[worst, PLACE]]
+            settled.refused[1], settled.refused[2] = plan.dropper_numbers[given_row, worst], settled.dropper[found, worst]
+            return status
+    return DONE
+
+
+# -- for Python --------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Form:
     """A line at rest. droppers: (d,) each; supports: (k,) rows of messenger supports; heights: (n, lanes) at `position`, NaN."""
@@ -40,179 +355,52 @@ class Form:
     held: np.ndarray  # (c, 2) position m, lane
 
 
+class Found:
+    """A layout with room for its form; kernels fill it."""
+
+    def __init__(self, layout: Layout, given: Given, fixed: Any = ()) -> None:
+        self.layout, self.given, self.plan = layout, given, plan_of(layout, fixed)
+        self.settled = empty_settled(len(layout.wires), layout.droppers.position.size, layout.holds.position.size)
+        self.net = empty_network(self.plan, cut_lengths=True)
+
+    def check(self, status: int) -> None:
+        """`BadInput` for a status that is a refusal."""
+        if status != DONE:
+            refused = self.settled.refused
+            raise BadInput("line", *(filled(text, lambda name: f"{refused[int(name[-2])]:.6g}") for text in REFUSALS[status]))
+
+    def form(self) -> Form:
+        """The form that is there."""
+        layout, plan = settled_layout(self.layout, self.given, self.settled), self.plan
+        own, h = self.settled.dropper, layout.holds
+        messenger = ~np.isin(h.lane, layout.contact_lanes)
+        reaction, held = self.settled.hold[REACTION], ~messenger & ~np.isnan(h.height)
+        with np.errstate(divide="ignore"):
+            spring = np.where(h.stiffness > 0.0, reaction / h.stiffness, np.inf)
+        return Form(layout, plan.place.copy(), self.net.nodal[Z].reshape(plan.place.size, -1).copy(), own[LENGTH].copy(),
+                    own[CUT_LENGTH].copy(), own[PRELOAD].copy(), h.position[messenger], reaction[messenger],
+                    (h.height + spring)[messenger], reaction[held], np.column_stack((h.position[held], h.lane[held])))
+
+
+def given_of(p: Any, **more: float) -> Given:
+    """What parameters of `Catenary` give; more: what parameters of its effects do."""
+    return Given(*(getattr(p, name, more.get(name, 0.0)) for name in Given._fields))
+
+
 def find_form(line: Line, p: Any) -> Form:
     """Form of a line; p: parameters of `Catenary`."""
-    form = _hung(lay_out(line, p, None))
-    for _ in range(PASSES - 1):
-        layout = lay_out(line, p, None, form.length)
-        if _as_heavy(layout.droppers, form.layout.droppers):
-            break
-        form = _hung(layout)
-    d = form.layout.droppers
-    for name, tolerance, given, actual in (
-            ("length", AGREED_LENGTH, d.length, form.length), ("cut length", AGREED_LENGTH, d.cut_length, form.cut_length),
-            ("preload", AGREED_FORCE, d.preload, form.preload)):
-        wrong = np.abs(given - actual) > tolerance  # not where nothing is given
-        if np.any(wrong):
-            k = int(np.argmax(np.where(wrong, np.abs(given - actual), 0.0)))
-            raise BadInput("line", f"a {name} of {given[k]:.6g} of the dropper at {d.position[k]:g} m",
-                           f"{actual[k]:.6g}, which follows from the rest of the line",
-                           "Leave it out; or leave out the height, so that the cut length rules.")
-    return form
+    found = Found(lay_out(line, False), given_of(p))
+    found.check(find_form_at_rest(found.plan, found.given, found.settled, found.net))
+    return found.form()
 
 
-def _hung(layout: Layout) -> Form:
-    """`form_of` with droppers of positive length, or `BadInput`."""
-    form = form_of(layout)
-    if np.any(form.length <= 0.0):
-        k = int(np.argmin(form.length))
-        raise BadInput("line", f"the dropper at {layout.droppers.position[k]:g} m would be {form.length[k]:.3g} m long",
-                       "a messenger above the contact wire", "Raise the system height, or the tension of the messenger.")
-    return form
+def form_of(layout: Layout, given: Given | None = None) -> Form:
+    """Form of a layout, whose droppers hang as they are placed or, where a height is NaN, as they are cut.
 
-
-def _as_heavy(one: Droppers, other: Droppers) -> bool:
-    """Whether masses and stiffnesses, all that depends on the lengths of droppers, are the same."""
-    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in ("stiffness", "mass_below", "mass_above"))
-
-
-def form_of(layout: Layout) -> Form:
-    """Form of a layout: the contact wires hang as their clamps are placed, the others as these load them."""
-    x = layout.places
-    n, W, d, h = x.size, layout.lanes, layout.droppers, layout.holds
-    at = lambda positions: np.searchsorted(x, np.asarray(positions) - 1e-6)  # noqa: E731
-    on, hold = at(d.position), at(h.position)
-    weight, tension = np.zeros((n, W)), np.zeros((n, W))
-    height = np.full((n, W), np.nan)
-    fixed = np.ones((n, W), dtype=bool)
-    ties: list[tuple[int, int]] = []
-    for wire in layout.wires:
-        a, b = at([wire.start, wire.end])
-        lane, L = wire.lane, np.diff(x[a : b + 1])
-        T = np.full(b - a, wire.tension)
-        for change in wire.tension_changes:
-            T[slice(*(at([change.start, change.end]) - a))] += change.value
-        tension[a:b, lane] = T
-        own = GRAVITY * wire.mass * L
-        middle = 0.5 * (x[a:b] + x[a + 1 : b + 1])
-        for part in wire.masses:
-            own = np.where((middle > part.start) & (middle < part.end), part.value * own, own)
-        weight[a:b, lane] += 0.5 * own
-        weight[a + 1 : b + 1, lane] += 0.5 * own
-        fixed[a + 1 : b, lane] = False
-        if wire.clamped_to is None:
-            height[[a, b], lane] = wire.heights
-        else:
-            fixed[[a, b], lane] = False
-            ties += [(W * i + lane, W * i + wire.clamped_to) for i in (a, b)]
-    np.add.at(weight, (on, d.lower), GRAVITY * d.mass_below)
-    np.add.at(weight, (on, d.upper), GRAVITY * d.mass_above)
-    np.subtract.at(weight, (hold, h.lane), h.lift)
-    placed = fixed.copy()
-    placed[on, d.lower] = True
-    rigid = ~np.isnan(h.height)
-    placed[hold[rigid], h.lane[rigid]] = True
-    height[hold[rigid], h.lane[rigid]] = h.height[rigid]
-
-    over = 1.0 / np.diff(x)
-    stiffness = np.zeros((W * n, W + 1))
-    for lane in range(W):
-        k = tension[:-1, lane] * over
-        stiffness[lane : W * (n - 1) : W, 0] += k
-        stiffness[lane + W :: W, 0] += k
-        stiffness[lane : W * (n - 1) : W, W] -= k
-    loads = -weight
-    if np.isnan(d.height).any():
-        d = replace(d, height=_heights_of_cut_lengths(stiffness, loads, height, placed, d, on, ties))
-        layout = replace(layout, droppers=d)
-    height[on, d.lower] = d.height
-    for lane in layout.contact_lanes:
-        _solve(stiffness, loads, height, placed, [lane], W, [])
-    preload = _unbalanced(stiffness, weight, height)[on, d.lower]
-    np.subtract.at(loads, (on, d.upper), preload)
-    others = [lane for lane in range(W) if lane not in layout.contact_lanes]
-    _solve(stiffness, loads, height, placed, others, W, ties)
-    lacking = _unbalanced(stiffness, -loads, height)
-    clamp_pull = np.zeros(W * n)
-    for one, other in ties:  # what the stitch pulls on its clamps is the messenger's load
-        clamp_pull[other] += lacking.ravel()[one]
-    upward = lacking + clamp_pull.reshape(n, W)
-    messenger = ~np.isin(h.lane, layout.contact_lanes)
-    reaction = upward[hold[messenger], h.lane[messenger]]
-    held = ~messenger & rigid
-    length = height[on, d.upper] - height[on, d.lower]
-    with np.errstate(divide="ignore"):
-        rest = h.height[messenger] + np.where(h.stiffness[messenger] > 0.0, reaction / h.stiffness[messenger], np.inf)
-    return Form(layout, x, height, length, length - preload / d.stiffness, preload, h.position[messenger], reaction, rest,
-                upward[hold[held], h.lane[held]], np.column_stack((h.position[held], h.lane[held])))
-
-
-def _heights_of_cut_lengths(stiffness: np.ndarray, loads: np.ndarray, height: np.ndarray, placed: np.ndarray, d: Droppers,
-                            on: np.ndarray, ties: list[tuple[int, int]]) -> np.ndarray:
-    """Heights of the contact wire's clamps, (d,) m, where some droppers have a cut length and no height.
-
-    Such a dropper pulls with N = k (L - L0), so that all wires are solved together, node by node. One with a height is cut so
-    that its clamp is there: what the contact wire lacks at that place is a load of the wire above.
+    given: for the numbers that it does not say.
     """
-    n, W = height.shape
-    left, here, right, b = *np.zeros((3, n, W, W)), loads.copy()
-    lanes = np.arange(W)
-    here[:, lanes, lanes] = stiffness[:, 0].reshape(n, W)
-    right[:-1, lanes, lanes] = stiffness[:-W, W].reshape(n - 1, W)
-    left[1:, lanes, lanes] = right[:-1, lanes, lanes]
-    fixed = placed.copy()
-    for node, low, up, k, length, z in zip(on, d.lower, d.upper, d.stiffness, d.cut_length, d.height, strict=True):
-        if np.isnan(z):
-            here[node, [low, up], [low, up]] += k
-            here[node, [low, up], [up, low]] -= k
-            b[node, low] -= k * length
-            b[node, up] += k * length
-            fixed[node, low] = False
-        else:
-            for block in (left, here, right):
-                block[node, up] += block[node, low]
-            b[node, up] += loads[node, low]
-            height[node, low] = z
-    for one, other in ties:
-        node, pair = one // W, [one % W, other % W]
-        here[node, pair, pair] += RIGID_CLAMP
-        here[node, pair, pair[::-1]] -= RIGID_CLAMP
-    left[fixed], right[fixed], here[fixed] = 0.0, 0.0, np.eye(W)[np.nonzero(fixed)[1]]
-    b[fixed] = np.nan_to_num(height[fixed])
-    for i in range(1, n):  # block elimination
-        factor = left[i] @ np.linalg.inv(here[i - 1])
-        here[i] -= factor @ right[i - 1]
-        b[i] -= factor @ b[i - 1]
-    for i in reversed(range(n)):
-        b[i] = np.linalg.solve(here[i], b[i] - (right[i] @ b[i + 1] if i < n - 1 else 0.0))
-    return np.where(np.isnan(d.height), b[on, d.lower], d.height)
-
-
-def _solve(stiffness: np.ndarray, loads: np.ndarray, height: np.ndarray, placed: np.ndarray, lanes: list[int], W: int,
-           ties: list[tuple[int, int]]) -> None:
-    """Heights of what is not placed in some lanes, in place."""
-    n = height.shape[0]
-    free = np.zeros((n, W), dtype=bool)
-    free[:, lanes] = ~placed[:, lanes]
-    known = np.where(free | np.isnan(height), 0.0, height).ravel()
-    b = loads.ravel() - banded_product(stiffness, known)
-    band = stiffness.copy()
-    for one, other in ties:
-        band[one, 0] += RIGID_CLAMP
-        band[other, 0] += RIGID_CLAMP
-        band[min(one, other), abs(one - other)] -= RIGID_CLAMP
-    bound = ~free.ravel()
-    b[bound] = 0.0
-    band[bound] = 0.0
-    band[bound, 0] = 1.0
-    for offset in range(1, W + 1):
-        band[:-offset, offset][bound[offset:]] = 0.0
-    factor_band(band, 0, 0, W * n)
-    solve_band(band, b, 0, W * n)
-    height.ravel()[free.ravel()] = b[free.ravel()]
-
-
-def _unbalanced(stiffness: np.ndarray, weight: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Force that holds each node besides its wires, (n, lanes) N, upwards."""
-    z = np.where(np.isnan(height), 0.0, height)
-    return weight + banded_product(stiffness, z.ravel()).reshape(weight.shape)
+    found = Found(layout, given or Given(*[math.nan] * len(Given._fields)))
+    found.check(settle(found.plan, found.given, found.settled))
+    found.settled.dropper[CUT_LENGTH] = layout.droppers.cut_length
+    hang(found.plan, found.settled, found.net)
+    return found.form()

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...core.errors import BadInput
-from .layout import GRAVITY, SECOND, Droppers, Holds, Layout, Stretch, Wire, parabola
+from .layout import SAID_BY_A_PARAMETER, SECOND, Droppers, Holds, Layout, Stretch, Wire, columns
 from .table import (
     MOST_DROPPERS,
     MOST_SPANS,
@@ -106,11 +106,8 @@ def _repeated(section: Section, where: str) -> Iterator[Span]:
         yield from (replace(full, repeat=None) for _ in range(int(count)))
 
 
-def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None) -> Layout:
-    """Layout of a line. p: parameters of `Catenary`; bending: its effect or None.
-
-    lengths: (d,) m, of the droppers, on which masses and stiffnesses given per length depend; left out, 1 m.
-    """
+def lay_out(line: Line, bending: bool) -> Layout:
+    """Layout of a line, with NaN where a parameter of `Catenary` decides; bending: whether the wires have bending stiffness."""
     sections = resolved_sections(line)
     reference = line.reference_height
     if reference is None:
@@ -126,46 +123,43 @@ def lay_out(line: Line, p: Any, bending: Any, lengths: np.ndarray | None = None)
     wires, droppers, holds, lateral = [], [], [], []
     for i, s in enumerate(sections):
         lane = SECOND * (i % 2)
-        parts = _Section(s, p, bending, reference, lane, lane + 1, first_stitch + i % 2)
+        parts = _Section(s, bending, reference, lane, lane + 1, first_stitch + i % 2, len(wires))
         wires += parts.wires()
         droppers += parts.droppers()
         holds += parts.holds()
         lateral += parts.lateral()
     droppers.sort(key=lambda d: d[:2])
-    columns = [np.array(c) for c in zip(*droppers, strict=True)] if droppers else []
     if not droppers:
         raise BadInput("line.sections", "no dropper", "at least one")
-    position, lower, upper, stiffness, axial, mass, per_length, below, above, height, *stated = columns
-    L = np.ones(position.size) if lengths is None else lengths
-    k = np.where(axial > 0.0, axial / L, stiffness)
-    mass = mass + per_length * L
-    half = 0.5 * mass
-    rows = Droppers(position, lower.astype(int), upper.astype(int), k, below + half, above + half, height, mass, *stated)
-    held = [np.array(c) for c in zip(*holds, strict=True)] if holds else [np.zeros(0)] * 7
-    springs = Holds(held[0], held[1].astype(int), *held[2:])
+    rows = Droppers(**_by_column(Droppers, droppers, "lower", "upper"))
+    springs = Holds(**_by_column(Holds, holds, "lane", "wire"))
     supports = np.unique(np.concatenate([s.x for s in sections]).round(9))
     contact_lanes = tuple(range(0, 2 * contacts, 2))
-    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 4),
-                  reference)
+    return Layout(lanes, supports, tuple(wires), rows, springs, contact_lanes, np.array(lateral).reshape(-1, 5), reference)
 
 
-def unused_by(line: Line, p: Any, bending: Any, names: Iterable[str]) -> list[str]:
-    """Of some parameters those on which the layout of a line does not depend: not a number in their place changes nothing."""
-    usual, unused = _numbers_of(lay_out(line, p, bending)), []
-    for name in names:
-        missing = {name.rpartition(".")[2]: math.nan}
-        changed = (p, bending._replace(**missing)) if "." in name else (p._replace(**missing), bending)
-        if np.array_equal(usual, _numbers_of(lay_out(line, *changed)), equal_nan=True):
-            unused.append(name)
-    return unused
+def _by_column(kind: type, rows: list[tuple[float, ...]], *whole: str) -> dict[str, np.ndarray]:
+    """Fields of `Holds` or `Droppers` from rows in their order; whole: those that are integers."""
+    names = [f.name for f in fields(kind)]
+    if not rows:
+        return columns(kind, 0, **{name: np.zeros(0, int) for name in whole})
+    given = zip(names, zip(*rows, strict=True), strict=True)
+    return {name: np.array(column, dtype=int if name in whole else float) for name, column in given}
 
 
-def _numbers_of(layout: Layout) -> np.ndarray:
-    """All that wires, droppers and springs are made of, one row of numbers."""
-    wires = [(w.tension, w.mass, w.bending) for w in layout.wires]
+def unused_by(layout: Layout, names: Iterable[str]) -> list[str]:
+    """Of some parameters those that a layout leaves no use for."""
+    contact = [w for w in layout.wires if w.lane in layout.contact_lanes]
+    upper = [w for w in layout.wires if w.lane not in layout.contact_lanes]
     d, h = layout.droppers, layout.holds
-    return np.concatenate([np.ravel(wires), d.stiffness, d.mass_below, d.mass_above, h.stiffness, h.damping,
-                           layout.lateral.ravel()])
+    said = {"contact_wire_tension": [w.tension for w in contact], "contact_wire_mass": [w.mass for w in contact],
+            "messenger_tension": [w.tension for w in upper], "messenger_mass": [w.mass for w in upper],
+            "bending_stiffness.contact_wire": [w.bending for w in contact],
+            "bending_stiffness.messenger": [w.bending for w in upper],
+            "dropper_stiffness": np.where(d.axial_stiffness > 0.0, 0.0, d.stiffness), "dropper_mass": d.mass,
+            "contact_clamp_mass": d.contact_clamp, "messenger_clamp_mass": d.messenger_clamp,
+            "support_stiffness": h.stiffness, "support_damping": h.damping}
+    return [name for name in names if not np.isnan(said[name]).any()]
 
 
 def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
@@ -179,15 +173,14 @@ def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
 class _Section:
     """Wires, droppers and springs of one section in its lanes."""
 
-    def __init__(self, s: Resolved, p: Any, bending: Any, reference: float, contact: int, messenger: int, stitch: int):
-        self.s, self.p, self.reference = s, p, reference
+    def __init__(self, s: Resolved, bending: bool, reference: float, contact: int, messenger: int, stitch: int, first: int):
+        """first: number of the section's first wire among all."""
+        self.s, self.reference, self.first = s, reference, first
         self.contact, self.messenger, self.stitch = contact, messenger, stitch
-        EI = (bending.contact_wire, bending.messenger) if bending is not None else (None, None)
-        own = WireData(p.contact_wire_tension, p.contact_wire_mass, EI[0] or 0.0)
-        self.wire = over(s.section.contact_wire, own)
+        left_out = WireData(*[SAID_BY_A_PARAMETER] * 3)
+        self.wire, self.upper = over(s.section.contact_wire, left_out), over(s.section.messenger, left_out)
         self.second = over(s.section.second_contact_wire, self.wire) if s.section.second_contact_wire.tension else None
-        self.upper = over(s.section.messenger, WireData(p.messenger_tension, p.messenger_mass, EI[1] or 0.0))
-        if bending is None:
+        if not bending:
             self.wire, self.upper = replace(self.wire, bending=0.0), replace(self.upper, bending=0.0)
             self.second = self.second and replace(self.second, bending=0.0)
         self.z = np.array([support.contact_height for support in s.supports]) - reference
@@ -215,31 +208,33 @@ class _Section:
         if self.second is not None:
             w = self.second
             wires.append(Wire(SECOND, a, b, w.tension, w.mass, w.bending, ends, (), worn))
-        wires += [Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, clamped_to=self.messenger)
+        wires += [Wire(self.stitch, x - t.half_length, x + t.half_length, t.tension, t.mass, 0.0, clamped_to=self.messenger)
                   for x, t in self.stitches]
         return wires
 
     def droppers(self) -> list[tuple[float, ...]]:
-        """Rows as the columns in `lay_out`, from position, lanes, stiffness and EA to what the table says besides."""
-        p = self.p
-        base = DropperData(FIRST, GAP, None, None, None, None, p.contact_clamp_mass, p.messenger_clamp_mass)
+        """Rows in the order of the fields of `Droppers`."""
+        clamp = SAID_BY_A_PARAMETER
+        base = DropperData(FIRST, GAP, None, None, None, None, clamp, clamp)
         rows: list[tuple[float, ...]] = []
         for k, (x, span) in enumerate(zip(self.s.x[:-1], self.s.spans, strict=True)):
             where = f"{self.s.name}.spans[{k + 1}]"
             d = over(span.droppers, self.s.section.droppers, base)
             for number, lane in ((1, self.contact), (2, SECOND))[: 1 if self.second is None else 2]:
                 own = _droppers(span, d, number, where)
-                heights = self._heights(k, span, np.array([row.position for row in own]), where)
-                for row, z in zip(own, heights, strict=True):
+                at = np.array([row.position for row in own])
+                heights, sag = self._heights(k, span, at, where)
+                for row, z in zip(own, heights.tolist(), strict=True):
                     one = over(row, Dropper(stiffness=d.stiffness, axial_stiffness=d.axial_stiffness))
                     per_length = 0.0 if row.mass is not None else d.mass_per_length or 0.0
-                    at, given = float(x + row.position), row.height
-                    if given is not None or row.cut_length is not None:
-                        z = math.nan if given is None else given - self.reference
+                    place, depth = float(x + row.position), sag
+                    if row.height is not None or row.cut_length is not None:
+                        z, depth = (math.nan if row.height is None else row.height - self.reference), 0.0
                     rows.append((
-                        round(at, 9), lane, self._hangs_from(at, row, where), one.stiffness or p.dropper_stiffness,
-                        one.axial_stiffness or 0.0, _first(row.mass, d.mass, 0.0 if per_length else p.dropper_mass), per_length,
-                        _first(row.contact_clamp, d.contact_clamp), _first(row.messenger_clamp, d.messenger_clamp), z,
+                        round(place, 9), lane, self._hangs_from(place, row, where), _first(one.stiffness, SAID_BY_A_PARAMETER),
+                        one.axial_stiffness or 0.0, _first(row.mass, d.mass, 0.0 if per_length else SAID_BY_A_PARAMETER),
+                        per_length, _first(row.contact_clamp, d.contact_clamp), _first(row.messenger_clamp, d.messenger_clamp),
+                        z, depth, row.position, at[0], at[-1],
                         *(_first(value, math.nan) for value in (row.cut_length, row.length, row.preload))))
             if self.second is None and any(row.contact_wire == 2 for row in span.dropper_list or ()):
                 raise BadInput(f"{where}.dropper_list", "a dropper of a second contact wire", "none",
@@ -255,63 +250,42 @@ class _Section:
             raise BadInput(where, f"a dropper at {x:g} m that hangs from {row.hangs_from!r}", name, "Leave it out.")
         return self.stitch if under else self.messenger
 
-    def _heights(self, k: int, span: Span, at: np.ndarray, where: str) -> np.ndarray:
+    def _heights(self, k: int, span: Span, at: np.ndarray, where: str) -> tuple[np.ndarray, float]:
+        """Heights of the clamps at rest, (n,) m, less a parabola of a depth, m."""
         if span.heights is not None:
             if len(span.heights) != at.size:
                 raise BadInput(f"{where}.heights", f"{len(span.heights)} for {at.size} droppers", "one for each dropper")
-            return np.array(span.heights) - self.reference
+            return np.array(span.heights) - self.reference, 0.0
         chord = self.z[k] + (self.z[k + 1] - self.z[k]) * at / span.length
-        depth = _first(span.sag, (span.relative_sag or 0.0) * span.length)
-        return chord + (parabola(at, at[0], at[-1], depth) if depth and at.size > 1 else 0.0)
+        return chord, _first(span.sag, (span.relative_sag or 0.0) * span.length) if at.size > 1 else 0.0
 
-    def lateral_forces(self) -> np.ndarray:
-        """Force by which each steady arm pulls the contact wire, (s,) N: 0 at the anchors. Source: statics of a string."""
+    def kinks(self) -> np.ndarray:
+        """By how much the line of the lateral positions turns at each support, (s,): 0 at the anchors."""
         b, L = np.array([support.stagger for support in self.s.supports]), np.diff(self.s.x)
         slopes = np.diff(b) / L
-        return np.concatenate(([0.0], self.wire.tension * (slopes[:-1] - slopes[1:]), [0.0]))
+        return np.concatenate(([0.0], slopes[:-1] - slopes[1:], [0.0]))
 
     def holds(self) -> list[tuple[float, ...]]:
-        """Rows of position, lane, stiffness, damping, mass, lift, height at rest."""
+        """Rows in the order of the fields of `Holds`."""
         rows: list[tuple[float, ...]] = []
-        forces = self.lateral_forces()
+        kinks, no_arm = self.kinks(), (0.0, 0.0, 0.0, 0.0, self.first)
         lanes = [self.contact] if self.second is None else [self.contact, SECOND]
         for k in range(1, len(self.s.supports) - 1):
             x, support = round(float(self.s.x[k]), 9), self.s.supports[k]
-            rows.append((x, self.messenger, _first(support.stiffness, self.p.support_stiffness),
-                         _first(support.damping, self.p.support_damping), 0.0, 0.0, self.z[k] + support.system_height))
-            stiffness, mass, lift = arm_of(support, abs(forces[k]))
+            rows.append((x, self.messenger, _first(support.stiffness, SAID_BY_A_PARAMETER),
+                         _first(support.damping, SAID_BY_A_PARAMETER), 0.0, 0.0, self.z[k] + support.system_height, *no_arm))
             height = self.z[k] if support.held else math.nan
-            rows += [(x, lane, stiffness + support.contact_stiffness, 0.0, mass, lift, height) for lane in lanes]
+            arm = support.arm
+            angle = math.nan if arm.angle is None else math.radians(arm.angle)
+            own = (arm.length or 0.0, angle, arm.mass or 0.0, kinks[k], self.first)
+            rows += [(x, lane, support.contact_stiffness, 0.0, 0.0, 0.0, height, *own) for lane in lanes]
         return rows
 
     def lateral(self) -> list[tuple[float, ...]]:
-        """Rows of contact wire, position, stagger, lateral force."""
-        forces = self.lateral_forces()
+        """Rows of contact wire, position, stagger, kink, wire whose tension pulls."""
         wires = [self.contact // 2] if self.second is None else [0, 1]
-        return [(wire, float(x), support.stagger, float(f)) for wire in wires
-                for x, support, f in zip(self.s.x, self.s.supports, forces, strict=True)]
-
-
-def arm_of(support: Support, force: float) -> tuple[float, float, float]:
-    """(vertical stiffness N/m, mass at the wire kg, lift on the wire N) of a steady arm that pulls sideways with `force`, N.
-
-    Arm of length l at angle phi below the horizontal, a rod with a hinge: V0 = F tan phi, k = F / (l cos³ phi), exact for
-    constant F. Without an angle V0 is half of the arm's weight, which it then just carries.
-    """
-    arm = support.arm
-    if arm.length is None:
-        return 0.0, 0.0, 0.0
-    mass = arm.mass or 0.0
-    hanging = 0.5 * GRAVITY * mass
-    if arm.angle is not None:
-        phi = math.radians(arm.angle)
-    else:
-        phi = math.atan2(hanging, force) if force > 0.0 else 0.0
-        if math.degrees(phi) > 80.0:
-            raise BadInput("arm", f"a lateral force of {force:.3g} N under an arm of {mass:g} kg",
-                           "a force that can carry the arm", "Give its angle, or a greater stagger.")
-    lift = force * math.tan(phi) - hanging if arm.angle is not None or force > 0.0 else 0.0
-    return force / (arm.length * math.cos(phi) ** 3), mass / 3.0, lift
+        return [(wire, float(x), support.stagger, float(kink), self.first) for wire in wires
+                for x, support, kink in zip(self.s.x, self.s.supports, self.kinks(), strict=True)]
 
 
 def _droppers(span: Span, d: DropperData, wire: int, where: str) -> list[Dropper]:

@@ -15,121 +15,139 @@ tensioning devices, displacement of the messenger's supports.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from ...core.errors import BadInput
-from .form import Form, find_form, form_of
+from ...core.kernels import DONE, kernel
+from .form import Form, Found, Z, find_form_at_rest, given_of, hang
 from .from_table import lay_out
-from .layout import GRAVITY, SECOND, Layout, Wire
-from .table import Line, WireData, over
+from .layout import GRAVITY, SECOND, Layout
+from .plan import (
+    ADDED,
+    CUT_AT_REST,
+    CUT_LENGTH,
+    FACTOR,
+    FIRST,
+    FROM,
+    HEIGHT,
+    LANE,
+    LAST,
+    TO,
+    UNSETTLED,
+    WIRE,
+    settle_droppers,
+    settle_holds,
+)
+from .table import Line, over
 
 CONVERGED = 1e-10  # of the tension
 PASSES = 200
 EXPANSION = 1.7e-5  # 1/K, copper and its alloys, as read in a public source
+LANES = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND}  # of the tables of a section
 
 
-@dataclass
-class _Fixed:
-    """A wire that is anchored at both ends. key: its table in the section; held: what stays constant, m/m."""
+def fixed_wires(line: Line, layout: Layout) -> Iterator[tuple[int, float, float]]:
+    """Number of each wire that is anchored at both ends, its axial stiffness, N, and its thermal expansion, 1/K."""
+    found = False
+    for row, section, key in _wires_of_sections(line, layout):
+        data = getattr(line.sections[section], key)
+        if key == "second_contact_wire":
+            data = over(data, line.sections[section].contact_wire)
+        if data.fixed:
+            found = True
+            if data.axial_stiffness is None:
+                raise BadInput(f"line.sections[{section + 1}].{key}", "a wire that is anchored at both ends without "
+                               "axial_stiffness", "its EA, N")
+            yield row, data.axial_stiffness, EXPANSION if data.expansion is None else data.expansion
+    if not found:
+        raise BadInput("temperature.change", "a line whose wires all have automatic tensioning", "a wire that is anchored at "
+                       "both ends", "Say fixed = true and axial_stiffness = EA of it; the others keep their tension, and "
+                       "nothing changes.")
 
-    section: int
-    key: str
-    lane: int
-    start: float
-    data: WireData
-    tension: float
-    held: float = 0.0
+
+def _wires_of_sections(line: Line, layout: Layout) -> Iterator[tuple[int, int, str]]:
+    """Number of each wire that is a table of a section, the section and the table's key."""
+    for i in range(len(line.sections)):
+        for key, lane in LANES.items():
+            if key == "second_contact_wire" and line.sections[i].second_contact_wire.tension is None:
+                continue
+            lanes = [row for row, w in enumerate(layout.wires) if w.lane == lane + SECOND * (i % 2) and w.clamped_to is None]
+            yield lanes[i // 2], i, key
 
 
 def line_at(line: Line, p: Any, change: float) -> tuple[Line, Form]:
     """(line with the tensions, its form) at a temperature `change`, K, above that of the table; p: parameters of `Catenary`."""
-    rest = find_form(line, p)
-    fixed = list(_fixed_wires(line, rest))
-    if not fixed:
-        raise BadInput("temperature.change", f"{change:g} K for a line whose wires all have automatic tensioning",
-                       "a wire that is anchored at both ends", "Say fixed = true and axial_stiffness = EA of it; the others keep "
-                       "their tension, and nothing changes.")
-    for wire in fixed:
-        expansion = EXPANSION if wire.data.expansion is None else wire.data.expansion
-        wire.held = wire.tension / wire.data.axial_stiffness - _excess(rest, wire) - expansion * change
-    form = rest
-    for _ in range(PASSES):
-        moved = 0.0
-        for wire in fixed:
-            tension = _tension(wire, _excess(form, wire))
-            moved = max(moved, abs(tension / wire.tension - 1.0))
-            wire.tension = tension
-            section = line.sections[wire.section]
-            own = replace(getattr(section, wire.key), tension=tension)
-            sections = list(line.sections)
-            sections[wire.section] = replace(section, **{wire.key: own})
-            line = replace(line, sections=tuple(sections))
-        layout = lay_out(line, p, None, rest.length)
-        nowhere = np.full(rest.length.size, np.nan)
-        form = form_of(replace(layout, droppers=replace(layout.droppers, height=nowhere, cut_length=rest.cut_length)))
-        if moved < CONVERGED:
-            return line, form
-    raise BadInput("temperature.change", f"{change:g} K", "a change at which tensions converge",
-                   "Check axial_stiffness, and the sag.")
+    layout = lay_out(line, False)
+    found = Found(layout, given_of(p), tuple(fixed_wires(line, layout)))
+    found.check(find_form_at(change, found.plan, found.given, found.settled, found.net))
+    sections = list(line.sections)
+    for row, section, key in _wires_of_sections(line, layout):
+        if row in found.plan.fixed:
+            own = replace(getattr(sections[section], key), tension=float(found.settled.tension[row]))
+            sections[section] = replace(sections[section], **{key: own})
+    return replace(line, sections=tuple(sections)), found.form()
 
 
-def formed_layout(line: Line, p: Any, bending: Any, temperature: Any = None) -> Layout:
-    """Layout of a line with what follows from the lengths of its droppers: masses, stiffnesses, heights of given cut lengths.
-
-    p: parameters of `Catenary`; bending, temperature: its effects or None.
-    """
-    form = find_form(line, p)
-    lengths = form.length
-    if temperature is not None:
-        line, form = line_at(line, p, temperature.change)
-    layout = lay_out(line, p, bending, lengths)
-    return replace(layout, droppers=replace(layout.droppers, height=form.layout.droppers.height))
-
-
-def _fixed_wires(line: Line, form: Form) -> Iterator[_Fixed]:
-    lanes = {"contact_wire": 0, "messenger": 1, "second_contact_wire": SECOND}
-    for i, section in enumerate(line.sections):
-        for key, lane in lanes.items():
-            data = getattr(section, key)
-            if key == "second_contact_wire" and data.tension is not None:
-                data = over(data, section.contact_wire)
-            if not data.fixed:
-                continue
-            if data.axial_stiffness is None:
-                raise BadInput(f"line.sections[{i + 1}].{key}", "a wire that is anchored at both ends without axial_stiffness",
-                               "its EA, N")
-            at = [w for w in form.layout.wires if w.lane == lane + SECOND * (i % 2) and w.clamped_to is None]
-            yield _Fixed(i, key, at[0].lane, at[i // 2].start, data, at[i // 2].tension)
-
-
-def _wire_of(form: Form, wire: _Fixed) -> Wire:
-    return next(w for w in form.layout.wires if w.lane == wire.lane and w.start == wire.start)
-
-
-def _excess(form: Form, fixed: _Fixed) -> float:
+# -- kernels -----------------------------------------------------------------------------------------------------------
+@kernel
+def excess(wire, plan, settled, net):
     """Length of a wire over that of its chord, S / L, m/m: slopes between nodes, and parabolas about them."""
-    wire = _wire_of(form, fixed)
-    inside = (form.position > wire.start - 1e-6) & (form.position < wire.end + 1e-6)
-    x, z = form.position[inside], form.height[inside, wire.lane]
-    middle, length = 0.5 * (x[1:] + x[:-1]), np.diff(x)
-    tension, weight = np.full(length.size, wire.tension), np.full(length.size, GRAVITY * wire.mass)
-    for part in wire.tension_changes:
-        tension[(middle > part.start) & (middle < part.end)] += part.value
-    for part in wire.masses:
-        weight[(middle > part.start) & (middle < part.end)] *= part.value
-    excess = 0.5 * np.diff(z) ** 2 / length + weight**2 * length**3 / (24.0 * tension**2)
-    return float(excess.sum() / (wire.end - wire.start))
+    W, x, z, total = plan.lanes.size, plan.place, net.nodal[Z], 0.0
+    lane, a, b = plan.wires[wire, LANE], plan.wires[wire, FROM], plan.wires[wire, TO]
+    for i in range(a, b):
+        tension, weight, length = settled.tension[wire], GRAVITY * settled.mass[wire], x[i + 1] - x[i]
+        for k in range(plan.stretches.shape[0]):
+            if plan.stretches[k, WIRE] == wire and plan.stretches[k, FIRST] <= i < plan.stretches[k, LAST]:
+                tension += plan.stretch_numbers[k, ADDED]
+                weight *= plan.stretch_numbers[k, FACTOR]
+        rise = z[W * (i + 1) + lane] - z[W * i + lane]
+        total += 0.5 * rise**2 / length + weight**2 * length**3 / (24.0 * tension**2)
+    return total / (x[b] - x[a])
 
 
-def _tension(wire: _Fixed, excess: float) -> float:
-    """Root of T / EA - S / L = held, N, with the S of the present shape as that of a parabola, S ~ 1 / T^2."""
-    EA, a = wire.data.axial_stiffness, excess * wire.tension**2
-    low, high = 0.0, wire.tension + 2.0 * EA * (abs(wire.held) + excess)
+@kernel
+def tension_of(EA, held, excess, tension):
+    """Root of T / EA - S / L = held, N, with the S of the present shape and tension as that of a parabola, S ~ 1 / T²."""
+    a = excess * tension**2
+    low, high = 0.0, tension + 2.0 * EA * (abs(held) + excess)
     for _ in range(100):  # the left side grows with T
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if middle / EA - a / middle**2 > wire.held else (middle, high)
+        if middle / EA - a / middle**2 > held:
+            high = middle
+        else:
+            low = middle
     return high
+
+
+@kernel
+def find_form_at(change, plan, given, settled, net):
+    """Form of a planned line at a temperature `change`, K, above that of the table: tensions, heights, preloads; a status."""
+    status = find_form_at_rest(plan, given, settled, net)
+    if status != DONE:
+        return status
+    held = plan.fixed_numbers[:, 2]
+    for k in range(plan.fixed.size):
+        EA, expansion, wire = plan.fixed_numbers[k, 0], plan.fixed_numbers[k, 1], plan.fixed[k]
+        held[k] = settled.tension[wire] / EA - excess(wire, plan, settled, net) - expansion * change
+    settle_droppers(plan.dropper_numbers, given, settled.dropper)  # for the lengths at rest, which they keep
+    for _ in range(PASSES):
+        moved = 0.0
+        for k in range(plan.fixed.size):
+            wire = plan.fixed[k]
+            now = tension_of(plan.fixed_numbers[k, 0], held[k], excess(wire, plan, settled, net), settled.tension[wire])
+            moved = max(moved, abs(now / settled.tension[wire] - 1.0))
+            settled.tension[wire] = now
+        status = settle_holds(plan, given, settled.tension, settled.hold, settled.refused)
+        if status != DONE:
+            return status
+        for k in range(plan.droppers.shape[0]):
+            settled.dropper[HEIGHT, k] = math.nan
+            settled.dropper[CUT_LENGTH, k] = settled.dropper[CUT_AT_REST, k]
+        hang(plan, settled, net)
+        if moved < CONVERGED:
+            return DONE
+    settled.refused[0] = change
+    return UNSETTLED

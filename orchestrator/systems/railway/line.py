@@ -194,13 +194,14 @@ def svg(form: Form, title: str, part: tuple[float, float] | None = None, width: 
         parts.append(f'<line x1="{MARGIN:g}" x2="{width - MARGIN:.1f}" y1="{middle}" y2="{middle}" stroke="#888" '
                      'stroke-dasharray="8 4"/>')
         for wire in np.unique(lateral[:, 0]):
-            rows = lateral[lateral[:, 0] == wire]
-            at = [(along(x), middle - b * BESIDE) for x, b in _clipped([(x, b) for _, x, b, _ in rows], left, right)]
+            mine = lateral[:, 0] == wire
+            rows = list(zip(*lateral[mine, 1:3].T, form.layout.lateral_force[mine], strict=True))
+            at = [(along(x), middle - b * BESIDE) for x, b in _clipped([(x, b) for x, b, _ in rows], left, right)]
             points = " ".join(f"{x:.1f},{y:.1f}" for x, y in at)
             colour = "#0072B2" if wire == 0 else "#CC3311"
             parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="2"/>')
             parts += [text(along(x), middle - b * BESIDE + (16.0 if b < 0.0 else -8.0), f"{force:+.0f} N")
-                      for _, x, b, force in rows if force and left <= x <= right]
+                      for x, b, force in rows if force and left <= x <= right]
     body = "\n".join(parts)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{total:.0f}" '
             f'viewBox="0 0 {width:.0f} {total:.0f}" font-family="sans-serif" font-size="12">\n'

@@ -8,8 +8,9 @@ from cosimo.components.core.errors import BadInput
 from cosimo.components.railway.catenary import Catenary
 from cosimo.components.railway.contact import contact_compliance, wire_height
 from cosimo.components.railway.line.form import find_form, form_of
-from cosimo.components.railway.line.from_table import arm_of, resolved_sections
-from cosimo.components.railway.line.table import Arm, Support, read_line, schema
+from cosimo.components.railway.line.from_table import resolved_sections
+from cosimo.components.railway.line.plan import arm_of
+from cosimo.components.railway.line.table import read_line, schema
 from cosimo.components.railway.statics import Statics, elasticity
 from cosimo.orchestrator.systems import read_scene
 from cosimo.tests.systems.railway.network import G, Network
@@ -242,7 +243,7 @@ def test_lateral_position_is_that_of_the_table():
 def test_stagger_pulls_at_the_arms():
     """4 b T / L = 320 N for 0.2 m, 55 m, 22 kN; no force at the anchors. The arm's stiffness is F / (l cos³ phi)."""
     layout = form(STAGGERED).layout
-    assert np.abs(layout.lateral[:, 3]) == pytest.approx([0.0, 320.0, 320.0, 320.0, 0.0], abs=1e-9)
+    assert np.abs(layout.lateral_force) == pytest.approx([0.0, 320.0, 320.0, 320.0, 0.0], abs=1e-9)
     arms = layout.holds.lane == 0
     assert layout.holds.stiffness[arms] == pytest.approx(np.full(3, 320.0 / 1.2 / np.cos(np.radians(10.0)) ** 3))
     assert layout.holds.mass[arms] == pytest.approx(np.full(3, 0.3))
@@ -252,11 +253,11 @@ def test_stagger_pulls_at_the_arms():
 def test_an_arm_swings_about_its_hinge_as_its_stiffness_says():
     """Exact statics of a rod with a lateral force at its end: height against vertical force, by moments about the hinge."""
     length, force, phi = 1.2, 320.0, np.radians(10.0)
-    stiffness, _, _ = arm_of(Support(arm=Arm(length=length, angle=10.0, mass=0.0)), force)
+    _, stiffness, _, _ = arm_of(force, length, phi, 0.0)
     angles = phi + np.array([-1e-4, 1e-4])
     heights, vertical = -length * np.sin(angles), force * np.tan(angles)
     assert stiffness == pytest.approx(-np.diff(vertical)[0] / np.diff(heights)[0], rel=1e-6)
-    assert [arm_of(Support(arm=Arm(length=length, angle=a)), force)[0] for a in (5.0, 10.0, 20.0)] == pytest.approx(
+    assert [arm_of(force, length, np.radians(a), 0.0)[1] for a in (5.0, 10.0, 20.0)] == pytest.approx(
         [270.0, 279.0, 321.0], abs=0.8)
 
 

@@ -129,8 +129,8 @@ def test_sum_over_neighbours_is_what_slopes_and_moments_give(effects):
     z[:W] = z[N - W :] = 0.0
     padded[PAD * W : PAD * W + N] = z
     v, a, w, kink, pull = np.zeros((5, N))
-    bending = made.arguments[1].bending_stiffness
-    kick(W, N - W, 1e-3, v, a, padded, np.zeros(N), mesh.inverse_mass, made._stiffness, 0.0, W, bending)
+    bending = made.arguments[2].bending_stiffness
+    kick(W, N - W, 1e-3, v, a, padded, np.zeros(N), mesh.inverse_mass, made.arguments[0].diagonals, 0.0, W, bending)
     tension_and_bending(z, w, kink, mesh.tension, mesh.curvature, mesh.bending_gradient, mesh.inverse_length, bending)
     steps = mesh.inverse_length[:-W] * (w[W:] - w[:-W])
     pull[free] = steps[W:] - steps[:-W]

@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from cosimo.components.railway.catenary import Catenary
+from cosimo.components.railway.explicit import AHEAD
 from cosimo.components.railway.moving_window import ENOUGH, echo, width
 from cosimo.orchestrator.harness.analysis.signals import Filter
 from cosimo.orchestrator.run import run
@@ -66,7 +67,7 @@ def test_the_chosen_width_keeps_the_force_on_a_long_line(speed):
     wires = near.scene.units["catenary"]
     catenary = Catenary(wires.effects, wires.parameters)
     catenary.initialize(0.0)
-    assert 300.0 < catenary.arguments[1].moving_window.ahead < 700.0  # of 1800 m
+    assert 300.0 < catenary.arguments[0].window[AHEAD] < 700.0  # of 1800 m
 
 
 @pytest.mark.full
@@ -96,6 +97,6 @@ def test_without_damping_the_window_is_the_whole_line_and_a_given_one_warns():
         warnings.simplefilter("error")
         whole = Catenary(effects, {"spans": 4})
         whole.initialize(0.0)
-    assert whole.arguments[1].moving_window.ahead == pytest.approx(240.0)
+    assert whole.arguments[0].window[AHEAD] == pytest.approx(240.0)
     with pytest.warns(UserWarning, match=r"moving_window.behind = 100 m may cost 50 % .* takes the whole line"):
         Catenary(effects, {"spans": 4, "moving_window.behind": 100.0}).initialize(0.0)

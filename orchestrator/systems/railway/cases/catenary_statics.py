@@ -128,7 +128,7 @@ def _closed_forms(scene: str) -> list[Row]:
     measured = mesh.preload[first : first + n]
     loads = expected + GRAVITY * (p["messenger_clamp_mass"] + half)
     sag = string_sag(span, p["messenger_tension"], GRAVITY * p["messenger_mass"], within, loads)
-    shape = messenger_shape(catenary.arguments[0], catenary.arguments[1].bending_stiffness, mesh)
+    shape = messenger_shape(catenary.arguments[1], catenary.arguments[2].bending_stiffness, mesh)
     at_support, at_midspan = np.interp([span * middle, span * (middle + 0.5)], mesh.position, shape)
     gap = slice(n + n // 2, n + n // 2 + 2)  # the droppers beside the middle of the span
     between = positions[gap].mean()
