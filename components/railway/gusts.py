@@ -16,6 +16,7 @@ over it.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -76,8 +77,9 @@ def empty_buffeting(mesh: Mesh, components: int, seed: int) -> Buffeting:
     """Room for the waves on a mesh, with what is random of them."""
     n, random = components, np.random.default_rng(seed)
     place, share, turn = random.random(n), random.uniform(-1.0, 1.0, (2, n)), random.random((2, n))
-    return Buffeting(np.zeros(3), np.vstack((place, share, turn)), np.zeros(n), *np.zeros((3, 2, n)), *np.zeros((2, 2, 2, n)),
-                     np.zeros((2, mesh.mass.size)))
+    arrays: Any = (np.zeros(3), np.vstack((place, share, turn)), np.zeros(n), *np.zeros((3, 2, n)), *np.zeros((2, 2, 2, n)),
+                   np.zeros((2, mesh.mass.size)))
+    return Buffeting(*arrays)
 
 
 @kernel

@@ -120,7 +120,10 @@ def lay_out(line: Line, bending: bool) -> Layout:
     contacts = 2 if two or len(sections) > 1 else 1
     first_stitch = {(False, 1): 2, (True, 1): 3, (False, 2): 4}[two, min(len(sections), 2)]
     lanes = first_stitch + (min(len(sections), 2) if stitched else 0)
-    wires, droppers, holds, lateral = [], [], [], []
+    wires: list[Any] = []
+    droppers: list[Any] = []
+    holds: list[Any] = []
+    lateral: list[Any] = []
     for i, s in enumerate(sections):
         lane = SECOND * (i % 2)
         parts = _Section(s, bending, reference, lane, lane + 1, first_stitch + i % 2, len(wires))
@@ -152,14 +155,16 @@ def unused_by(layout: Layout, names: Iterable[str]) -> list[str]:
     contact = [w for w in layout.wires if w.lane in layout.contact_lanes]
     upper = [w for w in layout.wires if w.lane not in layout.contact_lanes]
     d, h = layout.droppers, layout.holds
-    said = {"contact_wire_tension": [w.tension for w in contact], "contact_wire_mass": [w.mass for w in contact],
-            "messenger_tension": [w.tension for w in upper], "messenger_mass": [w.mass for w in upper],
-            "bending_stiffness.contact_wire": [w.bending for w in contact],
-            "bending_stiffness.messenger": [w.bending for w in upper],
-            "dropper_stiffness": np.where(d.axial_stiffness > 0.0, 0.0, d.stiffness), "dropper_mass": d.mass,
-            "contact_clamp_mass": d.contact_clamp, "messenger_clamp_mass": d.messenger_clamp,
-            "support_stiffness": h.stiffness, "support_damping": h.damping}
-    return [name for name in names if not np.isnan(said[name]).any()]
+    values: dict[str, Any] = {
+        "contact_wire_tension": [w.tension for w in contact],
+        "contact_wire_mass": [w.mass for w in contact],
+        "messenger_tension": [w.tension for w in upper], "messenger_mass": [w.mass for w in upper],
+        "bending_stiffness.contact_wire": [w.bending for w in contact],
+        "bending_stiffness.messenger": [w.bending for w in upper],
+        "dropper_stiffness": np.where(d.axial_stiffness > 0.0, 0.0, d.stiffness), "dropper_mass": d.mass,
+        "contact_clamp_mass": d.contact_clamp, "messenger_clamp_mass": d.messenger_clamp,
+        "support_stiffness": h.stiffness, "support_damping": h.damping}
+    return [name for name in names if not np.isnan(values[name]).any()]
 
 
 def dropper_positions(sections: tuple[Resolved, ...]) -> tuple[float, ...]:
@@ -177,7 +182,7 @@ class _Section:
         """first: number of the section's first wire among all."""
         self.s, self.reference, self.first = s, reference, first
         self.contact, self.messenger, self.stitch = contact, messenger, stitch
-        left_out = WireData(*[SAID_BY_A_PARAMETER] * 3)
+        left_out = WireData(SAID_BY_A_PARAMETER, SAID_BY_A_PARAMETER, SAID_BY_A_PARAMETER)
         self.wire, self.upper = over(s.section.contact_wire, left_out), over(s.section.messenger, left_out)
         self.second = over(s.section.second_contact_wire, self.wire) if s.section.second_contact_wire.tension else None
         if not bending:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 
@@ -129,7 +130,7 @@ class Layout:
 
     @property
     def lateral_force(self) -> np.ndarray:
-        """Of each row of `lateral` the force by which a steady arm pulls the contact wire, (k,) N. Source: statics of a string."""
+        """Of each row of `lateral` the force by which a steady arm pulls the contact wire, (k,) N; statics of a string."""
         return np.array([w.tension for w in self.wires])[self.lateral[:, 4].astype(int)] * self.lateral[:, 3]
 
     @property
@@ -139,7 +140,7 @@ class Layout:
         return np.unique(np.concatenate((self.supports, self.droppers.position, ends)).round(9))
 
 
-def columns(kind: type, size: int, **given: object) -> dict[str, np.ndarray]:
+def columns(kind: type, size: int, **given: Any) -> dict[str, np.ndarray]:
     """Fields of `Holds` or `Droppers`, (size,) each: the given ones, numbers or arrays, and zeros."""
     return {f.name: np.broadcast_to(given.get(f.name, 0.0), size).copy() for f in fields(kind)}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -107,7 +107,8 @@ class Settled(NamedTuple):
 
 def empty_settled(wires: int, droppers: int, holds: int) -> Settled:
     """Room for the numbers of a layout."""
-    return Settled(*np.zeros((3, wires)), np.zeros((6, holds)), np.zeros((9, droppers)), np.zeros(4))
+    zeros: Any = (*np.zeros((3, wires)), np.zeros((6, holds)), np.zeros((9, droppers)), np.zeros(4))
+    return Settled(*zeros)
 
 
 def plan_of(layout: Layout, fixed: Sequence[tuple[int, float, float]] = ()) -> Plan:

@@ -1,0 +1,196 @@
+"""Effects of the catenary."""
+
+from __future__ import annotations
+
+from ..core.component import Effect
+from ..core.variables import input_, integer, output, parameter, text
+
+FURTHER = 6  # contact points that `further_pantographs` can have
+PROFILE = 121  # points of the wire's profile, 1 m apart, the contact point in the middle
+
+
+class DropperSlackening(Effect):
+    """Droppers carry tension only; off, they also push."""
+
+
+class BendingStiffness(Effect):
+    """Bending stiffness of the wires: Euler-Bernoulli beams under tension instead of strings.
+
+    Values read in two public sources; the 2002 standard gives none.
+    """
+
+    contact_wire = parameter(195.0, "N.m2", "bending stiffness EI of the contact wire", low=0.0)
+    messenger = parameter(131.7, "N.m2", "bending stiffness EI of the messenger wire", low=0.0)
+
+
+class GravitySag(Effect):
+    """Sag of the contact wire between its clamps, in the geometry of the contact; off, straight lines between clamps."""
+
+
+class PreSag(Effect):
+    """Parabolic pre-sag of the dropper clamps, 0 at the first and last dropper of a span; 55 mm as read for AC simple."""
+
+    explicit_only = True
+
+    depth = parameter(0.055, "m", "pre-sag in the middle of the span", low=0.0)
+
+
+class Damping(Effect):
+    """Rayleigh damping of the wires, alpha M + beta K; droppers and supports are not part of K.
+
+    The 2002 standard prescribes none. beta = 1 ms is a choice: undamped wires do not converge with the mesh, with it they do.
+    """
+
+    alpha = parameter(0.0, "1/s", "mass-proportional coefficient", low=0.0)
+    beta = parameter(1e-3, "s", "stiffness-proportional coefficient", low=0.0)
+
+
+class SteadyArm(Effect):
+    """Steady arm at every support: a vertical spring and a mass at the contact wire.
+
+    300 N/m read in two public sources, whether it is in the 2002 standard is not known.
+    """
+
+    stiffness = parameter(300.0, "N/m", "vertical stiffness of the steady arm", low=0.0)
+    mass = parameter(0.0, "kg", "mass of the steady arm at the contact wire", low=0.0)
+
+
+class LevelSupport(Effect):
+    """The steady arms hold the contact wire at dropper level at rest; off, it hangs free at the supports."""
+
+    explicit_only = True
+
+
+class SecondPantograph(Effect):
+    """A second contact point, in the wake of the first."""
+
+    explicit_only = True
+
+    contact_position = input_(30.0, "m", "position of the second contact point", nominal=100.0, moving=True)
+    contact_force = input_(0.0, "N", "force of the second pantograph on the wire, positive upwards", nominal=100.0)
+    wire_height = output("m", "height of the contact wire at the second contact point", nominal=0.05,
+                         feedthrough=(".contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the wire at the second contact point", nominal=0.1,
+                           feedthrough=(".contact_position",))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at the second contact point", nominal=1e-6)
+
+
+class FurtherPantographs(Effect):
+    """A third contact point and more, in any order along the track; elements beyond `count` do not take part."""
+
+    explicit_only = True
+    requires = ("second_pantograph",)
+
+    count = integer(1, "number of contact points beyond the second", low=1, high=FURTHER)
+    contact_position = input_(30.0, "m", "position of a further contact point", nominal=100.0, moving=True, size=FURTHER)
+    contact_force = input_(0.0, "N", "force of a further pantograph on the wire, positive upwards", nominal=100.0, size=FURTHER)
+    wire_height = output("m", "height of the contact wire at a further contact point", nominal=0.05, size=FURTHER,
+                         feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
+    wire_velocity = output("m/s", "vertical velocity of the wire at a further contact point", nominal=0.1, size=FURTHER,
+                           feedthrough=tuple(f".contact_position[{i + 1}]" for i in range(FURTHER)))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at a further contact point", nominal=1e-6,
+                                size=FURTHER)
+
+
+class MovingWindow(Effect):
+    """Only the wires around the contact points move; the rest stays in its static equilibrium.
+
+    The edges let waves out, but not back in from the spans beyond: the width is that from which they come back damped, for an
+    error of at most 0.5 % of the 20 Hz-filtered force, see `moving_window.width`. A narrower one warns. On lines with little
+    damping the window is wider than the line may be long.
+    """
+
+    explicit_only = True
+
+    ahead = parameter(0.0, "m", "length ahead of the first contact point; 0: from damping and speed", low=0.0)
+    behind = parameter(0.0, "m", "length behind the last contact point; 0: from damping and speed", low=0.0)
+    speed = parameter(250.0 / 3.6, "m/s", "speed of the slowest contact point, for which the widths are", low=0.0)
+
+
+SIX_SPANS = """title = "Six unequal spans, all else as the parameters say"
+[[sections]]
+messenger = { fixed = true, axial_stiffness = 1.36e7 }  # with `temperature`; inferred: 120 mm2 of bronze, 113 GPa
+spans = [50.0, 65.0, 55.0, 45.0, 60.0, 50.0]
+"""
+
+
+class LineTable(Effect):
+    """A line from a table instead of uniform spans: sections, spans, droppers, supports, stitch wires (docs/own-line.md).
+
+    What the table leaves out comes from the parameters; one that the table leaves no use for is refused where it is given.
+    """
+
+    explicit_only = True
+    excludes = ("pre_sag", "level_support", "steady_arm")
+    replaces = ("spans", "span_length", "droppers", "dropper_position")
+
+    table = text(SIX_SPANS, "table of the line, as TOML text; a scene may name its file")
+    droppers = text("", "droppers in the place of those of the table, as CSV text; a scene may name its file")
+
+
+class Temperature(Effect):
+    """Another temperature than that of the table: tensions and heights of wires that are anchored at both ends (`fixed = true`).
+
+    The equation of state of every such wire, with the shape of the whole line on droppers of unchanged length; wires with
+    automatic tensioning keep their tension. What is neglected stands in docs/own-line.md.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    change = parameter(20.0, "K", "temperature above that at which the line is as the table says", low=-100.0, high=150.0)
+
+
+class SecondWire(Effect):
+    """Contacts with a second contact wire: of a twin, or where sections overlap.
+
+    Elements count the contact points: 1 is the own one, 2 that of second_pantograph, 3 and up those of further_pantographs. Where
+    there is no second wire its height is 10 m, out of reach.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    contact_force = input_(0.0, "N", "force on the second contact wire, positive upwards", nominal=100.0, size=2 + FURTHER)
+    wire_height = output("m", "height of the second contact wire at a contact point", nominal=0.05, size=2 + FURTHER,
+                         feedthrough=("contact_position",))
+    wire_velocity = output("m/s", "vertical velocity of the second contact wire at a contact point", nominal=0.1,
+                           size=2 + FURTHER, feedthrough=("contact_position",))
+    contact_compliance = output("m/N", "compliance that the mesh leaves out at a contact point of the second contact wire",
+                                nominal=1e-6, size=2 + FURTHER)
+
+
+class Stagger(Effect):
+    """Lateral position of the contact wires, straight from support to support as the table says: where a head is touched.
+
+    Statics of a string: lateral and vertical motion decouple to first order, and lateral motion is not integrated. The arms'
+    lateral forces and vertical stiffness belong to the table itself.
+    """
+
+    explicit_only = True
+    requires = ("line_table",)
+
+    lateral_position = output("m", "lateral position of the contact wire at the contact point", nominal=0.1,
+                              feedthrough=("contact_position",))
+    second_lateral_position = output("m", "the same of the second contact wire", nominal=0.1, feedthrough=("contact_position",))
+
+
+class WireProfile(Effect):
+    """Shape of the contact wire around the contact point as outputs, for pictures."""
+
+    explicit_only = True
+
+    height = output("m", "height of the contact wire, from 60 m behind to 60 m ahead of the contact point in steps of 1 m",
+                    nominal=0.05, size=PROFILE, feedthrough=("contact_position",))
+
+
+class LineProfile(Effect):
+    """What the contact wire hangs from, at the points of its profile, for pictures."""
+
+    explicit_only = True
+    requires = ("wire_profile",)
+
+    messenger_uplift = output("m", "displacement of the messenger wire at the points of the profile", nominal=0.05, size=PROFILE,
+                              feedthrough=("contact_position",))
+    dropper_tension = output("N", "smallest tension of the droppers within half a metre of each point, 0 where one is slack, -1 "
+                             "without any", nominal=100.0, size=PROFILE, feedthrough=("contact_position",))
