@@ -184,7 +184,7 @@ class Catenary(KernelComponent):
     }
 
     refusals = {
-        SUBSTEP_TOO_LONG: Refusal("substep = {substep} s", "at most {limits[0]} s, the explicit method's limit",
+        SUBSTEP_TOO_LONG: Refusal("substep = {substep} s", "at most {limits[1]} s, the explicit method's limit",
                                   "Reduce substep, enlarge element, or set method = 'implicit'."),
         UNBALANCED: Refusal("slack droppers of the static equilibrium that do not converge", "a set of them that does",
                             "Check the contact force."),
@@ -196,9 +196,10 @@ class Catenary(KernelComponent):
 
         `numbers`, `indices`: the mesh, see `mesh.packed`; `grid`: what else is needed to fill it.  `plan`, `settled`, `network`:
         the line without and with the numbers of parameters, and its form finding.  `points`: see `contact_points`.  `lateral`:
-        rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s.
-        `refused`: numbers of a refusal.  `window`: of what moves, see `explicit`.  `gusts`: the wind.  `diagonals`: stiffness of
-        the wires for the explicit method; `solver`: the implicit one.
+        rows of contact wire, position and stagger.  `balance`: the static equilibrium.  `limits`: longest stable step, s, and,
+        where it is refused, its first three digits, for it follows the substep.  `refused`: numbers of a refusal.  `window`: of
+        what moves, see `explicit`.  `gusts`: the wind.  `diagonals`: stiffness of the wires for the explicit method; `solver`:
+        the implicit one.
         """
         _, e = self._declared_arguments()
         implicit = self.parameters["method"] == "implicit"
@@ -224,7 +225,7 @@ class Catenary(KernelComponent):
             "settled": empty_settled(len(layout.wires), d, layout.holds.position.size),
             "network": empty_network(plan, cut) if e.line_table is not None else None, "points": points,
             "lateral": layout.lateral[:, :3].copy() if e.stagger is not None else None, "balance": empty_balance(mesh),
-            "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))), "limits": 1, "refused": 4,
+            "space": Space(np.zeros((8, N)), np.zeros((2, n, 4))), "limits": 2, "refused": 4,
             "window": 5 if e.moving_window is not None else None,
             "gusts": empty_buffeting(mesh, e.gusts.components, e.gusts.seed) if e.gusts is not None else None,
             "work": (5, N) if implicit else (2, N + 2 * PAD * W),
@@ -514,6 +515,8 @@ def catenary_initialize(t, s, p, e):
                     nodal[0, j] += s.gusts.push[0, j]
             s.limits[0] = explicit_limit(omega2, damped, nodal[0], mesh.inverse_mass)
             if p.substep > s.limits[0]:
+                digits = 10.0 ** (2.0 - math.floor(math.log10(s.limits[0])))
+                s.limits[1] = math.floor(s.limits[0] * digits + 0.5) / digits
                 status = SUBSTEP_TOO_LONG
     for k in range(s.refused.size):
         s.refused[k] = refused[k]

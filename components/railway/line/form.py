@@ -375,11 +375,12 @@ class Found:
         own, h = self.settled.dropper, layout.holds
         messenger = ~np.isin(h.lane, layout.contact_lanes)
         reaction, held = self.settled.hold[REACTION], ~messenger & ~np.isnan(h.height)
+        stiffness = h.stiffness[messenger]
         with np.errstate(divide="ignore"):
-            spring = np.where(h.stiffness > 0.0, reaction / h.stiffness, np.inf)
+            spring = np.where(stiffness > 0.0, reaction[messenger] / stiffness, np.inf)
         return Form(layout, plan.place.copy(), self.net.nodal[Z].reshape(plan.place.size, -1).copy(), own[LENGTH].copy(),
                     own[CUT_LENGTH].copy(), own[PRELOAD].copy(), h.position[messenger], reaction[messenger],
-                    (h.height + spring)[messenger], reaction[held], np.column_stack((h.position[held], h.lane[held])))
+                    h.height[messenger] + spring, reaction[held], np.column_stack((h.position[held], h.lane[held])))
 
 
 def given_of(p: Any, **more: float) -> Given:
