@@ -17,6 +17,7 @@ from ..core.kernels import DONE, OUT_OF_RANGE, OWN, hold_inputs, kernel
 from ..core.variables import choice, input_, integer, output, parameter
 from . import gusts as wind
 from . import mesh as meshes
+from . import statics
 from .catenary_effects import (
     FURTHER,
     PROFILE,
@@ -74,7 +75,7 @@ from .mesh import (
     unpacked,
 )
 from .moving_window import ENOUGH, echo, width
-from .statics import PRESENT, add_ground, empty_balance, find_balance, put_droppers
+from .statics import PRESENT, UNBALANCED, add_ground, empty_balance, find_balance, put_droppers
 from .stiffness import fill_stiffness, highest_eigenvalue, stiffness_of_wires
 from .wires import Laws, Motion
 
@@ -83,9 +84,7 @@ WATCHED = 5  # supports whose uplift is an output
 # parameters that a table of a line may leave out
 LINE = ("contact_wire_tension", "contact_wire_mass", "messenger_tension", "messenger_mass", "dropper_stiffness", "dropper_mass",
         "contact_clamp_mass", "messenger_clamp_mass", "support_stiffness", "support_damping")
-SUBSTEP_TOO_LONG, UNBALANCED = OWN, OWN + 11  # statuses of `initialize`, beside those of its parts
-
-
+SUBSTEP_TOO_LONG = OWN  # status of `initialize`, beside those of its parts
 PLACED = "it decides where nodes are, and how many"
 
 
@@ -186,9 +185,7 @@ class Catenary(KernelComponent):
     refusals = {
         SUBSTEP_TOO_LONG: Refusal("substep = {substep} s", "at most {limits[1]} s, the explicit method's limit",
                                   "Reduce substep, enlarge element, or set method = 'implicit'."),
-        UNBALANCED: Refusal("slack droppers of the static equilibrium that do not converge", "a set of them that does",
-                            "Check the contact force."),
-        **plans.REFUSALS, **meshes.REFUSALS, **wind.REFUSALS}
+        **plans.REFUSALS, **meshes.REFUSALS, **wind.REFUSALS, **statics.REFUSALS}
 
     # -- memory ------------------------------------------------------------------------------------------------------
     def shapes(self) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from .gust_loads import DISTANCE, FIELDS, INTERVAL, Buffeting
 from .line.plan import CLAMPED_TO, CONTACT, FROM, LANE, TO
 from .mesh import Mesh, around
 from .sines import TURN
-from .statics import PRESENT, find_balance
+from .statics import PRESENT, UNBALANCED, find_balance
 
 PER_WAVE = 8.0  # samples in the shortest period, stations in the shortest wave
 ACROSS = {"gusts.intensity", "gusts.length"}  # parameters of the wind across the line
@@ -116,7 +116,8 @@ def blow(g, unilateral, mesh, plan, grid, balance, space, refused):
     put_over_wires(g.contact_wire_diameter * g.lift_coefficient, 0.0, mesh, plan, grid, lift)
     for j in range(lift.size):
         lift[j] = 0.5 * g.density * g.speed**2 * lift[j]
-    find_balance(lift, unilateral, q, mesh, balance)
+    if math.isnan(find_balance(lift, unilateral, q, mesh, balance)):
+        return UNBALANCED
     slack = 0
     for k in range(mesh.preload.size):
         slack += 1 if balance.taut[PRESENT, k] == 0.0 else 0

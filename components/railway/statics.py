@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.banded import factor_band, solve_band
+from ..core.contract import Refusal
 from ..core.errors import StepFailed
-from ..core.kernels import kernel, kernel_tuple
+from ..core.kernels import OWN, kernel, kernel_tuple
 from .contact import add_contact, contact_compliance, wire_height
 from .implicit import RIGID_CLAMP
 from .line.layout import GRAVITY
@@ -18,6 +19,9 @@ from .mesh import Mesh
 from .stiffness import add_spring, add_wire, fill_stiffness, product_at
 
 MAX_SETS = 100  # of taut droppers that are tried
+UNBALANCED = OWN + 11  # status of `initialize`
+REFUSALS = {UNBALANCED: Refusal("slack droppers of the static equilibrium that do not converge", "a set of them that does",
+                                "Check the contact force.")}
 
 
 @kernel_tuple
